@@ -26,7 +26,9 @@ from ...server.scene.limits import ContactLaws, least_radius
 from ...server.scene.objects import PlayedObject
 from .baking import Baked
 
-_PLAYED = ("impact", "note", "free", "stop", *GESTURES, *SETTINGS, *STEERABLE)
+_BEGUN = [name for name, gesture in GESTURES.items() if not gesture.what]
+"""Gestures that a page can begin; those that name what an object lies on are the score's alone."""
+_PLAYED = ("note", "free", "stop", *_BEGUN, *SETTINGS, *STEERABLE)
 _OF_ENGINE = ("/accuracy", "/quality", "/bank", "/gain", "/limiter", "/panic")
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
 
@@ -89,7 +91,7 @@ def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
         "command": _command(),
         "kinds": {kind.name: int(kind) for kind in Kind},
         "verbs": {verb.address: _verb(verb) for verb in VERBS.values() if _is_played(verb)},
-        "gestures": {name: _gesture(name) for name in GESTURES},
+        "gestures": {name: _gesture(name) for name in _BEGUN},
         "steerable": {name: place for place, name in enumerate(STEERABLE)},
         "settings": {name: place for place, name in enumerate(SETTINGS)},
         "joined": int(End.JOINED),

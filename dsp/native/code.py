@@ -143,10 +143,11 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[
         for module in modules:
             functions, read = functions_of(module), sources(module)
             name = hash_of(read)  # before anybody can edit them while they are compiled
-            with CompileNotice(KERNELS.get(module, 0)) as _notice, Workers(kept, _notice.compiled) as workers:
-                submit = partial(_submit, kept, workers, wanted, _notice.submitted)
-                units = translate_units(functions, submit, _notice.translated)
-                own = _own_functions(kept, workers, wanted, _notice.submitted)
+            with CompileNotice(KERNELS.get(module, 0)) as notice, Workers(kept, notice.compiled) as workers:
+                _notice = notice  # another thread may replace it by its own
+                submit = partial(_submit, kept, workers, wanted, notice.submitted)
+                units = translate_units(functions, submit, notice.translated)
+                own = _own_functions(kept, workers, wanted, notice.submitted)
                 workers.finish()
             portable = {str(target) for target in wanted if target.processor == PORTABLE}
             units_of = {str(target): units + own * (str(target) in portable) for target in wanted}

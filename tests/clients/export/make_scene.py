@@ -26,6 +26,8 @@ OBJECTS = ("church-bell", "marimba-bar", "glass-plate", "tom", "guitar-string", 
 
 STRIKERS = ("wood", "steel", "coin", "felt", "glass-marble", "fingertip")
 SURFACES = ("wood", "slate", "glass")
+PLAYED = [name for name, each in GESTURES.items() if not each.what]
+"""The gestures that a page can begin."""
 SECONDS = 1.6
 MESSAGES = 400
 
@@ -61,8 +63,8 @@ def gesture(chance: random.Random, name: str, target: str, others: list[str]) ->
 def messages(chance: random.Random, names: list[str]) -> Iterator[Message]:
     """Yield gestures, changes of settings and steering."""
     while True:
-        target, kind = chance.choice(names), chance.choice([*GESTURES, "set", "change", "gain", "steer", "steer"])
-        if kind in GESTURES:
+        target, kind = chance.choice(names), chance.choice([*PLAYED, "set", "change", "gain", "steer", "steer"])
+        if kind in PLAYED:
             yield gesture(chance, kind, target, names)
         elif kind == "steer":  # a roll or a slide that goes by its object's name, if there is one
             declared = VERBS[f"/gesture/ID/{(name := chance.choice(STEERABLE))}"].number
@@ -84,13 +86,14 @@ def score(seed: int) -> str:
         lines.append(
             (0.1 * (n // 3), Message("/object/new", (name, preset, "gain", -9.0, "pan", chance.uniform(-1, 1))))
         )
-    for n, kind in enumerate([*GESTURES] * 2):
+    for n, kind in enumerate(PLAYED * 2):
         target = chance.choice(names)
         lines.append((0.3 + chance.uniform(0.0, 0.8), gesture(chance, kind, target, names)))
         if n % 4 == 0:
             lines.append(
                 (chance.uniform(0.5, 1.2), Message(f"/object/{target}/tune", (chance.uniform(-3, 3), "over", 0.3)))
             )
+    lines.append((0.5, Message("/object/tom/rest", ("felt", "load", 3.0))))
     lines.append((1.4, Message("/panic")))
     return "".join(f"{format_line(time, message)}\n" for time, message in sorted(lines, key=lambda line: line[0]))
 

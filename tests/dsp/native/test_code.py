@@ -102,6 +102,7 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "schema",
         "schema_records",
         "schema_values",
+        "sizes",
     }
     assert {name for name in held if ".runtime." in name} == {"carom.dsp.runtime.callback"}
 
@@ -315,7 +316,7 @@ def test_code_that_can_fail_is_refused(monkeypatch, tmp_path):
 def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_taken(monkeypatch):
     processors.cache_clear()
     monkeypatch.setenv(targets.VARIABLE, "x86-64-v9")
-    with pytest.raises(ValueError, match=r"CAROM_PROCESSOR = 'x86-64-v9': expected one of x86-64"):
+    with pytest.raises(ValueError, match=r"CAROM_PROCESSOR = 'x86-64-v9': expected portable, or one of x86-64"):
         processors()
     monkeypatch.setenv(targets.VARIABLE, "x86-64-v2")
     assert processors() == ("x86-64-v2", "x86-64")
