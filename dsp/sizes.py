@@ -42,6 +42,8 @@ class Sizes(NamedTuple):
     """Plates at once whose modes can be coupled."""
     sheet_tables: int = 4_194_304
     """Values of float32 in the tables of all plates' grids: those of 30 different plates of 500 modes."""
+    pulse_values: int = 25_165_824
+    """Values of float32 in the tables of all swarms' pulses: those of four families."""
     lines: int = 256
     """Objects that can be in space at once."""
     sensors: int = 32
@@ -59,8 +61,8 @@ SIZES = {
     "full": Sizes(),
     "small": Sizes(
         channels=2, objects=64, modes=16_384, phase_modes=2_560, stems=1, contacts=128, rolls=16, events=4_096,
-        ring=1_024, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576, lines=8, sensors=1,
-        ended=1_024, tap=64, notes=64, traced=1,
+        ring=1_024, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576, pulse_values=1_024,
+        lines=8, sensors=1, ended=1_024, tap=64, notes=64, traced=1,
     ),
 }  # fmt: skip
 """Room of all engines of a process, by name."""

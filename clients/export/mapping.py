@@ -26,8 +26,9 @@ from ...server.scene.limits import ContactLaws, least_radius
 from ...server.scene.objects import PlayedObject
 from .baking import Baked
 
-_BEGUN = [name for name, gesture in GESTURES.items() if not gesture.what]
-"""Gestures that a page can begin; those that name what an object lies on are the score's alone."""
+_BEGUN = [name for name, gesture in GESTURES.items() if not gesture.what and not gesture.swarms]
+"""Gestures that a page can begin; those that name what an object lies on are the score's alone, and a page has no room
+for the tables of swarms."""
 _PLAYED = ("note", "free", "stop", *_BEGUN, *SETTINGS, *STEERABLE)
 _OF_ENGINE = ("/accuracy", "/quality", "/bank", "/gain", "/limiter", "/panic")
 _SHARED = {each.name for each in STRIKE} | {"velocity"}

@@ -5,6 +5,7 @@ from typing import Annotated
 import numpy as np
 
 from ..native.typed import Record, View, View2D, dtype_of, f32
+from ..sizes import CAPACITY
 
 SWARMS = 16
 """Swarms that can go on at once."""
@@ -18,7 +19,7 @@ OCTAVES = 12
 """Octaves of a pulse's width that a table has."""
 FORMS = 65
 """Dissipations at which a pulse's width, middle and momentum are known."""
-TABLE = 25_165_824
+TABLE = CAPACITY.pulse_values
 """Values of float32 in the tables of all pulses."""
 BANDS = 40
 """Half octaves of frequency by which modes are summed, for how an object yields."""

@@ -26,7 +26,7 @@ OBJECTS = ("church-bell", "marimba-bar", "glass-plate", "tom", "guitar-string", 
 
 STRIKERS = ("wood", "steel", "coin", "felt", "glass-marble", "fingertip")
 SURFACES = ("wood", "slate", "glass")
-PLAYED = [name for name, each in GESTURES.items() if not each.what]
+PLAYED = [name for name, each in GESTURES.items() if not each.what and not each.swarms]
 """The gestures that a page can begin."""
 SECONDS = 1.6
 MESSAGES = 400
