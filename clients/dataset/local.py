@@ -46,6 +46,7 @@ def by_processes(
 
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
+    others = multiprocessing.active_children()
     workers = min(workers, len(shards))
     with futures.ProcessPoolExecutor(workers, context, _begin, (stop, plan, out)) as pool:
         try:
@@ -56,6 +57,9 @@ def by_processes(
             write(out / _MODES, pickle.dumps(tuple(modes.items())))
             yield from _each(pool, _carry_out, shards, interrupted)
         except BrokenProcessPool:
+            for each in multiprocessing.active_children():  # they ignore what ends them, and may wait to hand on
+                if each not in others:
+                    each.kill()
             raise WorkerError("a worker was killed; the same command goes on where this one ended") from None
         finally:
             stop.set()

@@ -31,7 +31,7 @@ CASES = {
     "places, panned, in a room": ([_LISTENER, _ROOM], False),
     "places, binaural, in a room": ([_BINAURAL, _ROOM], False),
 }
-"""What is said, and whether objects move."""
+"""Messages that set a space up, and whether its objects move, by name."""
 
 
 class Scene:
