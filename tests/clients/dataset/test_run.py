@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
@@ -66,6 +67,26 @@ def test_a_run_that_was_killed_goes_on_to_the_same_bytes(made, tmp_path):
     (tmp_path / "two" / "small-000002.tar.x.part").write_bytes(b"half")
     run(read(path), tmp_path / "two", Workers(1))
     assert contents(tmp_path / "two") == contents(out)
+
+
+def test_a_worker_that_is_killed_ends_the_run_in_a_sentence_whatever_the_other_does(tmp_path):
+    path = written(tmp_path, SMALL.replace("seconds = 0.25", "seconds = 20.0"))
+    begun = subprocess.Popen([*CAROM, "dataset", path, tmp_path / "two", "--workers", "2"], stderr=subprocess.PIPE)
+    try:
+        deadline = time.monotonic() + 60
+        while len(workers := spawned(begun.pid)) < 2 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        os.kill(workers[0], signal.SIGKILL)
+        _, said = begun.communicate(timeout=60)
+        assert begun.returncode == 1 and b"a worker was killed; the same command goes on" in said
+    finally:
+        begun.kill()
+
+
+def spawned(process):
+    """Return the workers that a process has started, but for the one that counts its resources."""
+    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    return [int(each) for each in children if b"spawn_main" in Path(f"/proc/{each}/cmdline").read_bytes()]
 
 
 def test_a_shard_that_is_gone_is_made_again_and_a_whole_set_is_left_alone(made, tmp_path):
