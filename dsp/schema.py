@@ -305,7 +305,7 @@ SHAKE = Gesture(
     "shake", "lets many of the striker hit it at random times, until it is stopped: gravel, dice in a cup", RATE,
     (
         Parameter(
-            "speed", 1e-3, 100.0, "m/s", "of the grains as they hit, rms", default=1.0, useful=(0.05, 5.0),
+            "speed", 0.0, 100.0, "m/s", "of the grains as they hit, rms", default=1.0, useful=(0.05, 5.0),
             steerable=True, glide=0.02,
         ),
         VARIETY,

@@ -15,6 +15,7 @@ from ..dsp.runtime.arena import EngineFull
 from ..presets import PresetError, Presets
 from .bridge.wire import BODY, new_body
 from .new_object import NEW, new_object
+from .new_pulses import new_pulses, wants_pulses
 from .osc.addresses import Call
 from .osc.arguments import Refused
 from .tidying import PERIOD, tidy
@@ -29,12 +30,15 @@ room for no more."""
 _MAKERS: dict[str, "Callable[[Call, Presets, float], Made]"] = {NEW: new_object, BODY: new_body}
 """Function that makes what a call asks for, by its address."""
 
+NAMED = frozenset(_MAKERS)
+"""Addresses of calls that name what they make."""
+
 _LONGEST_END = 1.0  # s that the end of the server waits for an object that is being made
 
 
 def makes(call: Call) -> bool:
     """True if a call asks for something to be made."""
-    return call.verb is not None and call.verb.address in _MAKERS
+    return call.verb is not None and (call.verb.address in _MAKERS or wants_pulses(call))
 
 
 class Making:
@@ -70,7 +74,7 @@ def _made(call: Call, presets: Presets, top: float) -> "Made":
     """Make what a call asks for, or return the error: whoever carries the call out meets it again."""
     assert call.verb
     try:
-        return _MAKERS[call.verb.address](call, presets, top)
+        return _MAKERS.get(call.verb.address, new_pulses)(call, presets, top)
     except (Refused, PresetError) as error:
         return error.with_traceback(None)  # whose frames hold those who keep the error: a circle
     except Exception as error:  # a fault, which is told with its place

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from ..dsp.schema import GESTURES
-from .making import Maker, Making, makes
+from .making import NAMED, Maker, Making, makes
 from .net.network import Network, Source
 from .osc.addresses import Call
 from .osc.patterns import is_pattern, match, work
@@ -168,7 +168,7 @@ def _made_names(calls: Iterable[Call]) -> frozenset[str]:
     names: set[object] = set()
     for call in calls:
         names.update(_world(call))
-        if makes(call):
+        if call.verb and call.verb.address in NAMED:
             names.update(call.message.args[:1])
         else:
             names.update(_values(call, ("id",)))

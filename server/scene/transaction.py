@@ -21,10 +21,11 @@ from .scale import Scale
 if TYPE_CHECKING:
     from ..bridge.bodies import Body
     from ..bridge.wire import TellsWorld
+    from ..new_pulses import NewPulses
     from .sensors import SensorTable
     from .space_table import SpaceTable
 
-    Made: TypeAlias = NewObject | Body | Exception
+    Made: TypeAlias = NewObject | NewPulses | Body | Exception
 
 MadeOf = TypeVar("MadeOf", "NewObject", "Body")
 """An object, or a body of a simulation."""

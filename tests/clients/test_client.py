@@ -124,6 +124,9 @@ def say_everything(client: Client, at: float | None) -> None:
     client.impact("a", 1.0, at=at)
     for gesture in (client.bounce, client.roll, client.press, client.spin, client.slide):
         gesture("a", 0.3, at=at)
+    client.rain("a", 100, at=at)
+    client.shake("a", 100, at=at)
+    client.crumple("a", 0.5, at=at)
     client.rest("a", "felt", at=at)
     client.note("a", "C#4", 100, at=at)
     client.damp("a", 0.1, at=at)
@@ -143,7 +146,9 @@ def say_everything(client: Client, at: float | None) -> None:
     client.stop("x", at=at)
     for verb in VERBS.values():
         if verb.address.startswith("/gesture/") and verb.required:
-            client.steer("x", at=at, **{verb.address.rsplit("/", 1)[1]: 0.5})
+            (number,) = verb.required
+            value = 0.5 if number.low <= 0.5 <= number.high else number.low
+            client.steer("x", at=at, **{verb.address.rsplit("/", 1)[1]: value})
     for verb, value in ((client.accuracy, "exact"), (client.bank, "float32"), (client.quality, 1), (client.limiter, 1)):
         verb(value, at=at)
     client.main_gain(1, at=at)
@@ -175,7 +180,7 @@ def test_a_server_takes_every_method(tmp_path) -> None:
     with serving(tmp_path, "--device", "none", "--sensors", "1") as running, running.client() as client:
         for at in (None, time.time() + 0.1):
             say_everything(client, at)
-            client.ask("/sync", 1)
+            client.ask("/sync", 1, timeout=30.0)  # the first swarm waits for its table
             assert {str(error).split(": ")[1] for error in client.errors()} == {"x"}
             time.sleep(0.2)
 

@@ -26,6 +26,7 @@ DOUBLES = r"(?:double|<\d+ x double>)"
 SUM = re.compile(r"(%\S+) = fadd ")
 KEPT = re.compile(rf"%\S+ = phi {DOUBLES} (.*)")
 STORE = re.compile(rf"store {DOUBLES} |call void @llvm\.masked\.(?:store|scatter)\.v\d+f64")
+FILLS = re.compile(r"insertelement <\d+ x double> poison, double %\S+ i64 0|shufflevector .* zeroinitializer")
 REORDERS = ("masked.scatter", "masked.gather", "shufflevector", "extractelement", "insertelement")
 
 
@@ -61,8 +62,10 @@ def rings_four_frames(loop: list[str]) -> bool:
 
 
 def reorderings(loop: list[str]) -> list[str]:
-    """Return the instructions of a loop that take vectors apart, or put them together."""
-    return [line for line in loop if any(word in line for word in REORDERS)]
+    """Return the instructions of a loop that take vectors apart, or put them together, but for one number that fills
+    a vector."""
+    found = [line for line in loop if any(word in line for word in REORDERS)]
+    return [line for line in found if not FILLS.search(line)]
 
 
 @c_function(None, *[c_void_p] * 6, c_int64, c_int64)

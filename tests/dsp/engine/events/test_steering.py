@@ -19,6 +19,7 @@ SOFT = (0.05, 600.0, 0.3, 1.5)  # an impact that lasts some 50 ms
 BALL = (0.005, 1e7, 0.1, 1.5)
 GRAIN = (1e-6, 1e7, 0.1, 1.5)
 HAND = (0.05, 1e5, 5.0, 1.5)
+PAD = (0.3, 2e6, 1.0, 2.0)
 
 SLIDE = {
     "speed": 0.4, "sweep": -1.0, "force": 2.0, "radius": 0.008, "patch": 0.0, "static": 0.5, "dynamic": 0.4,
@@ -33,7 +34,7 @@ NEW = {
     "radius": 0.02, "roughness": 0.3, "asymmetry": 0.4, "friction": 0.05, "force": 9.0, "flat": 0.6,
     "sweep": 0.7, "patch": 0.005, "static": 0.9, "dynamic": 0.2, "stribeck": 0.3, "tangential": 1e5,
     "along": 0.8, "rate": 4e4, "size": 1e-3, "variety": 0.5, "density": 5000.0, "energy": 1e-2, "steepness": 1.0,
-    "decades": 2.0, "excitation": 0.9, "memory": 0.1,
+    "decades": 2.0, "excitation": 0.9, "memory": 0.1, "load": 9.0, "by_position": 0.8,
 }  # fmt: skip
 """New value of each parameter: nothing that it is by itself in `begin`."""
 
@@ -62,6 +63,7 @@ def begin(kind):
         "roll": lambda: gesture("roll", handle, BALL, 100.0, 7, speed=0.4, radius=0.008, seed=1),
         "spin": lambda: gesture("spin", handle, BALL, 100.0, 7, duration=0.5, irregularity=0.1, seed=1),
         "slide": lambda: gesture("slide", handle, BALL, 100.0, 7, **SLIDE),
+        "rest": lambda: gesture("rest", handle, PAD, 100.0, 7, engine.add(plate(0.1)), load=3.0, by_position=0.3),
         "press": lambda: gesture("press", handle, HAND, 100.0, 7, velocity=0.01, force=2.0),
         **dict.fromkeys(
             ("rain", "shake", "crumple"),
