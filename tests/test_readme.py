@@ -107,7 +107,7 @@ def test_its_examples_run(page, tmp_path, monkeypatch):
 
 
 def test_every_block_has_a_language():
-    """Those in html and js are for a page, which the tests of exports play."""
+    """HTML and JavaScript are for a page, which the tests of exports play."""
     for page in PAGES:
         found = {language for language, _ in _BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))}
         assert found <= {*_RUN, "supercollider", "html", "js"}, page
