@@ -239,9 +239,10 @@ class Engine:
         return out
 
     def quiet(self) -> bool:
-        """True if nothing sounds, and nothing waits to."""
-        stats = self.stats
-        idle = self.queued == 0 and stats.sounding == 0 and stats.contacts_active == 0
+        """True if nothing sounds, and nothing waits to: what rests on something may stay, once it is still."""
+        stats, state = self.stats, self._record
+        still = np.count_nonzero((state["contacts"]["asleep"] == 1) & (state["last_command"] > 0))
+        idle = self.queued == 0 and stats.sounding == 0 and stats.contacts_active == still
         return bool(idle and self.room() == RING and self.position > 0)
 
     def comes_to_rest(self) -> bool:

@@ -220,6 +220,19 @@ def test_what_rests_and_is_still_sleeps_and_a_load_that_is_steered_does_not_wake
     assert not np.any(engine.process(QUANTUM))
 
 
+def test_what_rests_and_is_still_is_quiet():
+    engine = engine_at()
+    handle = engine.add(plate())
+    engine.send([rest(handle, FELT, 3.0, 0.3)])
+    strike(engine, handle, velocity=0.5)
+    engine.process(QUANTUM)
+    assert not engine.quiet()
+    while engine.stats.sounding and engine.position < 60 * RATE:
+        engine.process(QUANTUM)
+    engine.process(4 * QUANTUM)
+    assert engine.quiet() and engine.stats.contacts_active == 1
+
+
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_rest_that_slept_sounds_like_one_that_begins_as_it_is_struck(level):
     def sound(begins):
