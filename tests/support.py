@@ -103,3 +103,16 @@ def serving(
     finally:
         process.kill()
         process.communicate()
+
+
+def answer_times(other: Client, busy: Client) -> list[float]:
+    """Ask /status for one client until another one's /sync, sent before, is answered; return how long each took, s."""
+    busy.send("/sync", 1)
+    times, begun = [], time.monotonic()
+    while time.monotonic() - begun < 60:
+        asked = time.monotonic()
+        assert other.ask("/status", timeout=30.0)
+        times.append(time.monotonic() - asked)
+        if any(reply.address == "/synced" for reply in busy.replies(0.002)):
+            return times
+    raise TimeoutError("/sync: no reply within 60 s")

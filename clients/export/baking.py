@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...dsp.bodies.striker import StrikerSound
 from ...dsp.engine.memory.capacity import MODES, OBJECTS
-from ...dsp.engine.memory.commands import COMMAND, Kind
+from ...dsp.engine.memory.commands import Kind
 from ...dsp.engine.memory.state import RING, STATE
 from ...dsp.runtime.engine import Engine
 from ...presets import Presets
@@ -153,8 +153,3 @@ def maker_of(baked: Baked, obj: PlayedObject) -> tuple[int, int]:
         if made.any():
             return number, int(np.flatnonzero(made)[0])
     raise LookupError(f"no command makes the object {obj.preset.name}")
-
-
-def size_of_command() -> int:
-    """Return the bytes of a command."""
-    return COMMAND.itemsize

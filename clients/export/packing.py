@@ -14,11 +14,10 @@ from __future__ import annotations
 import gzip
 import json
 import struct
-from typing import Any
 
 import numpy as np
 
-from .baking import Baked, Patch, maker_of
+from .baking import MAKES, Baked, Patch, maker_of
 from .mapping import Strikers, scene_map
 
 MAGIC = b"carom 1\n"
@@ -68,17 +67,10 @@ def _runs(patches: list[Patch]) -> bytes:
 
 def _stays(baked: Baked, first: int) -> bool:
     """True if no object that is made later takes the modes of one that begins there."""
-    makers = [each["layout"]["first"] for batch in baked.batches for each in batch.commands if each["kind"] == 0]
+    makers = [each["layout"]["first"] for batch in baked.batches for each in batch.commands if each["kind"] == MAKES]
     return makers.count(first) == 1
 
 
 def compressed(content: bytes) -> bytes:
     """Return a file as gzip has it, the same for the same content."""
     return gzip.compress(content, 9, mtime=0)
-
-
-def unpacked(content: bytes) -> dict[str, Any]:
-    """Return the map of a baked scene's file."""
-    (length,) = struct.unpack_from("<I", content, len(MAGIC))
-    said: dict[str, Any] = json.loads(content[_HEAD : _HEAD + length])
-    return said

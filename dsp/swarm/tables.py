@@ -6,7 +6,7 @@ then greatest after 0.17 of that, as theirs is, and has the drop's momentum.
 """
 
 import math
-from functools import cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..contact.law import restitution_of
 from ..contact.pulse import contact_time, force_nodes, force_pulse
+from ..kept import Kept
 from ..numerics.checks import Array
 from ..resonator.simd import LANES
 from .grid import BUMP, LEAST, MOST_LOSS, STEPS, bump_spectrum
@@ -71,7 +72,12 @@ def _form(times: Array, impulses: Array, momentum: float) -> Form:
     return Form((times - middle) / width, shares, width, middle, momentum)
 
 
-@cache
+MOST_KEPT = 64_000_000
+"""Bytes of tables that are kept for the engine to be written to: two, and that of drops."""
+_kept: Kept[float, Table] = Kept(MOST_KEPT, lambda table: table.values.nbytes)
+
+
+@lru_cache(maxsize=64)
 def contact_form(w: float, exponent: float) -> Form:
     """Return the pulse of a contact of dissipation w = mu v, in L/v and m v."""
     # As many nodes as _HIGHEST needs, close together at both ends, where the force is a power of the time.
@@ -86,7 +92,7 @@ def _measures(w: float, exponent: float) -> tuple[float, float, float]:
     return _form(*force_nodes(1.0, 1.0, 1.0, w, exponent), 1.0 + restitution_of(w))[2:]
 
 
-@cache
+@lru_cache(maxsize=1)
 def drop_form() -> Form:
     """Return the pulse of a drop, in its time scale, and its momentum; about a time between its
     beginning, which has its treble, and its middle, so that lines between widths err little."""
@@ -97,9 +103,16 @@ def drop_form() -> Form:
     return form._replace(times=(root**2 - anchor) / form.width, middle=anchor)
 
 
-@cache
 def pulse_table(exponent: float) -> Table:
     """Return the table of the contact law's pulses with an exponent; 0: of drops."""
+    found = _kept.get(exponent)
+    if found is None:
+        found = _pulse_table(exponent)
+        _kept.put(exponent, found)
+    return found
+
+
+def _pulse_table(exponent: float) -> Table:
     if exponent == 0.0:
         forms = [drop_form()] * 2
         known = [forms[0][2:]] * FORMS

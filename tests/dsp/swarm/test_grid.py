@@ -5,10 +5,11 @@ import pytest
 
 from carom.dsp.contact.pulse import contact_time, force_pulse
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.swarm import tables
 from carom.dsp.swarm.blows import ROLL_OFF, known_of
 from carom.dsp.swarm.grid import EDGE, HALF, MOST_LOSS, find_force, find_moments, lay_pulse
 from carom.dsp.swarm.record import BACK, FORCES, GRID
-from carom.dsp.swarm.tables import contact_form, drop_form
+from carom.dsp.swarm.tables import contact_form, drop_form, pulse_table
 
 THETA = 2.0 * np.pi * np.linspace(0.001, EDGE, 150)
 
@@ -92,3 +93,11 @@ def test_the_moments_of_a_force_are_those_of_what_it_samples():
         t = np.arange(64)[:, None] + 0.5 * (nodes + 1.0)
         wanted = (np.cos(turns * t) * 0.5 * weights) @ np.polynomial.legendre.legvander(nodes, 3)
         assert np.abs(feed - wanted).max() < 2e-3
+
+
+@pytest.mark.slow
+def test_tables_of_many_exponents_are_not_kept():
+    """A server makes one for whatever exponent a message names, before it refuses what the engine has no room for."""
+    for exponent in (1.25, 1.75, 2.25, 2.75):
+        pulse_table(exponent)
+    assert 0 < sum(table.values.nbytes for _, table in tables._kept.all()) <= tables.MOST_KEPT
