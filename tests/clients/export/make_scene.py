@@ -1,9 +1,12 @@
 """Export a random score of all gestures, and write beside it what the page of it shall do: run by a process that has a
-page's engine.
+page's sizes and bits.
 
-    python -m tests.clients.export.make_scene FOLDER SEED
+    python -m tests.clients.export.make_scene FOLDER SEED [ENGINE]
+
+ENGINE is a module whose callback takes the place of the engine's, as `tests.clients.export.tiny` has one.
 """
 
+import importlib
 import json
 import random
 import sys
@@ -11,8 +14,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from carom.clients.export.web import export
+from carom.clients.export import web
 from carom.dsp.engine.memory.state import RING
+from carom.dsp.runtime import engine
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, STRIKE, Parameter
 from carom.presets import Presets
 from carom.server.osc.addresses import VERBS
@@ -116,19 +120,19 @@ def main(folder: Path, seed: int) -> None:
     text = accepted(score(seed), presets)
     (folder / "score.txt").write_text(text)
     options = Options(seconds=SECONDS)
-    baked = export(parse(text.encode(), "score"), text, "random", folder, presets, options, print)
+    baked = web.export(parse(text.encode(), "score"), text, "random", folder, presets, options, print)
     baked.sound.astype("<f4").tofile(folder / "sound.f32")
-    engine, session, asked = baked.engine, baked.session, []
+    sent, session, asked = baked.engine, baked.session, []
     chance = random.Random(seed)
     for message in messages(chance, list(baked.objects)):
         if len(asked) == MESSAGES:
             break
-        first = engine.sent
+        first = sent.sent
         if any(reply.address == "/fail" for reply in session.perform([message], -1.0)):
             continue
-        if engine.sent == first:  # what steers a gesture of the score that has ended
+        if sent.sent == first:  # what steers a gesture of the score that has ended
             continue
-        entries = engine.ring.entries[first % RING : engine.sent % RING or RING]
+        entries = sent.ring.entries[first % RING : sent.sent % RING or RING]
         asked.append({"message": [message.address, *message.args], "commands": [_said(entry) for entry in entries]})
     (folder / "asked.json").write_text(json.dumps(asked))
 
@@ -154,5 +158,14 @@ def _field(entry: Any, path: str) -> float:
     return float(entry)
 
 
+def use(name: str) -> None:
+    """Put a module's callback in the place of the engine's."""
+    other = importlib.import_module(name)
+    engine.callback = other.callback
+    web.callback = other
+
+
 if __name__ == "__main__":
+    for name in sys.argv[3:]:
+        use(name)
     main(Path(sys.argv[1]), int(sys.argv[2]))

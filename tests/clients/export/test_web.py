@@ -1,5 +1,7 @@
-"""A scene in Debian's Chromium, from plain files on a plain server: the bits of a render, and the commands of a
-session."""
+"""A scene in Debian's Chromium, from plain files on a plain server: a render's bits, and the commands of a session.
+
+Its engine is that of `tiny.py`: Carom's own, which takes two minutes to compile, plays in `tests.bench.web`.
+"""
 
 import hashlib
 import json
@@ -19,6 +21,7 @@ playwright = pytest.importorskip("playwright.sync_api", reason="playwright is no
 
 CHROMIUM = shutil.which("chromium")
 SEED = 46
+TINY = "tests.clients.export.tiny"
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")]
 
@@ -52,7 +55,7 @@ ASK = """async (asked) => {
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The files of a random scene, and what its page shall do."""
     made = tmp_path_factory.mktemp("scene")
-    words = [sys.executable, "-m", "tests.clients.export.make_scene", str(made), str(SEED)]
+    words = [sys.executable, "-m", "tests.clients.export.make_scene", str(made), str(SEED), TINY]
     subprocess.run(words, env=ENGINE, check=True)
     return made
 

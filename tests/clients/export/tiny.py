@@ -1,0 +1,64 @@
+"""An engine of one screen in the place of Carom's, which compiles in a second: it sounds by all that an export carries.
+
+It takes commands when their block begins. What a command makes it read of its memory and of the command itself moves
+the sound from there on, by functions of the portable library and by sums over modes that become vectors. So a word or a
+command that is missing, wrong or late, and a function or a sum that differs by a bit, is heard.
+"""
+
+import math
+
+import numpy as np
+
+from carom.dsp.engine.memory.commands import KIND_GESTURE, KIND_NEW, KIND_PANIC, Event
+from carom.dsp.engine.memory.state import END_RESTED, ENDED, RING, STATE, Bank, State
+from carom.dsp.native.jit import c_function, carray, kernel, noinline_kernel, simd_kernel
+from carom.dsp.native.typed import View
+from carom.dsp.runtime.callback import SIGNATURE
+
+
+@simd_kernel
+def _sum_of(bank: Bank, first: int, size: int) -> float:
+    """Return a sum over an object's modes, in vectors."""
+    total = 0.0
+    for i in range(first, first + size):
+        total += bank.weight[i] * bank.frequency[i] + bank.sigma[i]
+    return total
+
+
+@kernel
+def _folded(x: float) -> float:
+    """Return a number from -1 to 1 by all functions of the portable library."""
+    u = x - math.floor(x)
+    small = math.exp(-u) + np.exp2(u) + math.log(1.0 + u) + np.log2(1.0 + u) + math.log1p(u) + math.expm1(u)
+    return math.sin(small + (1.5 + u) ** u + math.cos(u) + math.atan2(u, 0.3) + math.acos(u) + math.sinh(u))
+
+
+@noinline_kernel
+def _take(state: State, event: Event) -> float:
+    """Return what a command adds to the sound, and end the gesture that it begins."""
+    told = float(event.kind) + event.value
+    if event.kind == KIND_NEW:
+        told += _sum_of(state.bank, event.layout.first, event.layout.size) + event.settings.pan
+    elif event.kind == KIND_GESTURE:
+        told += event.values.velocity + event.values.stiffness + event.values.position
+        state.ends.entries[state.ends.written[0] % ENDED, 0] = event.gesture
+        state.ends.entries[state.ends.written[0] % ENDED, 1] = END_RESTED
+        state.ends.written[0] += 1
+    elif event.kind == KIND_PANIC:
+        told += 0.5
+    return told
+
+
+@c_function(*SIGNATURE)
+def callback(_input: int, output: int, frames: int, _times: int, _flags: int, userdata: int) -> int:
+    """Fill `output` with `frames` frames, as Carom's callback does."""
+    state: State = carray(userdata, (1,), STATE)[0]
+    while state.ring.read[0] < state.ring.written[0]:
+        told = _take(state, state.ring.entries[state.ring.read[0] % RING])
+        state.stats.load = _folded(state.stats.load + told)
+        state.ring.read[0] += 1
+    out: View[np.float32] = carray(output, (frames * state.output.channels,), np.float32)
+    for n in range(frames * state.output.channels):
+        out[n] = state.stats.load * math.cos(0.01 * (state.position * state.output.channels + n))
+    state.position += frames
+    return 0
