@@ -49,7 +49,7 @@ lint: $(DEV)  ## linters, import contracts and types
 	@$(CHECK) vendor.dependabot .github/dependabot.yml
 	@$(CHECK) vendor.citation-file-format CITATION.cff
 	@rm -rf build $(VENV)/wheel
-	@$(BIN)/python -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir $(VENV)/wheel .
+	@CAROM_WHEEL=source $(BIN)/python -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir $(VENV)/wheel .
 	@$(BIN)/python -m zipfile -e $(VENV)/wheel/*.whl $(VENV)/wheel
 	@PYTHONPATH=$(VENV)/wheel $(BIN)/lint-imports --no-logo
 	@$(BIN)/mypy

@@ -21,13 +21,18 @@ COMPILED = (
 )
 """The modules that define functions of C."""
 
-EVERYWHERE = os.environ.get("CAROM_WHEEL") == "everywhere"
-"""Whether the wheel is for all systems, and not only for those like this one: its code takes minutes more to make."""
+TARGETS = {
+    "everywhere": "targets.WHEEL",  # all systems: takes minutes more
+    "family": "targets.built()",  # this system, and all processors of this one's family
+    "machine": "targets.targets()[:1]",  # this processor alone: what plays here has compiled it already
+    "source": "",  # none
+}
+"""What the environment variable CAROM_WHEEL may say, and the targets whose code the wheel holds for it."""
 
-BUILD = f"""
+BUILD = """
 import sys
 from carom.dsp.native import code, store, targets
-code.build(sys.argv[1:], {"targets.WHEEL" if EVERYWHERE else "targets.built()"}, store.PACKAGED)
+code.build(sys.argv[1:], {targets}, store.PACKAGED)
 """
 
 
@@ -36,11 +41,15 @@ class BuildWithCode(build_py):
 
     def run(self) -> None:
         super().run()
-        if not self.editable_mode:
+        asked = os.environ.get("CAROM_WHEEL", "family")
+        if asked not in TARGETS:
+            raise ValueError(f"CAROM_WHEEL = {asked!r}: expected one of {', '.join(TARGETS)}")
+        if TARGETS[asked] and not self.editable_mode:
             # A front end that builds apart from what is installed, as pip does, says in PYTHONPATH where numba is.
             paths = [str(Path(self.build_lib).resolve()), os.environ.get("PYTHONPATH")]
             environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
-            subprocess.run([sys.executable, "-c", BUILD, *COMPILED], env=environment, cwd=self.build_lib, check=True)
+            build = [sys.executable, "-c", BUILD.format(targets=TARGETS[asked]), *COMPILED]
+            subprocess.run(build, env=environment, cwd=self.build_lib, check=True)
 
 
 setup(cmdclass={"build_py": BuildWithCode})

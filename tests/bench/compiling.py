@@ -3,8 +3,9 @@
 A copy of the tree, with a cache of its own, plays a short score: at first from an empty cache, then after one edit of a
 kernel in each package, after an edit of a comment, and after a record got one more field. Each is a new process, which
 imports, translates, compiles, loads and renders. All are told as ratios to one fixed compilation by numba, too, which
-runs in between. `--wheel` builds a wheel, too, and `--clone` runs `make demo` in a clone, twice; both from an empty
-cache. `--json tests/measured/compiling.json` keeps the figures for the documents.
+runs in between. At last it is shown that an edited engine is the same to the bit from an empty cache. `--wheel` builds
+a wheel, too, and `--clone` runs `make demo` in a clone, twice; both from an empty cache. `--json
+tests/measured/compiling.json` keeps the figures for the documents.
 """
 
 import argparse
@@ -20,9 +21,13 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from carom.dsp.native.code import KERNELS
+from carom.dsp.native.store import Store
+from carom.dsp.native.targets import targets
 from tests.bench.machine import machine
 
 ROOT = Path(__file__).parents[2]
+MODULE = "carom.dsp.runtime.callback"
 
 EDITS = {
     "contact": ("dsp/contact/law.py", "float = power ** (1.0 / (a + 1.0))", "float = power ** (1.0 / (a + 1.000001))"),
@@ -46,6 +51,13 @@ PLAYS = """
 import carom
 sound = carom.render("0 /object/new a church-bell\\n0 /object/a/impact 1", seconds=0.2)
 assert abs(sound.samples).max() > 0.01
+"""
+
+COUNTED = """
+import carom.dsp.runtime.engine as engine
+from carom.dsp.native.translation import translator
+engine.prepare()
+print(translator().count)
 """
 
 FIXED = """
@@ -77,9 +89,9 @@ class Copy:
             ignored = shutil.ignore_patterns("__pycache__", "face")
             shutil.copytree(ROOT / name, self.package / name, ignore=ignored)
 
-    def run(self, script: str) -> tuple[float, str]:
-        """Run a script in a process of its own; return the seconds that it took, and its output."""
-        env = os.environ | {"PYTHONPATH": str(self.folder), "XDG_CACHE_HOME": str(self.folder / "cache")}
+    def run(self, script: str, cache: str = "cache") -> tuple[float, str]:
+        """Run a script in a process of its own, with a cache; return the seconds that it took, and its output."""
+        env = os.environ | {"PYTHONPATH": str(self.folder), "XDG_CACHE_HOME": str(self.folder / cache)}
         begun = time.perf_counter()
         run = subprocess.run(
             [sys.executable, "-c", script], cwd=self.folder, env=env, check=True, stdout=subprocess.PIPE
@@ -93,6 +105,32 @@ class Copy:
         if before not in text:
             raise ValueError(f"{name}: expected {before!r} in it")
         file.write_text(text.replace(before, after, 1))
+
+
+def check_from_scratch(copy: Copy) -> None:
+    """Edit a copy that has a cache: raise AssertionError unless the engine is the same to the bit from an empty cache,
+    or if KERNELS, by which a user sees progress, is far from what is compiled then."""
+    copy.edit("dsp/rolling/body.py", "roll.angle = 0.5 * math.pi", "roll.angle = 0.500002 * math.pi")
+    counts = [int(copy.run(COUNTED, cache)[1]) for cache in ("cache", "empty")]
+    assert 0 < counts[0] < counts[1] and 0.8 < counts[1] / KERNELS[MODULE] < 1.25, (counts, KERNELS[MODULE])
+    assert code_in(copy.folder / "cache") == code_in(copy.folder / "empty")
+
+
+def code_in(cache: Path) -> dict[str, list[bytes]]:
+    """Return the engine's units as a cache holds them: machine code and bitcode, by their keys."""
+    store = Store(cache / "carom" / "code")
+    # the list that was written last is that of the edited engine
+    folders = sorted((store.root / "modules" / MODULE).glob("*/listed.json"), key=lambda path: path.stat().st_mtime)
+    target = str(targets()[0])
+    units = json.loads(folders[-1].read_text())["units"][target]
+    # the cache may hold the code for other targets too
+    kinds = "source.*.bc", f"{target}.*.bc", f"{target}.*.o", f"{target}.*.needs"
+    found = {
+        unit: [file.read_bytes() for kind in kinds for file in (store.root / "units" / unit).glob(kind)]
+        for unit in units
+    }
+    assert len(found) > 20 and all(len(files) == len(kinds) for files in found.values())
+    return found
 
 
 def wheel() -> float:
@@ -144,6 +182,7 @@ def measure(wanted: dict[str, Callable[[], float]]) -> dict[str, Any]:
             copy.edit(file, after, before)
             fixed.append(float(copy.run(FIXED)[1]))
             print(f"{name}: {seconds[name]:.1f} s", file=sys.stderr)
+        check_from_scratch(copy)
     for name, measured in wanted.items():
         seconds[name] = measured()
         print(f"{name}: {seconds[name]:.1f} s", file=sys.stderr)

@@ -200,7 +200,7 @@ def test_of_a_flood_of_contacts_the_newest_samples_are_looked_at():
         each.trace(True)
         session = Session(each, Presets())
         session.perform([Message("/object/new", (name, "wood-block")) for name in "abc"], NOW)
-        session.perform([Message(f"/object/{name}/press", (2.0,)) for name in "abc"], NOW)
+        session.perform([Message(f"/object/{name}/roll", (0.3,)) for name in "abc"], NOW)
     for _ in range(6):  # round the ring, too
         for each in (engine, every):
             each.process(30_000)

@@ -69,7 +69,8 @@ def test_user_code_type_checks_against_the_wheel(tmp_path):
     (tmp_path / "build.cfg").write_text(f"[build]\nbuild_base = {tmp_path / 'build'}\n")
     run = [sys.executable, "-m"]
     wheel = [*run, "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(tmp_path), "."]
-    subprocess.run(wheel, cwd=ROOT, env=os.environ | {"DIST_EXTRA_CONFIG": str(tmp_path / "build.cfg")}, check=True)
+    built = os.environ | {"DIST_EXTRA_CONFIG": str(tmp_path / "build.cfg"), "CAROM_WHEEL": "source"}
+    subprocess.run(wheel, cwd=ROOT, env=built, check=True)
     (file,) = tmp_path.glob("*.whl")
     subprocess.run([*run, "zipfile", "-e", str(file), str(tmp_path / "site")], check=True)
     mypy = [*run, "mypy", "--strict", "--config-file=", "--follow-imports=silent", "user.py"]
