@@ -34,6 +34,7 @@ from .coupled_step import (
     collocate,
     end_without,
     keep_at_rest,
+    lasting_force,
     may_lose,
     put_free,
     ratio_to_longest,
@@ -145,8 +146,8 @@ def _set_equations(contacts: Items[Member], group: CoupledGroup, eta: float) -> 
         for b in range(group.touching):
             _fill_give(group, a, b, eta, contact.period)
             j = group.touches[b]
-            resting = contacts[group.member[j]].coupled.rest_force
-            keep_at_rest(contact.step, group.given[group.touches[a], j], eta * resting)
+            lasts = lasting_force(contacts[group.member[j]].coupled)
+            keep_at_rest(contact.step, group.given[group.touches[a], j], eta * lasts)
 
 
 @kernel

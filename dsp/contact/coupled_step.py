@@ -40,7 +40,7 @@ def collocate(contact: Coupled, eta: float) -> tuple[bool, float, float]:
     set_powers(contact, eta)
     put_free(step, contact.moved, 1.0 / (eta * h))
     _put_give(step, contact.given, eta * h, 1.0 / h)
-    keep_at_rest(step, contact.given, eta * contact.rest_force)
+    keep_at_rest(step, contact.given, eta * lasting_force(contact))
     speed = speed_of(contact, contact.motion[0], contact.motion[1] / h)
     solved = solve(step, contact.k, contact.mu, contact.a, ROUNDING * contact.mass * speed / (eta * h))
     x, v = end_without(contact.moved)
@@ -99,8 +99,8 @@ def _put_give(step: Step, given: View[float], time: float, rate: float) -> None:
 
 @kernel
 def keep_at_rest(step: Step, given: View[float], impulse: float) -> None:
-    """Correct the nodes so that a force at rest moves none: the Gauss method's integral of its answer differs from the
-    answer.
+    """Correct the nodes so that a force that lasts moves none beyond its answer: the Gauss method's integral of the
+    answer differs from it, and steps would be refined for that alone.
 
     impulse: that force (N) times the step (samples).
     """
@@ -110,6 +110,15 @@ def keep_at_rest(step: Step, given: View[float], impulse: float) -> None:
             for n in range(NODES, FINE):
                 missed += given[n] * MISSED[n, i]
             step.free_x[i] += impulse * missed
+
+
+@kernel
+def lasting_force(contact: Coupled) -> float:
+    """Return the force (N) that is taken to last over a step: that of the striker at rest, or the end of the last
+    step's."""
+    if contact.rest_force > 0.0:
+        return contact.rest_force
+    return max(end_of(contact.force), 0.0) if contact.last > 0.0 else 0.0
 
 
 @kernel

@@ -108,8 +108,8 @@ class Copy:
 
 
 def check_from_scratch(copy: Copy) -> None:
-    """Edit a copy that has a cache: raise AssertionError unless the engine is the same to the bit from an empty cache,
-    or if KERNELS, by which a user sees progress, is far from what is compiled then."""
+    """Make an edit in a copy that has a cache; raise AssertionError unless the engine is the same to the bit from an
+    empty cache, or if KERNELS, by which a user sees progress, is far from what is compiled then."""
     copy.edit("dsp/rolling/body.py", "roll.angle = 0.5 * math.pi", "roll.angle = 0.500002 * math.pi")
     counts = [int(copy.run(COUNTED, cache)[1]) for cache in ("cache", "empty")]
     assert 0 < counts[0] < counts[1] and 0.8 < counts[1] / KERNELS[MODULE] < 1.25, (counts, KERNELS[MODULE])

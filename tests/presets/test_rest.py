@@ -6,8 +6,12 @@ import pytest
 import carom
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.server.osc.wire import Message
+from carom.server.scene.session import Session
 
 PRESETS = carom.Presets()
+RATE = 48_000
 BALLS = ("bowling-ball", "glass-marble")
 LIGHT = ("polycarbonate-sheet", "glass-plate", "tin-lid")
 
@@ -45,3 +49,22 @@ def test_a_ball_at_rest_on_a_light_object_pushes_with_its_weight(name, accuracy)
 @pytest.mark.parametrize("accuracy", LEVELS)
 def test_balls_at_rest_together_push_with_their_weights(accuracy):
     assert excess("polycarbonate-sheet", accuracy, *BALLS) < 1e-5
+
+
+@pytest.mark.parametrize("accuracy", ("-40", "-60", "-80"))
+@pytest.mark.parametrize("held", ({}, {"by": "b"}), ids=("a hand", "another object"))
+@pytest.mark.parametrize("name", ("wood-block", "plastic-cup", "steel-plate"))
+def test_a_press_that_rests_takes_one_step_a_sample(name, held, accuracy):
+    engine = Engine(RATE)
+    session = Session(engine, PRESETS)
+    made = [Message("/object/new", ("a", name)), Message("/object/new", ("b", "wood-block"))]
+    keys = tuple(word for pair in held.items() for word in pair)
+    pressed = Message("/object/a/press", (20.0, *keys))
+    session.perform([Message("/accuracy", (accuracy,)), *made, pressed], NOW)
+    engine.process(RATE)
+    every = engine.state["contacts"][0]["coupled"]
+    contact = every[every["steps"].argmax()]
+    before = contact["steps"]
+    engine.process(RATE // 20)
+    assert RATE // 20 <= contact["steps"] - before < 1.1 * RATE // 20
+    assert contact["force"] == pytest.approx([20.0] * 3, rel=0.05)
