@@ -201,7 +201,7 @@ class _Sound:
         if "hearing" not in options:
             places = options.get("microphones", Hearing().microphones)
             others = {name: value for name, value in options.items() if name != "microphones"}
-            options = {**others, "hearing": Hearing(microphones_of(places), gestures=0)}
+            options = {**others, "hearing": Hearing(microphones_of(places), gestures=0, rests=0)}
         length = None if frames is None else _whole("frames", frames, 1)
         self._inner, self._batch = inner, batch
         model, self._data = bare(simulated.model, mujoco.MjModel), bare(simulated.data, mujoco.MjData)

@@ -31,7 +31,7 @@ from .server.bridge.blows import Counts, Hit
 from .server.bridge.bodies import ABOUT, Body, WorldError
 from .server.bridge.gestures import template
 from .server.bridge.hearing import Hearing, Listener, Microphone, microphones_of
-from .server.bridge.requests import Request, Said, Slide, in_order
+from .server.bridge.requests import Lying, Request, Said, Slide, in_order
 from .server.bridge.simulation import Simulation
 from .server.bridge.step import Contacts, Pose, Poses
 from .server.bridge.telling import PER_BLOW, tell
@@ -60,8 +60,9 @@ class World(Closing):
 
     Bodies become objects, which ring where they are struck; contacts become blows, slides and rolls. `step` takes what
     a simulator knows of a moment: which points touch, and where the bodies are. A contact begins once, stays, and ends;
-    what rests is silent. A blow follows from the speed of approach and the effective mass, by the contact law of both
-    materials, at its time between the steps. Samples are pascals at the microphones, and nothing limits them.
+    bodies that rest on each other ring shorter. A blow follows from the speed of approach and the effective mass, by
+    the contact law of both materials, at its time between the steps. Samples are pascals at the microphones, and
+    nothing limits them.
 
     rate: Hz. microphones: Microphone or positions (m), a channel each; the pressure falls as 1/r. hearing: in place of
     microphones, a Hearing, which says what is computed, too. listener: in place of microphones, a Listener, to whom
@@ -223,9 +224,10 @@ class World(Closing):
     def pair(self, a: str, b: str, **keys: Any) -> None:
         """Set how the contact of two bodies differs from that of their materials.
 
-        keys: surface (a preset), restitution (0 to 1), roughness (times), patch (m), static, dynamic, stribeck (m/s),
-        tangential (N/m), along (0 to 1: how far modes move along the slip). WorldError for a body that is not there, or
-        a value out of range.
+        keys: surface (a preset), support (felt, foam, finger or palm: whose contact law they have where they rest on
+        each other), restitution (0 to 1), roughness (times), patch (m), static, dynamic, stribeck (m/s), tangential
+        (N/m), along (0 to 1: how far modes move along the slip). WorldError for a body that is not there, or a value
+        out of range.
         """
         self.simulation.pair(a, b, **keys)
 
@@ -435,7 +437,7 @@ class World(Closing):
             performer = self._scene._open
             performer.do(timed)
             for request in ordered if self._straight else ():
-                if isinstance(request, Slide):
+                if isinstance(request, Slide | Lying):
                     self.simulation.has_gesture(request.id, performer.gesture(request.id))
             return
         for at, group in groupby(timed, key=itemgetter(0)):  # contacts are kept by their messages

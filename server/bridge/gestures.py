@@ -1,19 +1,24 @@
-"""Standing contacts that slip or sweep, as slides: a roll is one without slip."""
+"""Standing contacts: those that slip or sweep, as slides, of which a roll is one without slip; those that lie, as
+rests."""
 
 from collections.abc import Mapping
 
+from ...dsp.bodies.material import contact_between
+from ...presets.supports import SUPPORTS
 from .bodies import Body
-from .requests import Ending, Slide
+from .requests import Ending, Lying, Slide
 from .step import Event
 
 _STATIC, _DYNAMIC = 0.4, 0.3
 _STRIDE, _SEEDS = 1_000_003, 2**31
+_LIGHTEST, _HEAVIEST = 1e-9, 1e6  # kg
+_GROUND = "table"  # with a law of its own and without resistance it is any rigid ground
 
 Key = tuple[int, int]
 
 
 class Gestures:
-    """The slides that go on which Python has begun, by the numbers of their bodies."""
+    """The slides and rests that go on which Python has begun, by the numbers of their bodies."""
 
     def __init__(self) -> None:
         self.running: dict[Key, str] = {}
@@ -27,10 +32,33 @@ class Gestures:
         other, by_place = (by.name, event.by_place) if by.rings else ("", 0.0)
         return Slide(event.time, to.name, other, id, place, by_place, slip, sweep, force, event.seed, given)
 
+    def lie(self, event: Event, to: Body, by: Body, support: str) -> Lying:
+        """Begin a rest of one body, `by`, on another, or of the one that rings on the other, which is rigid ground
+        then. support: whose law it has, and, of a hand, whose flesh moves; empty: the law of both materials."""
+        id = self.running[event.a, event.b] = id_of(event.slide)
+        place = event.motion[3]
+        lies, ground, place, its_place = (by, to, event.by_place, place) if by.rings else (to, by, place, 0.0)
+        law, mass, behind = _law(lies, ground, support, event.radius), event.mass, 0.0
+        if support:
+            mass, behind = min(mass, SUPPORTS[support].mass or mass), SUPPORTS[support].resistance
+        keys = {**law, "mass": min(max(mass, _LIGHTEST), _HEAVIEST)}
+        keys |= {"by_position": its_place} if ground.rings else {"resistance": behind}
+        what = ground.name if ground.rings else support or _GROUND
+        return Lying(event.time, lies.name, what, id, place, event.motion[2], tuple(keys.items()))
+
     def rest(self, event: Event) -> list[Ending]:
-        """End a slide, if it goes on."""
+        """End a slide or a rest, if it goes on."""
         id = self.running.pop((event.a, event.b), None)
         return [Ending(event.time, id)] if id else []
+
+
+def _law(lies: Body, ground: Body, support: str, radius: float) -> dict[str, float]:
+    """Return the keys of the law of a rest."""
+    if support and not SUPPORTS[support].material:
+        law = SUPPORTS[support].stiffness, SUPPORTS[support].dissipation, SUPPORTS[support].exponent
+    else:
+        law = contact_between(lies.material, ground.material, radius)
+    return dict(zip(("stiffness", "dissipation", "exponent"), law, strict=True))
 
 
 def template(body: Body, surface: str, radius: float) -> Slide:
@@ -53,5 +81,5 @@ def seed_of(seed: int) -> int:
 
 
 def id_of(number: int) -> str:
-    """Return the id of a slide."""
+    """Return the id of a slide or of a rest."""
     return f"contact.{number}"

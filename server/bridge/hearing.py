@@ -63,7 +63,8 @@ class Hearing:
 
     microphones: one for each channel. faintest: dB over 20 µPa, below which a contact is left out. masked: dB by which
     it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that slip or sweep at
-    once; the loudest are taken. seed: of the surfaces on which bodies slide and roll. accuracy: of blows, as
+    once; the loudest are taken. rests: the most that lie on each other at once, so that they mute each other; 0: bodies
+    that lie ring as if they hung. seed: of the surfaces on which bodies slide and roll. accuracy: of blows, as
     `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a server keeps its own.
     """
 
@@ -72,6 +73,7 @@ class Hearing:
     masked: float = 70.0
     blows: int = 200
     gestures: int = 24
+    rests: int = 16
     seed: int = 0
     accuracy: str | int = LEVELS[DEFAULT]
 
@@ -81,7 +83,7 @@ class Hearing:
         for name in ("faintest", "masked"):
             if not -_MOST_DB <= (value := getattr(self, name)) <= _MOST_DB:
                 raise WorldError(f"{name} = {value}: expected -{_MOST_DB:g} to {_MOST_DB:g} dB")
-        for name in ("blows", "gestures"):
+        for name in ("blows", "gestures", "rests"):
             if not (value := getattr(self, name)) >= 0:
                 raise WorldError(f"{name} = {value}: expected 0 or more")
         if str(self.accuracy) not in LEVELS:
@@ -114,7 +116,7 @@ def _microphone(given: Microphone | Sequence[float]) -> Microphone:
 def begin_hearing(hearing: Hearing, state: NDArray[np.void]) -> NDArray[np.void]:
     """Tell the tracker's memory what is heard; (1,) of MICROPHONE_STATE, the microphones."""
     state["faintest"], state["masked"] = 20e-6 * 10.0 ** (hearing.faintest / 20.0), 10.0 ** (-hearing.masked / 20.0)
-    state["most"], state["most_blows"] = hearing.gestures, hearing.blows
+    state["most"], state["most_blows"], state["most_rests"] = hearing.gestures, hearing.blows, hearing.rests
     made = np.zeros(1, MICROPHONE_STATE)
     record = made[0]
     record["count"] = len(hearing.microphones)

@@ -1,4 +1,4 @@
-"""Facts about pairs of bodies: their surface, their friction, their restitution."""
+"""Facts about pairs of bodies: their surface, their friction, their restitution, what softens their rests."""
 
 import math
 from collections.abc import Mapping
@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from ...dsp.bodies.material import Material
 from ...dsp.wording import expected
 from ...presets import Presets
+from ...presets.supports import SUPPORTS
 from ..osc.arguments import check_number, shown
 from ..osc.wire import Argument
 from ..osc.world_verbs import PAIRED
@@ -20,7 +21,8 @@ SURFACES = {
 """The surface of a body of a material, where its pair does not say another; of another material it is `wood`."""
 
 _NUMBERS = {key.name: key for key in PAIRED}
-KEYS = ("surface", *_NUMBERS)
+_SOFT = tuple(name for name, each in SUPPORTS.items() if not each.material)
+KEYS = ("surface", "support", *_NUMBERS)
 """The keys of a pair."""
 
 
@@ -32,15 +34,21 @@ class Pair:
     restitution: float = math.nan
     slide: Mapping[str, float] = field(default_factory=dict)
     """Keys of a slide."""
+    support: str = ""
+    """Support whose law a rest has, in place of that of both materials."""
 
 
 def pair_of(presets: Presets, a: str, b: str, keys: Mapping[str, Argument]) -> Pair:
     """Make a pair with keys. WorldError names the pair and the key that is wrong."""
-    surface, numbers = "", {}
+    surface, support, numbers = "", "", {}
     try:
         for key, value in keys.items():
             if key == "surface":
                 surface = presets.surface(str(value)).name
+            elif key == "support":
+                support = str(value)
+                if support not in _SOFT:
+                    raise ValueError(f"support = {shown(value)}: {expected(support, _SOFT)}")
             elif key in _NUMBERS:
                 numbers[key] = check_number(_NUMBERS[key], value)
             else:
@@ -48,7 +56,7 @@ def pair_of(presets: Presets, a: str, b: str, keys: Mapping[str, Argument]) -> P
     except ValueError as error:
         raise WorldError(f"pair {a}, {b}: {error}") from None
     restitution = numbers.pop("restitution", math.nan)
-    return Pair(surface, restitution, numbers)
+    return Pair(surface, restitution, numbers, support)
 
 
 class Surfaces:

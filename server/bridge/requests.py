@@ -73,8 +73,26 @@ class Slide(NamedTuple):
         return Message(f"/object/{self.to}/slide", (self.slip, self.place, *other, *own, *motion))
 
 
+class Lying(NamedTuple):
+    """A rest that begins: an object lies on another one, or on a support. keys: its law and its mass, and where it
+    lies on the other object; or the ground's resistance."""
+
+    time: float
+    to: str
+    what: str
+    id: str
+    place: float
+    load: float
+    keys: tuple[tuple[str, float], ...]
+
+    @property
+    def message(self) -> Message:
+        own = (part for pair in self.keys for part in pair)
+        return Message(f"/object/{self.to}/rest", (self.what, self.place, "load", self.load, *own, "id", self.id))
+
+
 class Steering(NamedTuple):
-    """A new value of a slide's parameter."""
+    """A new value of a parameter of a slide or of a rest."""
 
     time: float
     id: str
@@ -87,7 +105,7 @@ class Steering(NamedTuple):
 
 
 class Ending(NamedTuple):
-    """The end of a slide."""
+    """The end of a slide or of a rest."""
 
     time: float
     id: str
@@ -97,7 +115,7 @@ class Ending(NamedTuple):
         return Message(f"/gesture/{self.id}/stop", ())
 
 
-Request = Said | Blow | Slide | Gains | Steering | Ending
+Request = Said | Blow | Slide | Lying | Gains | Steering | Ending
 """Each has the time (s) of the simulation at which it is heard."""
 
 

@@ -18,7 +18,7 @@ from .bodies import Body, BodyMaker, WorldError
 from .gestures import Gestures, id_of, seed_of
 from .hearing import Hearing, begin_hearing
 from .pairs import Pair, Surfaces, pair_of
-from .requests import Gains, Request, Said, Slide, Steering
+from .requests import Gains, Lying, Request, Said, Slide, Steering
 from .step import Contacts, Event, Pose, Poses, checked_pose, checked_poses, events_of, put_pose, take_contacts
 from .telling import (
     LOOK,
@@ -32,7 +32,7 @@ from .telling import (
     link_engine,
     tell,
 )
-from .tracking.state import BLOW, BODIES, EVENTS, MATERIALS, MOVE, POINTS, REST, STEERED, new_state
+from .tracking.state import BLOW, BODIES, CHANGING, EVENTS, LIE, MATERIALS, MOVE, POINTS, REST, new_state
 
 
 class Simulation:
@@ -114,7 +114,7 @@ class Simulation:
         self._objects[0, self.number(name)] = slot, serial
 
     def has_gesture(self, slide: str, gesture: int) -> None:
-        """Say which gesture of the engine a slide is, by their ids."""
+        """Say which gesture of the engine a slide or a rest is, by their ids."""
         for (a, b), id in self._gestures.running.items():
             if id == slide:
                 self.state["pairs"]["gesture"][0, self.state["place"][0, a, b] - 1] = gesture
@@ -165,9 +165,9 @@ class Simulation:
     @property
     def counts(self) -> Counts:
         """Counts of what was told since the beginning, and what became of it."""
-        names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out")
-        hits, faint, over, unheard, begun, crowded = (int(self.state[name][0]) for name in names)
-        return Counts(hits, faint, over + unheard, begun, crowded)
+        names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out", "lain")
+        hits, faint, over, unheard, begun, crowded, lain = (int(self.state[name][0]) for name in names)
+        return Counts(hits, faint, over + unheard, begun, crowded, lain)
 
     def number(self, name: str) -> int:
         """Return the number of a body, from 0 on. WorldError if there is none of that name."""
@@ -259,7 +259,7 @@ class Simulation:
     def restart(self, time: float) -> None:
         """Forget all that touches, and go on at another time (s); bodies and pairs stay."""
         self.wait(time)
-        for name in ("touching", "place", "heard", "sliding", "heard_blows", "loudest", "struck", "made"):
+        for name in ("touching", "place", "heard", "lying", "sliding", "heard_blows", "loudest", "struck", "made"):
             self.state[name] = 0
         self.state["until"] = self.state["loudest_at"] = -math.inf
         self._microphones["next"] = math.inf
@@ -346,8 +346,8 @@ class Simulation:
         return f"{points} contacts: expected finite numbers"
 
     def _heard(self, before: float, all_of_it: bool) -> list[Request]:
-        """Return the requests of the step since a time (s): all of them, or those of slides alone that begin and
-        end."""
+        """Return the requests of the step since a time (s): all of them, or those of slides and rests alone that begin
+        and end."""
         requests: list[Request] = []
         if all_of_it:
             microphones = self._microphones[0]
@@ -356,13 +356,15 @@ class Simulation:
                 requests.append(Gains(before, self.bodies[n].name, tuple(gains)))
             requests += blows_of(self.blows, self.bodies)
             changes = self.state["changes"][0, : int(self.state["changed"][0])].tolist()
-            requests += [Steering(self.time, id_of(slide), STEERED[n], value) for slide, _, n, value in changes]
+            requests += [Steering(self.time, id_of(slide), CHANGING[n], value) for slide, _, n, value in changes]
         count = min(int(self.state["happened"][0]), EVENTS)
         for event in events_of(self._whole[:count], self._floats[:count]):
             if event.kind == REST:
                 requests += self._gestures.rest(event)
             elif event.kind == MOVE:
                 requests.append(self._begins(event))
+            elif event.kind == LIE:
+                requests.append(self._lies(event))
         return requests
 
     def _begins(self, event: Event) -> Slide:
@@ -372,6 +374,12 @@ class Simulation:
         pair = self._pairs.get((event.a, event.b), Pair())
         surface = pair.surface or self._surfaces.between(a.material, b.material)
         return self._gestures.begin(event, to, by, surface, pair.slide)
+
+    def _lies(self, event: Event) -> Lying:
+        """Return the rest as which a standing contact is heard that neither slips nor sweeps."""
+        a, b = self.bodies[event.a], self.bodies[event.b]
+        to, by = (a, b) if event.side == 0 else (b, a)
+        return self._gestures.lie(event, to, by, self._pairs.get((event.a, event.b), Pair()).support)
 
 
 def time_told(telling: NDArray[np.void]) -> float:

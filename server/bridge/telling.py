@@ -1,7 +1,7 @@
 """A step of a simulation, from a simulator's memory to an engine's commands in one call.
 
 Blows, slides that begin, go on and end, and the gains of bodies that sound are commands that are written here. Python
-is asked only where a pair slides in a way of its own.
+is asked only where a pair slides in a way of its own, or begins or ends to lie.
 """
 
 import math
@@ -27,7 +27,7 @@ from .tracking.contact_events import take_step
 from .tracking.microphones import MICROPHONE_STATE, MicrophoneState, find_gains
 from .tracking.shared_blows import share_blows
 from .tracking.slides import find_slides
-from .tracking.state import BODIES, DONE, MOVE, REST, STATE, STEERED, Blow, PairEvent, State
+from .tracking.state import BODIES, CHANGING, DONE, LIE, MOVE, REST, STATE, Blow, PairEvent, State
 
 
 class Telling(Record):
@@ -78,7 +78,7 @@ LOOK, PER_BLOW = 1, 2
 NOT_WHOLE, NOT_LATER, NO_ROOM = -1, -2, -3
 """Other results: that its numbers cannot be, or its time; that the ring is full."""
 
-_STEERED = np.array([STEERABLE.index(name) for name in STEERED])
+_STEERED = np.array([STEERABLE.index(name) for name in CHANGING])
 
 
 def begin_telling(telling: np.ndarray, **arrays: np.ndarray) -> None:
@@ -254,7 +254,7 @@ def _slide(link: Telling, state: State) -> bool:
         elif event.kind == MOVE and _begin_slide(link, state, entries, number, time, event):
             number += 1
             event.kind = DONE
-        left |= event.kind == MOVE or event.kind == REST
+        left |= event.kind == MOVE or event.kind == REST or event.kind == LIE
     store_release(written, 0, number)
     return left
 

@@ -57,7 +57,11 @@ WORLD = (
         "/world/pair",
         "says how the contact of two bodies differs from that of their materials",
         (Word("a"), Word("b")),
-        keys=(Word("surface", "a preset"), *PAIRED),
+        keys=(
+            Word("surface", "a preset"),
+            Word("support", "whose contact law they have where they rest on each other: felt, foam, finger or palm"),
+            *PAIRED,
+        ),
     ),
     Verb(
         "/world/microphones",

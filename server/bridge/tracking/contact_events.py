@@ -7,23 +7,37 @@ lies before the step's by depth over speed. Its effective mass along the normal 
 1/M + (r x n) I^-1 (r x n), with the lever arm r from the centre of mass.
 
 A pair that has touched for a while slips at the speed of one body over the other, and sweeps at that of the contact
-over each body. It is told anew only where the change can be heard.
+over each body. It is told anew only where the change can be heard. One that does neither lies: it is a rest, under the
+force that the simulator tells.
 """
 
 import math
 
 from ....dsp.native.jit import kernel, noinline_kernel
+from ....dsp.native.typed import View
 from .microphones import MicrophoneState
 from .motion import find_glide, follow, hop, weight_of
 from .points import clear, into, longest_hop, remember, take_point
-from .slides import RESTS, fainter_slide, is_masked, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
-from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD, Pair, State
+from .slides import (
+    RESTS,
+    fainter_slide,
+    is_masked,
+    is_noticed,
+    is_too_faint,
+    motion_of,
+    pressure_of,
+    steer_load,
+    steer_slide,
+)
+from .state import EVENTS, HEARD, HIT, LIE, LYING, MOVE, POINTS, REST, STEERED, STILL, UNHEARD, Pair, State
 
 _OPPOSITE = 0.1  # length of the mean of normals below which they are against each other
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
 _CALM, _CARRIED = 0.15, 2.0  # of the speed of its blow, and weights: what closes more slowly and is pushed less
 _CALM_STEPS, _CALM_TIME = 3, 0.004  # is calm; it stays together if it is so for so many steps and so long (s)
 _MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
+_LAID = 0.02  # s for which a contact has stayed before it lies
+_LEAST_LOAD = 1e-4  # N
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either;
@@ -93,9 +107,15 @@ def _step_pair(state: State, microphones: MicrophoneState, i: int, span: float) 
     follow(state, pair, span)
     slip, sweep = pair.now[0], pair.now[1]
     fastest = max(slip, sweep)
-    if pair.moves == STILL:
+    if pair.moves == STILL or pair.moves == LYING:
         if pair.stood == 1 and ((fastest > _MOVES and pair.settled == 2) or slip > _SLIPS):
+            _end(state, pair)
             _begin(state, microphones, pair)
+        elif pair.moves == LYING:
+            if state.time - pair.told_at >= _BETWEEN:
+                steer_load(state, pair)
+        elif pair.stood == 1 and fastest < RESTS:
+            _lay(state, pair)
     elif fastest < RESTS:
         _end(state, pair)
     elif state.time - pair.told_at < _BETWEEN:
@@ -155,6 +175,36 @@ def _begin(state: State, microphones: MicrophoneState, pair: Pair) -> None:
 
 
 @kernel
+def _lay(state: State, pair: Pair) -> None:
+    """Begin a rest, if the contact has stayed for a while, one of its bodies rings and there is room for it."""
+    if state.lying >= state.most_rests or state.time - pair.begun < _LAID:
+        return
+    if pair.now[2] < _LEAST_LOAD or (state.rings[pair.a] == 0 and state.rings[pair.b] == 0):
+        return
+    state.sliding[pair.a] += 1
+    state.sliding[pair.b] += 1
+    pair.slide = state.made + 1
+    number = _tell(state, pair, LIE)
+    if number < 0:
+        state.sliding[pair.a] -= 1
+        state.sliding[pair.b] -= 1
+        pair.slide = 0
+        return
+    event = state.events[number]
+    lightness = _lightness(state, pair.a, event.point, event.normal)
+    event.mass = 1.0 / (lightness + _lightness(state, pair.b, event.point, event.normal))
+    contact = _nearest(state, pair, event.point)  # between several points they may not touch
+    if contact >= 0:
+        for k in range(3):
+            event.local[0, k] = into(state, pair.a, state.point[contact], k)
+            event.local[1, k] = into(state, pair.b, state.point[contact], k)
+    state.made += 1
+    state.lying += 1
+    state.lain += 1
+    pair.moves, pair.load = LYING, event.motion[2]
+
+
+@kernel
 def _make_room(state: State, pair: Pair) -> None:
     """End the faintest slide, if a contact that begins to move is louder by far."""
     faintest = fainter_slide(state, pair)
@@ -173,9 +223,12 @@ def _hush(state: State, pair: Pair) -> None:
 
 @kernel
 def _end(state: State, pair: Pair) -> None:
-    """End the sound of a standing contact, if it moved."""
-    if pair.moves == HEARD:
-        state.heard -= 1
+    """End the sound of a standing contact, if it moved or lay."""
+    if pair.moves == HEARD or pair.moves == LYING:
+        if pair.moves == HEARD:
+            state.heard -= 1
+        else:
+            state.lying -= 1
         state.sliding[pair.a] -= 1
         state.sliding[pair.b] -= 1
         _tell(state, pair, REST)
@@ -211,7 +264,8 @@ def _hit(state: State, pair: Pair) -> None:
         return
     for k in range(3):
         pair.fresh_normal[k] /= length
-    lightness = _lightness(state, pair.a, pair) + _lightness(state, pair.b, pair)
+    lightness = _lightness(state, pair.a, pair.fresh_point, pair.fresh_normal)
+    lightness += _lightness(state, pair.b, pair.fresh_point, pair.fresh_normal)
     mass = pair.mass / count
     if math.isnan(mass):
         mass = 1.0 / lightness
@@ -220,7 +274,7 @@ def _hit(state: State, pair: Pair) -> None:
     if event < 0:
         return
     happened = state.events[event]
-    happened.contact = _nearest(state, pair)
+    happened.contact = _nearest(state, pair, pair.fresh_point)
     happened.time = state.time - pair.delay / count
     happened.speed = pair.speed / length  # along the mean normal: more than along each, where they differ
     happened.mass = mass
@@ -233,15 +287,15 @@ def _hit(state: State, pair: Pair) -> None:
 
 
 @kernel
-def _nearest(state: State, pair: Pair) -> int:
-    """Return the contact of a pair that is nearest to its blow."""
+def _nearest(state: State, pair: Pair, point: View[float]) -> int:
+    """Return the contact of a pair that is nearest to a point."""
     found, least = -1, math.inf
     for n in range(state.points):
         first, second = state.pair[n, 0], state.pair[n, 1]
         if min(first, second) == pair.a and max(first, second) == pair.b:
             square = 0.0
             for k in range(3):
-                away = state.point[n, k] - pair.fresh_point[k]
+                away = state.point[n, k] - point[k]
                 square += away * away
             if square < least:
                 found, least = n, square
@@ -249,8 +303,8 @@ def _nearest(state: State, pair: Pair) -> int:
 
 
 @kernel
-def _lightness(state: State, body: int, pair: Pair) -> float:
-    """Return 1/M + (r x n) I^-1 (r x n) of a body (1/kg), at the point of a blow."""
+def _lightness(state: State, body: int, point: View[float], normal: View[float]) -> float:
+    """Return 1/M + (r x n) I^-1 (r x n) of a body (1/kg), at a point."""
     total = state.lightness[body]
     if total == 0.0:
         return 0.0
@@ -258,9 +312,9 @@ def _lightness(state: State, body: int, pair: Pair) -> float:
         along = 0.0
         for i in range(3):
             j, m = (i + 1) % 3, (i + 2) % 3
-            arm_j = pair.fresh_point[j] - state.position[body, j]
-            arm_m = pair.fresh_point[m] - state.position[body, m]
-            turning = arm_j * pair.fresh_normal[m] - arm_m * pair.fresh_normal[j]
+            arm_j = point[j] - state.position[body, j]
+            arm_m = point[m] - state.position[body, m]
+            turning = arm_j * normal[m] - arm_m * normal[j]
             along += state.turn[body, 3 * i + k] * turning
         total += state.yielding[body, k] * along * along
     return total
@@ -300,7 +354,7 @@ def _tell(state: State, pair: Pair, kind: int) -> int:
 
 @kernel
 def _sound(state: State, body: int) -> None:
-    """Keep a body sounding for as long as it rings, or on and on where it slides."""
+    """Keep a body sounding for as long as it rings, or on and on where it slides or lies."""
     if state.rings[body] == 1:
         state.until[body] = math.inf if state.sliding[body] > 0 else state.time + state.ringing[body]
 

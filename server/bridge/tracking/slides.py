@@ -15,7 +15,7 @@ from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.numerics.constants import STANDARD_GRAVITY
 from .blows import contact_radius, curvature_of, loudness_of, masked_at, time_of_contact
 from .microphones import MicrophoneState, gain_at
-from .state import EVENTS, HEARD, MOVE, Pair, State
+from .state import EVENTS, HEARD, LIE, LOAD, MOVE, Pair, State
 from .strips import place_on
 
 RESTS = 0.004
@@ -117,6 +117,18 @@ def steer_slide(state: State, pair: Pair) -> None:
 
 
 @kernel
+def steer_load(state: State, pair: Pair) -> None:
+    """Tell the load (N) of a contact that lies, if it is other than it was told."""
+    load = motion_of(state, pair, 2)
+    if abs(load - pair.load) > _CHANGED * pair.load and state.changed < EVENTS:
+        pair.told_at, pair.load = state.time, load
+        change = state.changes[state.changed]
+        change.slide, change.gesture = pair.slide, pair.gesture
+        change.parameter, change.value = LOAD, load
+        state.changed += 1
+
+
+@kernel
 def motion_of(state: State, pair: Pair, parameter: int) -> float:
     """Return a parameter of STEERED of a contact, within what a slide takes."""
     if parameter == 0:
@@ -131,16 +143,19 @@ def motion_of(state: State, pair: Pair, parameter: int) -> float:
 
 @noinline_kernel
 def find_slides(state: State) -> None:
-    """Say how those contacts slide that begin to."""
+    """Say how those contacts slide or lie that begin to."""
     for n in range(state.happened):
         event = state.events[n]
-        if event.kind == MOVE:
+        if event.kind == MOVE or event.kind == LIE:
             a, b = event.a, event.b
             law = state.law[state.material[a], state.material[b]]
             event.radius = contact_radius(curvature_of(state, a, b, event.local))
             event.stiffness, event.exponent = law[0] * math.sqrt(event.radius), law[2]
-            event.mass = 1.0 / max(state.lightness[a], state.lightness[b])
+            if event.kind == MOVE:
+                event.mass = 1.0 / max(state.lightness[a], state.lightness[b])
             event.patch = 0.0 if is_round(state, a, b) else _FLAT
             event.seed = (state.seed + event.slide) % _SEEDS
-            slides = a if event.side == 1 else b
+            slides, under = (a, b) if event.side == 1 else (b, a)
+            if event.kind == LIE:
+                event.motion[3] = place_on(state.strip[under], state.edges[under], event.local[event.side])
             event.by_place = place_on(state.strip[slides], state.edges[slides], event.local[1 - event.side])

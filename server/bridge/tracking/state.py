@@ -20,14 +20,20 @@ OCTAVES = 21
 KEPT = 16
 """Points of a pair that are remembered, to know a new one."""
 
-HIT, MOVE, REST, DONE = range(4)
-"""Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so no more; nothing is left to do."""
+HIT, MOVE, REST, LIE, DONE = range(5)
+"""Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so no more, or lies no more; it
+begins to lie, at rest under a load; nothing is left to do."""
 
 STEERED = ("speed", "sweep", "force", "position")
 """The parameters of a slide that a standing contact steers."""
 
-STILL, UNHEARD, HEARD = range(3)
-"""State of a standing contact: it neither slips nor sweeps, it moves untold, or it moves and is told."""
+LOAD = len(STEERED)
+CHANGING = (*STEERED, "load")
+"""The parameters of what a standing contact steers: those of a slide, and that of a rest."""
+
+STILL, UNHEARD, HEARD, LYING = range(4)
+"""State of a standing contact: it neither slips nor sweeps, it moves untold, it moves and is told, or it lies and is
+told."""
 
 TOGETHER = 16
 """Blows of one step on the same bodies that share them: of more each is taken alone."""
@@ -52,7 +58,7 @@ class Pair(Record):
     calm: int  # steps for which it neither closes nor opens
     calm_since: float  # s
     fastest: float  # m/s: its slip, or what is left of a faster one of late
-    moves: int  # STILL, UNHEARD or HEARD
+    moves: int  # STILL, UNHEARD, HEARD or LYING
     pressure: float  # Pa rms: of its slide, as it was last estimated
     weighed_at: float  # s: when that was
     heard_at: float  # s: when its slide began
@@ -99,11 +105,12 @@ class Pair(Record):
     said: Annotated[View[float], 3]  # the same, as it was told last
     told_at: float  # s: when that was, or when it was last found to be unheard
     side: int  # 0: a is struck, or slid on; 1: b is
-    # The slide that it is heard as: its number, 0: none; its gesture's number in an engine, 0: it is in none; and
-    # what was told of it last.
+    # The slide or the rest that it is heard as: its number, 0: none; its gesture's number in an engine, 0: it is in
+    # none; and what was told of it last.
     slide: int
     gesture: int
     steered: Annotated[View[float], len(STEERED)]
+    load: float
 
 
 _PAIR = dtype_of(Pair)
@@ -127,7 +134,7 @@ class PairEvent(Record):
     b: int
     side: int  # of the body that is struck, or slid on
     contact: int  # of this step, the nearest to a blow
-    # Of a contact that moves: the number of its slide, its gesture in an engine, its random numbers.
+    # Of a contact that moves or lies: the number of its slide or rest, its gesture in an engine, its random numbers.
     slide: int
     gesture: int
     seed: int
@@ -138,8 +145,8 @@ class PairEvent(Record):
     speed: float  # m/s: of the approach
     mass: float  # kg: effective, along the normal
     restitution: float  # NaN: not told
-    # Of a contact that moves, as a slide takes it: its motion, its law, its radius and the width of its patch (m),
-    # and the place 0 to 1 on the strike path of the body that slides.
+    # Of a contact that moves or lies, as a slide takes it: its motion, its law, its radius and the width of its patch
+    # (m), and the place 0 to 1 on the strike path of the body that slides.
     motion: Annotated[View[float], len(STEERED)]
     stiffness: float
     exponent: float
@@ -149,11 +156,11 @@ class PairEvent(Record):
 
 
 class Change(Record):
-    """A new value of a slide's parameter."""
+    """A new value of a parameter of a slide or of a rest."""
 
     slide: int
     gesture: int
-    parameter: int  # a place in STEERED
+    parameter: int  # a place in CHANGING
     value: float
 
 
@@ -215,7 +222,7 @@ class State(Record):
     material: Annotated[View[int], BODIES]
     loudness: Annotated[View2D[float], BODIES, OCTAVES]  # Pa rms at 1 m of a blow of 1 N s
     ringing: Annotated[View[float], BODIES]  # s for which it is heard after a blow
-    sliding: Annotated[View[int], BODIES]  # its slides
+    sliding: Annotated[View[int], BODIES]  # its slides and rests
     until: Annotated[View[float], BODIES]  # s: up to when it sounds
     # Of each pair of materials: the stiffness of a contact of a radius of 1 m, dissipation, exponent.
     law: Annotated[View3D[float], MATERIALS, MATERIALS, 3]
@@ -243,6 +250,9 @@ class State(Record):
     most: int  # standing contacts that are heard as they slip or sweep
     heard: int  # of them, those there are
     unheard: int  # those that have found no room
+    most_rests: int  # standing contacts that are told as they lie
+    lying: int  # of them, those there are
+    lain: int  # all that have begun
     left_out: int  # points of pairs that found no room
     happened: int
     events: Annotated[View[PairEvent], EVENTS]
@@ -266,7 +276,7 @@ class State(Record):
     loudest: float  # Pa rms
     loudest_at: float  # s
     seed: int  # of slides
-    made: int  # slides since the beginning, or since it began anew
+    made: int  # slides and rests since the beginning, or since it began anew
     begun: int  # all slides
     hits: int
     faint: int
