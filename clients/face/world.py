@@ -224,8 +224,8 @@ class World(Closing):
     def pair(self, a: str, b: str, **keys: Any) -> None:
         """Set how the contact of two bodies differs from that of their materials.
 
-        keys: surface (a preset), support (felt, foam, finger or palm: whose contact law they have where they rest on
-        each other), restitution (0 to 1), roughness (times), patch (m), static, dynamic, stribeck (m/s), tangential
+        keys: surface (a preset), support (felt, foam, finger or palm: whose contact law they have in blows and at
+        rest), restitution (0 to 1), roughness (times), patch (m), static, dynamic, stribeck (m/s), tangential
         (N/m), along (0 to 1: how far modes move along the slip). WorldError for a body that is not there, or a value
         out of range.
         """

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from ...dsp.bodies.material import contact_between
 from ...presets.supports import SUPPORTS
 from .bodies import Body
+from .pairs import law_of
 from .requests import Ending, Lying, Slide
 from .step import Event
 
@@ -54,10 +55,7 @@ class Gestures:
 
 def _law(lies: Body, ground: Body, support: str, radius: float) -> dict[str, float]:
     """Return the keys of the law of a rest."""
-    if support and not SUPPORTS[support].material:
-        law = SUPPORTS[support].stiffness, SUPPORTS[support].dissipation, SUPPORTS[support].exponent
-    else:
-        law = contact_between(lies.material, ground.material, radius)
+    law = law_of(support) if support else contact_between(lies.material, ground.material, radius)
     return dict(zip(("stiffness", "dissipation", "exponent"), law, strict=True))
 
 

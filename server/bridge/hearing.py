@@ -63,9 +63,10 @@ class Hearing:
 
     microphones: one for each channel. faintest: dB over 20 µPa, below which a contact is left out. masked: dB by which
     it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that slip or sweep at
-    once; the loudest are taken. rests: the most that lie on each other at once, so that they mute each other; 0: bodies
-    that lie ring as if they hung. seed: of the surfaces on which bodies slide and roll. accuracy: of blows, as
-    `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a server keeps its own.
+    once; the loudest are taken. rests: the most that lie on each other at once, so that they mute each other; those
+    whose bodies sound come first; 0: bodies that lie ring as if they hung. seed: of the surfaces on which bodies slide
+    and roll. accuracy: of blows, as `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a server keeps its
+    own.
     """
 
     microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)
@@ -73,7 +74,7 @@ class Hearing:
     masked: float = 70.0
     blows: int = 200
     gestures: int = 24
-    rests: int = 16
+    rests: int = 4
     seed: int = 0
     accuracy: str | int = LEVELS[DEFAULT]
 

@@ -21,7 +21,8 @@ SURFACES = {
 """The surface of a body of a material, where its pair does not say another; of another material it is `wood`."""
 
 _NUMBERS = {key.name: key for key in PAIRED}
-_SOFT = tuple(name for name, each in SUPPORTS.items() if not each.material)
+SOFT = tuple(name for name, each in SUPPORTS.items() if not each.material)
+"""Supports with a law of their own."""
 KEYS = ("surface", "support", *_NUMBERS)
 """The keys of a pair."""
 
@@ -35,7 +36,13 @@ class Pair:
     slide: Mapping[str, float] = field(default_factory=dict)
     """Keys of a slide."""
     support: str = ""
-    """Support whose law a rest has, in place of that of both materials."""
+    """Support whose law blows and rests have, in place of that of both materials."""
+
+
+def law_of(support: str) -> tuple[float, float, float]:
+    """Return stiffness, dissipation and exponent of a support."""
+    law = SUPPORTS[support]
+    return law.stiffness, law.dissipation, law.exponent
 
 
 def pair_of(presets: Presets, a: str, b: str, keys: Mapping[str, Argument]) -> Pair:
@@ -47,8 +54,8 @@ def pair_of(presets: Presets, a: str, b: str, keys: Mapping[str, Argument]) -> P
                 surface = presets.surface(str(value)).name
             elif key == "support":
                 support = str(value)
-                if support not in _SOFT:
-                    raise ValueError(f"support = {shown(value)}: {expected(support, _SOFT)}")
+                if support not in SOFT:
+                    raise ValueError(f"support = {shown(value)}: {expected(support, SOFT)}")
             elif key in _NUMBERS:
                 numbers[key] = check_number(_NUMBERS[key], value)
             else:

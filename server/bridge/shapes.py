@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..osc.wire import Argument
 from ..osc.world_verbs import SIZES
-from .tracking.strips import BAR, DISC, PLATE, POINT, place_on, radius_at
+from .tracking.strips import BAR, DISC, PLATE, POINT, WALL, place_on, radius_at
 
 Vector = tuple[float, float, float]
 Strip = tuple[int, int, int]
@@ -132,7 +132,7 @@ def _hollow(outer: Shape, wall: float) -> Shape:
         hole = _cylinder(outer.name, radius - wall, length - (2 * wall if outer.name == "cylinder" else 0.0), False)
         cup: dict[str, Argument] = {"radius": radius - wall / 2, "height": length, "thickness": wall}
         fits = _THINNEST <= wall <= _THICKEST and _SHORTEST <= length <= _LONGEST and radius <= _LONGEST
-        rings, strip = Ringing("wine-glass", {**cup, "rows": 3}) if fits else None, (POINT, 0, 0)
+        rings, strip = Ringing("wine-glass", {**cup, "rows": 3}) if fits else None, (WALL, 0, 0)
     volume = outer.volume - hole.volume
     moments = [
         (outer.volume * whole - hole.volume * missing) / volume

@@ -17,7 +17,7 @@ from .blows import Counts, Hit, blows_of, hits_of
 from .bodies import Body, BodyMaker, WorldError
 from .gestures import Gestures, id_of, seed_of
 from .hearing import Hearing, begin_hearing
-from .pairs import Pair, Surfaces, pair_of
+from .pairs import SOFT, Pair, Surfaces, law_of, pair_of
 from .requests import Gains, Lying, Request, Said, Slide, Steering
 from .step import Contacts, Event, Pose, Poses, checked_pose, checked_poses, events_of, put_pose, take_contacts
 from .telling import (
@@ -72,6 +72,7 @@ class Simulation:
         """Presets of bodies that slide on each other, as far as they are known, by their numbers."""
         self._gestures = Gestures()
         self.state["seed"] = seed_of(self.hearing.seed)
+        self.state["supports"][0, : len(SOFT)] = [law_of(name) for name in SOFT]
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
         self._now, self._steps = self.state["time"], self.state["steps"]
@@ -253,6 +254,7 @@ class Simulation:
         """Say how the contact of two bodies differs from that of their materials: keys of `pairs.KEYS`."""
         first, second = sorted((self.number(a), self.number(b)))
         pair = self._pairs[first, second] = pair_of(self._presets, a, b, keys)
+        self.state["support"][0, first, second] = SOFT.index(pair.support) + 1 if pair.support else 0
         self.state["slides_so"][0, first, second] = bool(pair.surface or pair.slide)
         self.state["bounce"][0, first, second] = 0.0 if math.isnan(pair.restitution) else 1.0 + pair.restitution
 
@@ -261,7 +263,7 @@ class Simulation:
         self.wait(time)
         for name in ("touching", "place", "heard", "lying", "sliding", "heard_blows", "loudest", "struck", "made"):
             self.state[name] = 0
-        self.state["until"] = self.state["loudest_at"] = -math.inf
+        self.state["until"] = self.state["rung"] = self.state["loudest_at"] = -math.inf
         self._microphones["next"] = math.inf
         self._gestures = Gestures()
         self.settle(self._settle)

@@ -59,7 +59,7 @@ WORLD = (
         (Word("a"), Word("b")),
         keys=(
             Word("surface", "a preset"),
-            Word("support", "whose contact law they have where they rest on each other: felt, foam, finger or palm"),
+            Word("support", "whose contact law they have in blows and at rest: felt, foam, finger or palm"),
             *PAIRED,
         ),
     ),

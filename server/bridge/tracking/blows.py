@@ -99,7 +99,12 @@ def find_blows(state: State) -> None:
 
 @kernel
 def _find_law(state: State, blow: Blow, local: View2D[float]) -> None:
-    """Find the law of a contact of two bodies at points in their axes: Hertz's."""
+    """Find the law of a contact of two bodies at points in their axes: Hertz's, or that of their support."""
+    support = state.support[blow.a, blow.b] - 1
+    if support >= 0:
+        soft = state.supports[support]
+        blow.stiffness, blow.dissipation, blow.exponent = soft[0], soft[1], soft[2]
+        return
     law = state.law[state.material[blow.a], state.material[blow.b]]
     blow.stiffness = law[0] * math.sqrt(contact_radius(curvature_of(state, blow.a, blow.b, local)))
     blow.dissipation, blow.exponent = law[1], law[2]

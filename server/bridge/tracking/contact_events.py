@@ -30,6 +30,7 @@ from .slides import (
     steer_slide,
 )
 from .state import EVENTS, HEARD, HIT, LIE, LYING, MOVE, POINTS, REST, STEERED, STILL, UNHEARD, Pair, State
+from .strips import is_still
 
 _OPPOSITE = 0.1  # length of the mean of normals below which they are against each other
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
@@ -177,9 +178,13 @@ def _begin(state: State, microphones: MicrophoneState, pair: Pair) -> None:
 @kernel
 def _lay(state: State, pair: Pair) -> None:
     """Begin a rest, if the contact has stayed for a while, one of its bodies rings and there is room for it."""
-    if state.lying >= state.most_rests or state.time - pair.begun < _LAID:
+    if state.most_rests == 0 or state.time - pair.begun < _LAID:
         return
     if pair.now[2] < _LEAST_LOAD or (state.rings[pair.a] == 0 and state.rings[pair.b] == 0):
+        return
+    if _is_still(state, pair, 0) or _is_still(state, pair, 1):
+        return
+    if state.lying >= state.most_rests and not _make_room_to_lie(state, pair):
         return
     state.sliding[pair.a] += 1
     state.sliding[pair.b] += 1
@@ -202,6 +207,32 @@ def _lay(state: State, pair: Pair) -> None:
     state.lying += 1
     state.lain += 1
     pair.moves, pair.load = LYING, event.motion[2]
+
+
+@kernel
+def _is_still(state: State, pair: Pair, side: int) -> bool:
+    """True if one of a pair's bodies does not ring where it touches."""
+    body = pair.b if side == 1 else pair.a
+    return is_still(state.strip[body], state.edges[body], pair.local[side])
+
+
+@kernel
+def _make_room_to_lie(state: State, pair: Pair) -> bool:
+    """End a rest of two bodies that are silent, if one of a pair sounds; false if there is none."""
+    if not _sounds(state, pair):
+        return False
+    for i in range(state.touching):
+        other = state.pairs[i]
+        if other.moves == LYING and not _sounds(state, other):
+            _end(state, other)
+            return True
+    return False
+
+
+@kernel
+def _sounds(state: State, pair: Pair) -> bool:
+    """True if one of a pair's bodies was struck or slid so lately that it is heard."""
+    return max(state.rung[pair.a], state.rung[pair.b]) > state.time
 
 
 @kernel
@@ -329,8 +360,8 @@ def _tell(state: State, pair: Pair, kind: int) -> int:
     state.happened += 1
     event = state.events[number]
     event.kind = kind
-    _sound(state, pair.a)
-    _sound(state, pair.b)
+    _sound(state, pair.a, kind)
+    _sound(state, pair.b, kind)
     event.a, event.b, event.side = pair.a, pair.b, pair.side
     event.slide, event.gesture = pair.slide, pair.gesture
     event.time = state.time
@@ -353,10 +384,12 @@ def _tell(state: State, pair: Pair, kind: int) -> int:
 
 
 @kernel
-def _sound(state: State, body: int) -> None:
+def _sound(state: State, body: int, kind: int) -> None:
     """Keep a body sounding for as long as it rings, or on and on where it slides or lies."""
     if state.rings[body] == 1:
         state.until[body] = math.inf if state.sliding[body] > 0 else state.time + state.ringing[body]
+        if kind in (HIT, MOVE):
+            state.rung[body] = state.time + state.ringing[body]
 
 
 @kernel

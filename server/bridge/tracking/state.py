@@ -15,6 +15,8 @@ EVENTS = 4_096
 """Events of one step, and changes."""
 MATERIALS = 64
 """Materials of bodies."""
+SUPPORTS = 8
+"""Supports whose laws pairs may have."""
 OCTAVES = 21
 """Contact times for which it is known how loud a blow is: s, by octaves up to 1."""
 KEPT = 16
@@ -224,10 +226,13 @@ class State(Record):
     ringing: Annotated[View[float], BODIES]  # s for which it is heard after a blow
     sliding: Annotated[View[int], BODIES]  # its slides and rests
     until: Annotated[View[float], BODIES]  # s: up to when it sounds
+    rung: Annotated[View[float], BODIES]  # s: the same, by its blows and slides alone
     # Of each pair of materials: the stiffness of a contact of a radius of 1 m, dissipation, exponent.
     law: Annotated[View3D[float], MATERIALS, MATERIALS, 3]
     surface: Annotated[View2D[int], MATERIALS, MATERIALS]  # 1 and the number of theirs, 0: it is not known
     bounce: Annotated[View2D[float], BODIES, BODIES]  # 1 and the restitution of a pair, 0: its own
+    support: Annotated[View2D[i8], BODIES, BODIES]  # 1 and the number of a support whose law a pair has, 0: its own
+    supports: Annotated[View2D[float], SUPPORTS, 3]  # the laws of these: stiffness, dissipation, exponent
     slides_so: Annotated[View2D[i8], BODIES, BODIES]  # 1: a pair slides as it was told to
     # Of each point of contact of this step, so many.
     points: int
@@ -291,7 +296,7 @@ def new_state(rest: float, gravity: float) -> np.ndarray:
     state = np.zeros(1, STATE)
     state["rest"], state["gravity"] = rest, gravity
     state["turn"][:] = np.eye(3).ravel()
-    state["until"] = state["loudest_at"] = -np.inf
+    state["until"] = state["rung"] = state["loudest_at"] = -np.inf
     for name in TOLD:
         state[name][:] = np.nan
     return state

@@ -6,8 +6,9 @@ from ....dsp.bodies.material import CONTACT_RADIUS
 from ....dsp.native.jit import kernel
 from ....dsp.native.typed import Items
 
-POINT, DISC, BAR, PLATE = range(4)
-"""Kinds of paths: there is one place; from the middle to the edge; along an axis; from corner to corner of a plate."""
+POINT, DISC, BAR, PLATE, WALL = range(5)
+"""Kinds of paths: there is one place; from the middle to the edge; along an axis; from corner to corner of a plate; one
+place on a wall around z, whose ends are still."""
 
 _ENDS = 0.9  # of the half length: beyond, a point is at an end
 
@@ -18,7 +19,7 @@ def place_on(strip: Items[int], edges: Items[float], point: Items[float]) -> flo
 
     strip: a kind and two axes; edges: of the box around the body (m).
     """
-    if strip[0] == POINT:
+    if strip[0] == POINT or strip[0] == WALL:
         return 0.0
     if strip[0] == DISC:
         far = math.sqrt(point[0] * point[0] + point[1] * point[1])
@@ -29,6 +30,12 @@ def place_on(strip: Items[int], edges: Items[float], point: Items[float]) -> flo
     v = min(max(point[strip[2]] / edges[strip[2]] + 0.5, 0.0), 1.0) - 0.5
     u -= 0.5
     return 0.5 + math.copysign(0.5 * (abs(u) + abs(v)), u if abs(u) > abs(v) else v)
+
+
+@kernel
+def is_still(strip: Items[int], edges: Items[float], point: Items[float]) -> bool:
+    """True if a body's modes do not move at a point (m), in its axes: at the ends of a wall."""
+    return strip[0] == WALL and abs(point[2]) > 0.5 * _ENDS * edges[2]
 
 
 @kernel

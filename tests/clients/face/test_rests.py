@@ -14,7 +14,7 @@ CORNERS = [(x, y) for x in (-0.1, 0.1) for y in (-0.07, 0.07)]
 WEIGHT = 1.5  # N
 
 
-def furnished(rests=16, keep=True, **floor) -> World:
+def furnished(rests=4, keep=True, **floor) -> World:
     world = World(hearing=carom.Hearing([carom.Microphone((0, -1, 0.5))], rests=rests), keep=keep)
     world.body("floor", "plate", (0.5, 0.5, 0.02), "wood", held=True, most_modes=12, **floor)
     world.body("dish", "plate", (0.2, 0.14, 0.005), "glass", most_modes=12, mass=WEIGHT / 9.81)
@@ -131,10 +131,39 @@ def test_no_more_rest_than_there_may():
         world.body("floor", "plate", (0.5, 0.5, 0.02), "wood", held=True, most_modes=12)
         for n in range(4):
             world.body(f"dish{n}", "plate", (0.1, 0.07, 0.005), "glass", most_modes=4)
+        world.body("ball", "sphere", 0.01, "steel")
         for n in range(1, 60):
             world.step(n * STEP, [Touch("floor", f"dish{k}", (k, 0, 0), (0, 0, 1), 0.0, 0.0) for k in range(4)])
         assert world.counts.rests == 2
+        touches = [Touch("floor", f"dish{k}", (k, 0, 0), (0, 0, 1), 0.0, 0.0) for k in range(4)]
+        assert (0, 1) not in world.simulation._gestures.running
+        blow = Touch("dish0", "ball", (0, 0, 0.005), (0, 0, 1), approach=1.0, slip=0.0)
+        for n in range(60, 64):
+            world.step(n * STEP, touches + ([blow] if n == 60 else []))
+        assert world.counts.rests == 3  # one of silent bodies gave way
+        assert (0, 1) in world.simulation._gestures.running and len(world.simulation._gestures.running) == 2
         world.restart(1.0)
         for n in range(1, 60):
-            world.step(1.0 + n * STEP, [Touch("floor", "dish3", (3, 0, 0), (0, 0, 1), 0.0, 0.0)])
-        assert world.counts.rests == 3
+            world.step(1.0 + n * STEP, touches[:1])
+        assert world.counts.rests == 4
+
+
+def test_a_hollow_body_rings_on_where_it_stands_on_an_end_and_is_muted_at_its_side():
+    with World(hearing=carom.Hearing([carom.Microphone((0, -1, 0.5))])) as world:
+        world.body("floor", "plate", (0.5, 0.5, 0.02), "wood", held=True, most_modes=12)
+        world.body("cup", "cylinder", (0.04, 0.1), "glass", wall=0.003, most_modes=12)
+        pose = {"cup": Pose((0, 0, 0.05))}
+        for n in range(1, 60):
+            world.step(n * STEP, [Touch("floor", "cup", (0.04, 0, 0), (0, 0, 1), 0.0, 0.0)], pose)
+        assert world.counts.rests == 0
+        for n in range(60, 120):
+            world.step(n * STEP, [Touch("floor", "cup", (0.04, 0, 0.05), (0, 0, 1), 0.0, 0.0)], pose)
+        assert world.counts.rests == 1
+
+
+def test_a_blow_has_the_law_of_the_support_too():
+    with furnished() as world:
+        world.pair("dish", "ball", support="finger")
+        told(world, 101, lambda n: [struck()] if n == 100 else [])
+        (blow,) = [line for line in world.score().splitlines() if "/impact" in line]
+    assert "stiffness 250000.0" in blow and "exponent 2.0" in blow and "dissipation 1.5" in blow
