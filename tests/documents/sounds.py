@@ -1,6 +1,8 @@
-"""The sounds and the pictures of scores in the documents: `make sounds` renders and draws them."""
+"""The sounds and the pictures of scores and of MuJoCo's scenes in the documents: `make sounds` renders and draws them."""
 
+import importlib.util
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import soundfile
@@ -11,6 +13,7 @@ from carom.presets import BUILT_IN
 
 ROOT = Path(__file__).parents[2]
 SOUNDS = ("bell", "walk", "ping-pong", "marble")
+SCENES = ("grasp", "passing")
 PICTURES = ("demo", "coin", "marble")
 RATE, SECONDS = 44_100, 10.0
 PEAK = 0.89  # of full scale
@@ -26,10 +29,23 @@ def score(name: str) -> Path:
     return BUILT_IN / "scores" / f"{name}.txt"
 
 
+def scenes() -> ModuleType:
+    """Return the module of MuJoCo's scenes, which is an example."""
+    file = ROOT / "clients" / "examples" / "mujoco" / "grasp.py"
+    spec = importlib.util.spec_from_file_location(file.stem, file)
+    assert spec and spec.loader
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
 def rendered(name: str) -> np.ndarray:
-    """Return the sound of a score, mono (frames,), its silent end cut off."""
-    sound = carom.render(score(name), rate=RATE, limiter=False).samples.mean(axis=1)
-    heard = np.flatnonzero(np.abs(sound) > 1e-4 * np.abs(sound).max())
+    """Return the sound of a score, mono (frames,), or of a scene at two ears, (frames, 2), its silent end cut off."""
+    if name in SCENES:
+        sound = scenes().hear(name, RATE).sound.samples
+    else:
+        sound = carom.render(score(name), rate=RATE, limiter=False).samples.mean(axis=1)
+    heard = np.flatnonzero(np.abs(sound).reshape(len(sound), -1).max(axis=1) > 1e-4 * np.abs(sound).max())
     sound = sound[: min(heard[-1] + 1, round(SECONDS * RATE))]
     return sound * (PEAK / np.abs(sound).max())
 
@@ -44,13 +60,20 @@ def bands(sound: np.ndarray) -> np.ndarray:
 
 
 def main() -> None:
-    for name in SOUNDS:
+    for name in (*SOUNDS, *SCENES):
         path(name).parent.mkdir(exist_ok=True)
         soundfile.write(path(name), rendered(name), RATE, format="OGG", subtype="VORBIS")
     for name in PICTURES:
         picture = score(name).with_suffix(".png")
         carom.render(score(name)).plot(picture)
-        Image.open(picture).convert("RGB").quantize(COLOURS).save(picture, optimize=True)
+        _shrink(picture)
+    picture = path("grasp").with_suffix(".png")
+    scenes().draw(scenes().hear("grasp"), str(picture))
+    _shrink(picture)
+
+
+def _shrink(picture: Path) -> None:
+    Image.open(picture).convert("RGB").quantize(COLOURS).save(picture, optimize=True)
 
 
 if __name__ == "__main__":

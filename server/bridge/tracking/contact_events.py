@@ -198,8 +198,8 @@ def _lay(state: State, pair: Pair) -> None:
     event = state.events[number]
     lightness = _lightness(state, pair.a, event.point, event.normal)
     event.mass = 1.0 / (lightness + _lightness(state, pair.b, event.point, event.normal))
-    contact = _nearest(state, pair, event.point)  # between several points they may not touch
-    if contact >= 0:
+    contact = _nearest(state, pair, event.point)
+    if pair.count > 2 and contact >= 0:  # a line touches in its middle too, feet do not
         for k in range(3):
             event.local[0, k] = into(state, pair.a, state.point[contact], k)
             event.local[1, k] = into(state, pair.b, state.point[contact], k)
