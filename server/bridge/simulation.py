@@ -72,7 +72,6 @@ class Simulation:
         """Presets of bodies that slide on each other, as far as they are known, by their numbers."""
         self._gestures = Gestures()
         self.state["seed"] = seed_of(self.hearing.seed)
-        self.state["supports"][0, : len(SOFT)] = [law_of(name) for name in SOFT]
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
         self._now, self._steps = self.state["time"], self.state["steps"]
@@ -254,7 +253,10 @@ class Simulation:
         """Say how the contact of two bodies differs from that of their materials: keys of `pairs.KEYS`."""
         first, second = sorted((self.number(a), self.number(b)))
         pair = self._pairs[first, second] = pair_of(self._presets, a, b, keys)
-        self.state["support"][0, first, second] = SOFT.index(pair.support) + 1 if pair.support else 0
+        soft = SOFT.index(pair.support) if pair.support else -1
+        self.state["support"][0, first, second] = soft + 1
+        if soft >= 0:
+            self.state["supports"][0, soft] = law_of(pair.support)
         self.state["slides_so"][0, first, second] = bool(pair.surface or pair.slide)
         self.state["bounce"][0, first, second] = 0.0 if math.isnan(pair.restitution) else 1.0 + pair.restitution
 

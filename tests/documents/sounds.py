@@ -1,4 +1,5 @@
-"""The sounds and the pictures of scores and of MuJoCo's scenes in the documents: `make sounds` renders and draws them."""
+"""The sounds and the pictures of scores, and of scenes of MuJoCo, in the documents: `make sounds` renders and draws
+them."""
 
 import importlib.util
 from pathlib import Path

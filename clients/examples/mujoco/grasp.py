@@ -177,7 +177,8 @@ def main(name: str = "grasp", wave: str = "", picture: str = "") -> None:
     heard.sound.save(wave or f"{name}.wav")
     if picture:
         draw(heard, picture)
-    print(f"{name}: {len(heard.hits)} blows, {abs(heard.sound.samples).max():.3g} Pa at most, carom {carom.__version__}")
+    peak = abs(heard.sound.samples).max()
+    print(f"{name}: {len(heard.hits)} blows, {peak:.3g} Pa at most, carom {carom.__version__}")
 
 
 if __name__ == "__main__":
