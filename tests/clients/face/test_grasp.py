@@ -137,7 +137,7 @@ def test_a_marble_passes_from_left_to_right():
 
 
 def test_the_marbles_sound_arrives_when_and_as_fast_as_its_way_says():
-    """Its dry sound, shifted by r(t)/c, is what is heard; at a constant delay it is not."""
+    """The dry sound, shifted by r(t)/c, is what is heard; at a constant delay it is not."""
     where = (0.0, -0.6, 0.3)
     heard, places = rolled(listener=carom.Listener(where, layout="ambisonics"))
     dry, _ = rolled(microphones=[where])
