@@ -102,6 +102,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, data sets, simulators,
 	$(BIN)/python -m tests.bench.queries
 	$(BIN)/python -m tests.bench.page
 	$(BIN)/python -m tests.bench.web
+	$(BIN)/python -m tests.bench.library
 	$(BIN)/python -m tests.bench.starts
 	$(BIN)/python -m tests.bench.compiling --json tests/measured/compiling.json
 	$(BIN)/python -m tests.bench.memory --minutes 30

@@ -107,10 +107,10 @@ def test_its_examples_run(page, tmp_path, monkeypatch):
 
 
 def test_every_block_has_a_language():
-    """HTML and JavaScript are for a page, which the tests of exports play."""
+    """HTML, JavaScript and C are for exported scenes, whose tests play or compile them."""
     for page in PAGES:
         found = {language for language, _ in _BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))}
-        assert found <= {*_RUN, "supercollider", "html", "js"}, page
+        assert found <= {*_RUN, "supercollider", "html", "js", "c"}, page
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "supercollider")])

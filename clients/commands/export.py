@@ -10,14 +10,17 @@ from ..errors import tell
 from .options import RATE, SCORE, add_presets
 from .parser import Command, one_of, whole
 
-TARGETS = ("web",)
+TARGETS = ("web", "c")
 """The targets of an export."""
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("score", metavar="SCORE", help=f"{SCORE}, or a table that the page has saved")
     parser.add_argument("folder", metavar="OUT", help="folder for the files; made if missing")
-    text = "web: static files with the engine as WebAssembly, a page that plays the scene, and a JavaScript module"
+    text = (
+        "web: static files with the engine as WebAssembly, a page that plays the scene, and a JavaScript module; "
+        "c: a header, a static and a shared library for this machine, and an example"
+    )
     parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
     add_presets(parser)
@@ -51,7 +54,7 @@ def _export(arguments: argparse.Namespace) -> int:
     from ...presets import Presets
     from ...server.osc.score import parse
     from ...server.render import Options
-    from ..export.web import export
+    from ..export.scene import bake_scene, made_folder
     from ..streams import STREAM, score_name, score_path
 
     name = score_name(arguments.score)
@@ -60,10 +63,17 @@ def _export(arguments: argparse.Namespace) -> int:
     title = name if is_stream else score_path(arguments.score).stem
     text = content.decode("utf-8", "replace")
     warnings: list[str] = []
-    export(
-        parse(content, name), text, title, Path(arguments.folder), Presets(arguments.presets), Options(arguments.rate),
-        warnings.append,
-    )  # fmt: skip
+    folder = made_folder(Path(arguments.folder))
+    options = Options(arguments.rate)
+    scene = bake_scene(parse(content, name), text, title, Presets(arguments.presets), options, warnings.append)
+    if arguments.to == "web":
+        from ..export.web import write_page
+
+        write_page(scene, folder)
+    else:
+        from ..export.c import write_library
+
+        write_library(scene, folder)
     for warning in warnings:
         tell("export", warning)
     return 0

@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-import re
 import shutil
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...dsp.engine.memory.commands import Kind
-from ...dsp.errors import CaromError
 from ...dsp.native.wasm import data_end, wasm
 from ...dsp.runtime import callback
-from ...presets import Presets
-from ...server.osc.score import Line
-from ...server.render import Options
-from .baking import Baked, bake
-from .mapping import Strikers
-from .packing import compressed, packed
+from .baking import Baked
+from .packing import compressed
+from .scene import Scene
 
-TABLE = "# carom table"
-"""The beginning of a score that a page has saved as a table."""
-
-_PLACE = re.compile(r"^# at (\S+) (\S+) (\S+)", re.MULTILINE)
-_TITLE = re.compile(rf"{TABLE}:? *(.*)")
 _FILES = Path(__file__).parent / "web"
 
 _ROOMS = {
@@ -33,32 +22,14 @@ _ROOMS = {
 """Parts of the engine that a scene may lack: the kernels that it does without."""
 
 
-class ExportError(CaromError, RuntimeError):
-    """A scene that cannot be exported; the text says why."""
-
-
-def export(
-    score: Sequence[Line], text: str, name: str, folder: Path, presets: Presets, options: Options,
-    warn: Callable[[str], object],
-) -> Baked:  # fmt: skip
-    """Write a scene's files into a folder, which is made if missing, and return the scene, baked.
-
-    text: of the score, which says where the objects of a table lie. name: the title, if it has none.
-    """
-    if folder.exists() and not folder.is_dir():
-        raise ExportError(f"{folder}: expected a folder, and a file is there")
-    strikers = Strikers(presets)
-    baked = bake(score, presets, options, strikers.sounds(), warn)
-    engine = wasm(callback.__name__, without(baked))
-    titled = _TITLE.match(text)
-    scene = packed(baked, strikers, _places(text), (titled and titled[1]) or name, data_end(engine))
-    folder.mkdir(parents=True, exist_ok=True)
+def write_page(scene: Scene, folder: Path) -> None:
+    """Write a scene's files into a folder that is there."""
+    engine = wasm(callback.__name__, without(scene.baked))
     for file in sorted(_FILES.iterdir()):
         if file.suffix != ".py":
             shutil.copyfile(file, folder / file.name)
     (folder / "carom.wasm.gz").write_bytes(compressed(engine))
-    (folder / "scene.carom.gz").write_bytes(compressed(scene))
-    return baked
+    (folder / "scene.carom.gz").write_bytes(compressed(scene.file(data_end(engine))))
 
 
 def without(baked: Baked) -> list[str]:
@@ -70,13 +41,3 @@ def without(baked: Baked) -> list[str]:
         "plates that stretch": any(obj.handle.sheet >= 0 for obj in baked.objects.values()),
     }
     return [kernels for room, names in _ROOMS.items() if not has[room] for kernels in names]
-
-
-def _places(text: str) -> dict[str, tuple[float, float]]:
-    """Return the places of a table's objects, from 0 to 1, by name."""
-    found = {}
-    for x, y, name in _PLACE.findall(text):
-        place = float(x), float(y)
-        if all(0.0 <= each <= 1.0 for each in place):
-            found[name] = place
-    return found

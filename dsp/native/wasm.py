@@ -5,25 +5,17 @@ address 0 on: what is taken from it is what only a linker would read, and what i
 a linker nor a C compiler is needed.
 """
 
-import re
 from collections.abc import Collection, Iterator
-from typing import Any
 
-import llvmlite.binding as llvm
-
-from .code import functions_of, units_of
-from .digests import digest
-from .linking import show_only, tidy
-from .sources import hash_of
-from .store import Store, user_cache
+from .code import functions_of
 from .targets import PORTABLE, WASM, Target
+from .whole import whole_object
 
 TARGET = Target(WASM, PORTABLE)
 
 _CUSTOM, _IMPORT, _FUNCTION, _EXPORT = 0, 2, 3, 7  # sections
 _SYMBOLS = 8  # a part of the section "linking"
 _UNDEFINED, _NAMED = 0x10, 0x40  # flags of a symbol
-_FAILED = re.compile(r"^define [^@]*i32 @")
 
 
 def wasm(module: str, without: Collection[str] = ()) -> bytes:
@@ -32,20 +24,8 @@ def wasm(module: str, without: Collection[str] = ()) -> bytes:
     It imports `env.__linear_memory`, whose first `data_end` bytes hold its data, and `env.__stack_pointer`, a mutable
     i32. without: beginnings of the names of kernels (carom.dsp.karman.) that do nothing: no unit of theirs is linked.
     """
-    kept, names = Store(user_cache()), exports(module)
-    units = units_of(module, TARGET)
-    key = digest(f"{units} {sorted(without)} {names} {hash_of([__name__])}")
-    made = kept.read_unit(key, str(TARGET), "wasm")
-    if made is None:
-        parts = [kept.read_unit(unit, str(TARGET), "bc") or b"" for unit in units]
-        made = _trimmed(TARGET.machine().emit_object(_linked(parts, names, tuple(without))), names)
-        kept.write_unit(key, str(TARGET), "wasm", made)
-    return made
-
-
-def exports(module: str) -> list[str]:
-    """Return the names of a module's functions of C."""
-    return [each.py_func.__name__ for each in functions_of(module)]
+    names = [each.py_func.__name__ for each in functions_of(module)]
+    return _trimmed(whole_object(module, TARGET, without), names)
 
 
 def data_end(wasm: bytes) -> int:
@@ -62,35 +42,6 @@ def data_end(wasm: bytes) -> int:
                 at += size
             assert at == end
     return max(ends)
-
-
-def _linked(parts: list[bytes], names: Collection[str], without: tuple[str, ...]) -> Any:
-    """Return LLVM's module of all units' bitcode, in which only the functions of some names can be seen."""
-    machine = TARGET.machine()
-    whole = llvm.parse_assembly("")
-    for part in parts:
-        module = llvm.parse_bitcode(part)
-        whole.link_in(_emptied(module) if _is_without(module, without) else module)
-    show_only(whole, names)
-    whole.triple, whole.data_layout = TARGET.triple, str(machine.target_data)
-    tidy(whole, machine)
-    missing = [each.name for each in whole.functions if each.is_declaration and not each.name.startswith("llvm.")]
-    if missing:
-        raise TypeError(f"{', '.join(missing)}: a web page has no such function")
-    return whole
-
-
-def _is_without(module: Any, without: tuple[str, ...]) -> bool:
-    """True if the one function that a unit's module shows is to be left out."""
-    shown = [each.name for each in module.functions if not each.is_declaration and each.linkage.name == "external"]
-    return any(re.sub(r"^_ZN\d+", "", name).startswith(without) for name in shown) if without else False
-
-
-def _emptied(module: Any) -> Any:
-    """Return a unit's module whose function does nothing."""
-    (head,) = (line for line in str(module).split("\n") if _FAILED.match(line) and "internal" not in line)
-    head = re.sub(r" (#\d+|personality .*|align \d+)(?=[ {])", "", head)
-    return llvm.parse_assembly(f"{head}\n  ret i32 0\n}}\n")
 
 
 def _trimmed(made: bytes, names: Collection[str]) -> bytes:

@@ -9,12 +9,14 @@ ENGINE is a module whose callback takes the place of the engine's, as `tests.cli
 import importlib
 import json
 import random
+import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from carom.clients.export import web
+from carom.clients.export import c, web
+from carom.clients.export.scene import bake_scene
 from carom.dsp.engine.memory.state import RING
 from carom.dsp.runtime import engine
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, STRIKE, Parameter
@@ -120,7 +122,11 @@ def main(folder: Path, seed: int) -> None:
     text = accepted(score(seed), presets)
     (folder / "score.txt").write_text(text)
     options = Options(seconds=SECONDS)
-    baked = web.export(parse(text.encode(), "score"), text, "random", folder, presets, options, print)
+    scene = bake_scene(parse(text.encode(), "score"), text, "random", presets, options, print)
+    baked = scene.baked
+    web.write_page(scene, folder)
+    if shutil.which("cc"):
+        c.write_library(scene, folder)
     baked.sound.astype("<f4").tofile(folder / "sound.f32")
     sent, session, asked = baked.engine, baked.session, []
     chance = random.Random(seed)
@@ -162,7 +168,7 @@ def use(name: str) -> None:
     """Put a module's callback in the place of the engine's."""
     other = importlib.import_module(name)
     engine.callback = other.callback
-    web.callback = other
+    web.callback = c.callback = other
 
 
 if __name__ == "__main__":

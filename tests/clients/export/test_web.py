@@ -7,21 +7,17 @@ import hashlib
 import json
 import math
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.clients.export.pages import ENGINE, RENDER, served
+from tests.clients.export.pages import RENDER, served
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
 CHROMIUM = shutil.which("chromium")
-SEED = 46
-TINY = "tests.clients.export.tiny"
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")]
 
@@ -49,15 +45,6 @@ ASK = """async (asked) => {
   }
   return found;
 }"""
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The files of a random scene, and what its page shall do."""
-    made = tmp_path_factory.mktemp("scene")
-    words = [sys.executable, "-m", "tests.clients.export.make_scene", str(made), str(SEED), TINY]
-    subprocess.run(words, env=ENGINE, check=True)
-    return made
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,65 @@
+/* A scene that Carom has baked, for programs in C: no Python, no other library than libc and libm.
+
+   Two threads may use a scene: one that sends and asks, one that computes the sound (carom_process). That one neither
+   allocates nor locks. Whatever is not said to, takes no thread into account: open, load and close alone. */
+#ifndef CAROM_H
+#define CAROM_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#ifdef __GNUC__
+#pragma GCC visibility push(default)
+#endif
+
+typedef struct carom carom;
+
+typedef struct {
+    double load;      /* share of real time that computing takes, of late */
+    long long frames; /* computed so far */
+    long contacts;    /* that go on */
+    long sounding;    /* objects that ring */
+    long waiting;     /* commands that wait for their time */
+    long dropped;     /* contacts for which there was no room */
+    long late;        /* commands that came after their time */
+} carom_state;
+
+/* Open the bytes of a scene (the file scene.carom), which are copied. live: its objects are there, and nothing plays;
+   0: its score plays from its first line on. Returns NULL if the bytes are no scene of this engine, or no memory is
+   left. */
+carom *carom_open(const void *baked, size_t size, int live);
+
+/* Begin anew, as carom_open does. */
+void carom_load(carom *scene, int live);
+
+/* Send a message, as a score's line has it without its time: "/object/bell/impact 1.0 0.3 striker wood". at: when, s of
+   the scene; below 0: now. Returns 1; 0 if it is refused, and nothing happens. */
+int carom_send(carom *scene, const char *message, double at);
+
+/* The reason for which the last message was refused; else the id of the gesture that it began, "" if none lasts. */
+const char *carom_told(const carom *scene);
+
+/* Compute frames of sound into `out`, float32, the channels of a frame side by side. Its bits do not depend on how many
+   frames are computed at once. */
+void carom_process(carom *scene, float *out, size_t frames);
+
+int carom_channels(const carom *scene);
+double carom_rate(const carom *scene);      /* Hz */
+long long carom_frames(const carom *scene); /* of its score, with its tail */
+
+/* The name of an object, from 0 on in the order of the score; NULL from the last one on. */
+const char *carom_object(const carom *scene, int number);
+
+void carom_report(const carom *scene, carom_state *state);
+
+void carom_close(carom *scene);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,230 @@
+/* Gestures: a message, completed by what the object's preset says, as a command. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "messages.h"
+
+#define GRAVITY 9.80665
+#define APPROACH 0.01   /* m/s: how fast a pressing striker is laid on */
+#define ANY_RADIUS 0.01 /* m: of a roll that is steered, and so has one; of an object where it touches another */
+
+/* A gesture's message, with what the object's preset says of what it leaves out. */
+typedef struct {
+    table given, defaults;
+    const value *gesture, *preset, *surface, *striker;
+    const object *of, *by;
+    double mass, stiffness, dissipation, exponent, restitution;
+    table motion;
+} begun;
+
+static double given_or(const begun *to, const char *name, double otherwise) {
+    const named *found = entry(&to->given, name);
+    if (!found) found = entry(&to->defaults, name);
+    return found ? found->number : otherwise;
+}
+
+static int is_given(const begun *to, const char *name) {
+    return entry(&to->given, name) != NULL;
+}
+
+static void complete(carom *scene, const call *told, begun *to) {
+    parse(scene, told->address, told->verb, told->words, told->count, &to->given, &to->defaults);
+    const char *argument = text_of(to->gesture, "argument");
+    const value *usual = item(item(to->preset, "usual"), told->action);
+    int strikes = is_given(to, "striker") || is_given(to, "by") || (is_given(to, "mass") && is_given(to, "stiffness"));
+    if (usual->kind == MAP) {
+        const char *surface = text_of(usual, "surface");
+        if (*surface && !is_given(to, "surface")) put_text(scene, &to->given, "surface", surface);
+        if (!strikes) put_text(scene, &to->given, "striker", text_of(usual, "striker"));
+        for (const value *each = item(usual, "numbers")->first; each; each = each->next)
+            if (!strikes || !strcmp(each->key, argument)) put(scene, &to->defaults, each->key, each->number);
+    } else if (!strcmp(argument, "velocity")) {
+        put(scene, &to->defaults, "velocity", number_of(to->preset, "velocity"));
+    }
+    if (!is_given(to, argument) && !entry(&to->defaults, argument))
+        refuse(scene, "%s is missing, and %s has none", argument, text_of(to->preset, "name"));
+}
+
+static const object *striking(carom *scene, const begun *to) {
+    const named *name = entry(&to->given, "by");
+    if (!name) return NULL;
+    const object *by = object_by(scene, name->text);
+    if (!by || by == to->of) refuse(scene, "by = %.80s: expected another object", name->text);
+    return by;
+}
+
+static const value *named_part(carom *scene, const char *what, const char *all, const char *name) {
+    const value *found = item(part(scene, all), name);
+    if (found->kind != MAP) refuse_all(scene, what, name, part(scene, all)->first);
+    return found;
+}
+
+/* Find the contact law of a gesture: its striker's, or that of two materials, and the values that are given. */
+static void find_law(carom *scene, begun *to, double radius) {
+    const value *presets = part(scene, "presets");
+    long own = (long)number_of(to->of->said, "preset");
+    const value *law = item_at(item(to->striker, "laws"), own);
+    double *parts[] = {&to->mass, &to->stiffness, &to->dissipation, &to->exponent, &to->restitution};
+    static const char *const names[] = {"mass", "stiffness", "dissipation", "exponent", "restitution"};
+    for (int n = 0; n < 5; n++) *parts[n] = item_at(law, n)->number;
+    if (to->by) to->mass = number_of(to->by->said, "mass");
+    if (radius > 0.0) {
+        const value *touching =
+            item_at(item(item_at(presets, own), "touching"), (long)number_of(to->by->said, "preset"));
+        to->stiffness = item_at(touching, 0)->number * sqrt(radius);
+        to->dissipation = item_at(touching, 1)->number;
+        to->exponent = item_at(touching, 2)->number;
+        to->restitution = 0.0;
+    }
+    if (to->surface) {
+        if (is_given(to, "restitution")) refuse(scene, "restitution: expected dissipation, along a surface");
+        to->dissipation = number_of(to->surface, "dissipation");
+        to->restitution = 0.0;
+    }
+    if (is_given(to, "dissipation") && is_given(to, "restitution"))
+        refuse(scene, "dissipation, restitution: expected one of the two");
+    if (is_given(to, "dissipation")) to->restitution = 0.0;
+    for (int n = 0; n < 5; n++)
+        if (is_given(to, names[n])) *parts[n] = entry(&to->given, names[n])->number;
+}
+
+/* Of a striker that falls: the velocity at which it meets the object, and when. */
+static void fall(carom *scene, begun *to) {
+    double height = given_or(to, "height", 0.0), thrown = given_or(to, "velocity", 0.0);
+    double gravity = given_or(to, "gravity", GRAVITY), velocity = sqrt(thrown * thrown + 2.0 * gravity * height);
+    put(scene, &to->motion, "velocity", velocity);
+    put(scene, &to->motion, "delay", thrown > 0.0 ? 2.0 * height / (velocity + thrown) : (velocity - thrown) / gravity);
+}
+
+static void slip(carom *scene, begun *to, const call *told, double radius) {
+    const value *sliding = radius > 0.0 ? part(scene, "dry") : item(to->striker, "sliding");
+    for (const value *each = sliding->first; each; each = each->next) {
+        double own = radius > 0.0 && !strcmp(each->key, "radius") ? radius : each->number;
+        put(scene, &to->motion, each->key, given_or(to, each->key, own));
+    }
+    put(scene, &to->motion, "force", given_or(to, "force", to->mass * GRAVITY));
+    const named *most = entry(&to->motion, "static"), *moving = entry(&to->motion, "dynamic");
+    if (most && moving && moving->number > most->number)
+        refuse(scene, "dynamic = %g: expected at most static = %g", moving->number, most->number);
+    const named *press = entry(&to->given, "press");
+    if (!press) return;
+    if (!goes_on(scene, press->text, told->target, "press"))
+        refuse(scene, "press = %.80s: expected the id of a press on %.80s that goes on", press->text, told->target);
+    put(scene, &to->motion, "press", (double)running_by(scene, press->text)->number);
+}
+
+static void find_motion(carom *scene, begun *to) {
+    const char *argument = text_of(to->gesture, "argument");
+    to->motion.count = 0;
+    for (const value *each = item(to->gesture, "own")->first; each; each = each->next)
+        put(scene, &to->motion, each->text, given_or(to, each->text, 0.0));
+    put(scene, &to->motion, argument, given_or(to, argument, 0.0));
+    if (is_true(to->gesture, "held")) put(scene, &to->motion, "velocity", APPROACH);
+    if (is_true(to->gesture, "falls")) fall(scene, to);
+}
+
+/* Find the radius of what rolls, and the least that a surface takes. */
+static void find_radius(carom *scene, begun *to, double radius, int moves, int continued) {
+    const named *told = entry(&to->given, "radius") ? entry(&to->given, "radius") : entry(&to->defaults, "radius");
+    if (is_true(to->gesture, "rolls")) {
+        double found = told ? told->number : radius > 0.0 ? radius : number_of(to->striker, "radius");
+        if (!(found > 0.0) && moves && !continued) refuse(scene, "radius is missing: the striker has none");
+        put(scene, &to->motion, "radius", found > 0.0 ? found : ANY_RADIUS);
+    }
+    if (to->surface && moves && !continued) {
+        const named *own = entry(&to->motion, "radius"), *rough = entry(&to->motion, "roughness");
+        double least = number_of(to->surface, "least") * (rough ? rough->number : NAN);
+        if (own && own->number < least)
+            refuse(scene, "radius = %g: expected at least %g m on this surface", own->number, least);
+    }
+}
+
+/* Write the values of a gesture into its command: what it has usually, how it moves, its law, and where. */
+static void write_values(carom *scene, command *made, const begun *to) {
+    const value *sound = item(to->striker, is_true(to->gesture, "slips") ? "held" : "sound");
+    int is_point = !is_given(to, "striker") && is_given(to, "mass") && is_given(to, "stiffness");
+    static const value in_db = {TEXT, "unit", "dB", 0.0, NULL, NULL};
+    const value gain = {MAP, NULL, NULL, 0.0, (value *)&in_db, NULL};
+    double by_position = to->by ? number_of(to->by->preset, "position") : 0.0;
+    const struct {
+        const char *name;
+        double number;
+    } more[] = {
+        {"sound", to->by || is_point ? 0.0 : item_at(sound, 0)->number},
+        {"sound_serial", to->by || is_point ? 0.0 : item_at(sound, 1)->number},
+        {"mass", to->mass},
+        {"stiffness", to->stiffness},
+        {"dissipation", to->dissipation},
+        {"exponent", to->exponent},
+        {"restitution", to->restitution},
+        {"position", is_given(to, "position") ? given_or(to, "position", 0.0) : number_of(to->preset, "position")},
+        {"gain", in_engine(&gain, given_or(to, "gain", 0.0))},
+        {"by_position", is_given(to, "by_position") ? given_or(to, "by_position", 0.0) : by_position},
+    };
+    for (const value *each = item(to->gesture, "values")->first; each; each = each->next)
+        field_write(scene, made->bytes, "values.", each->key, each->number);
+    for (int n = 0; n < to->motion.count; n++)
+        field_write(scene, made->bytes, "values.", to->motion.entries[n].name, to->motion.entries[n].number);
+    for (size_t n = 0; n < sizeof more / sizeof *more; n++)
+        field_write(scene, made->bytes, "values.", more[n].name, more[n].number);
+}
+
+/* Write what a gesture along a surface has besides: which values were given, and the surface's profile. */
+static void write_along(carom *scene, command *made, const begun *to) {
+    const value *steerable = part(scene, "steerable"), *profile = item(to->surface, "profile");
+    double bits = 0.0;
+    for (const value *each = item(to->gesture, "steerable")->first; each; each = each->next)
+        if (is_given(to, each->text)) bits += ldexp(1.0, (int)number_of(steerable, each->text));
+    set(scene, made, "given", bits);
+    int place = 0;
+    const value *fields = item(part(scene, "command"), "fields");
+    for (const value *each = fields->first; each; each = each->next)
+        if (!strncmp(each->key, "surface.", 8)) set(scene, made, each->key, item_at(profile, place++)->number);
+}
+
+/* Begin a gesture, or steer the one along a surface that goes on with its id. */
+void gesture(carom *scene, const call *told, const object *of) {
+    begun to = {.of = of, .preset = of->preset, .gesture = item(part(scene, "gestures"), told->action)};
+    int along = is_true(to.gesture, "along");
+    collect(scene);
+    complete(scene, told, &to);
+    to.by = striking(scene, &to);
+    const named *name = entry(&to.given, "striker");
+    to.striker = named_part(scene, "striker", "strikers", name ? name->text : text_of(to.preset, "striker"));
+    const named *surface = entry(&to.given, "surface");
+    if (along) to.surface = named_part(scene, "surface", "surfaces", surface ? surface->text : "wood");
+    const named *radius = entry(&to.given, "by_radius") ? entry(&to.given, "by_radius") : entry(&to.given, "radius");
+    double touching = to.by && !name ? (radius ? radius->number : ANY_RADIUS) : 0.0; /* by materials */
+    find_law(scene, &to, touching);
+    find_motion(scene, &to);
+    const char *moving = is_true(to.gesture, "falls") ? "velocity" : text_of(to.gesture, "argument");
+    int moves = entry(&to.motion, moving)->number > 0.0;
+    if (!moves && !is_true(to.gesture, "held") && !along) return;
+
+    char own[LONGEST_NAME] = "";
+    const named *given = entry(&to.given, "id");
+    const char *id = given ? given->text : along ? told->target : own;
+    if (!given && !along && !is_true(to.gesture, "single"))
+        snprintf(own, sizeof own, "%.200s-%lld", told->target, (long long)++scene->made);
+    int continued = along && goes_on(scene, id, told->target, told->action);
+    if (is_true(to.gesture, "slips")) slip(scene, &to, told, touching);
+    find_radius(scene, &to, touching, moves, continued);
+    int64_t number = *id ? start(scene, id, told->target, told->action) : 0;
+    if (is_true(to.gesture, "seeded"))
+        put(scene, &to.motion, "seed", is_given(&to, "seed") ? entry(&to.given, "seed")->number : (double)number);
+
+    command made;
+    begin(scene, &made, told, "GESTURE");
+    about(scene, &made, of);
+    set(scene, &made, "what", number_of(to.gesture, "number"));
+    set(scene, &made, "gesture", (double)number);
+    if (to.by) {
+        set(scene, &made, "by_slot", (double)to.by->slot);
+        set(scene, &made, "by_serial", (double)to.by->serial);
+    }
+    write_values(scene, &made, &to);
+    if (along) write_along(scene, &made, &to);
+    send_command(scene, &made);
+    snprintf(scene->told, sizeof scene->told, "%s", id);
+}

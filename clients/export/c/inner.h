@@ -1,0 +1,97 @@
+/* What the files of the library share, and nobody else sees. */
+#ifndef CAROM_INNER_H
+#define CAROM_INNER_H
+
+#include <setjmp.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "carom.h"
+
+/* The library is one translation unit (library.c), so that a program that links it sees the names of carom.h alone. */
+#define INNER static
+
+/* A value of JSON. */
+typedef struct value value;
+struct value {
+    enum { NOTHING, TRUTH, NUMBER, TEXT, LIST, MAP } kind;
+    const char *key; /* in a map */
+    const char *text;
+    double number; /* of TRUTH 0 or 1 */
+    value *first, *next;
+};
+
+INNER value *json_read(char *text, size_t size); /* changes the text, and points into it; NULL if it is no JSON */
+INNER void json_free(value *root);
+INNER const value *item(const value *map, const char *key); /* a value of kind NOTHING where there is none */
+INNER const value *item_at(const value *list, long place);
+INNER const value *item_of(const value *map, const char *prefix, const char *key);
+INNER int place_of(const value *list, const char *text); /* -1: it is not there */
+INNER double number_of(const value *map, const char *key);
+INNER const char *text_of(const value *map, const char *key); /* "": it is none */
+INNER int is_true(const value *map, const char *key);
+INNER double decimal(const char *text, const char **end); /* whatever the locale says */
+
+typedef struct {
+    const char *name;
+    int64_t place;
+    int whole;
+} field;
+
+typedef struct {
+    char *name;
+    const value *said, *preset;
+    int64_t slot, serial;
+    double settings[16];
+    unsigned given; /* bits: settings that a message has set */
+} object;
+
+typedef struct {
+    char *id;
+    int64_t number;
+    char **addresses; /* of its gestures that go on, the oldest first */
+    int count;
+} running;
+
+typedef struct {
+    int64_t at, runs, commands, count;
+} batch;
+
+struct carom {
+    char *text;
+    value *map;
+    uint8_t *data;
+    int64_t data_size;
+    void *memory;
+    uint8_t *state; /* in `memory`, at a multiple of 64 */
+    int64_t state_size, command_size, entries, written, read, ring, position, ends, ended, most_ended;
+    field *fields; /* sorted by their names */
+    int field_count;
+    batch *batches;
+    int64_t batch_count, next;
+    int live, channels;
+    double rate;
+    int64_t computed;
+    uint8_t *inbox; /* commands from the thread that sends to the one that computes: as many as the engine's ring has */
+    int64_t inbox_written, inbox_read;
+    /* of messages */
+    object *objects;
+    int object_count, object_room;
+    running *gestures;
+    int gesture_count, gesture_room;
+    int64_t made, ends_read, serial, slot, mode, gesture_number;
+    char told[512];
+    jmp_buf refused;
+};
+
+INNER int64_t whole_at(const carom *scene, int64_t place); /* of the engine's memory, with acquire ordering */
+INNER void whole_put(carom *scene, int64_t place, int64_t number); /* with release ordering */
+INNER const field *field_of(const carom *scene, const char *prefix, const char *name); /* NULL: there is none */
+INNER double field_read(const carom *scene, const uint8_t *command, const char *name);
+INNER void field_write(const carom *scene, uint8_t *command, const char *prefix, const char *name, double number);
+INNER int post(carom *scene, const uint8_t *command); /* 0: there is no room */
+INNER void messages_begin(carom *scene);
+INNER void messages_end(carom *scene);
+INNER int messages_perform(carom *scene, const char *message, double time);
+
+#endif

@@ -1,0 +1,6 @@
+/* The whole library. */
+#include "json.c"
+#include "words.c"
+#include "messages.c"
+#include "gestures.c"
+#include "carom.c"

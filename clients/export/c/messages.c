@@ -1,0 +1,355 @@
+/* Messages, as OSC has them, to the engine's commands. All that it knows of gestures, values and ranges is in the map. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "messages.h"
+
+#define SLOWEST 0.05    /* m/s of the velocities 1 and 127 */
+#define FASTEST 5.0
+
+enum { LIVE = 1 << 20, MOST_POINTS = 256 };
+
+static void perform(carom *scene, const char *address, const message *from, const word *words, int count, double time);
+
+const value *part(const carom *scene, const char *name) {
+    return item(scene->map, name);
+}
+
+void begin(carom *scene, command *made, const call *told, const char *kind) {
+    memset(made->bytes, 0, (size_t)scene->command_size);
+    field_write(scene, made->bytes, "", "time", told->time);
+    field_write(scene, made->bytes, "", "kind", number_of(part(scene, "kinds"), kind));
+    field_write(scene, made->bytes, "", "channel", -1.0);
+}
+
+void set(carom *scene, command *made, const char *name, double number) {
+    field_write(scene, made->bytes, "", name, number);
+}
+
+void about(carom *scene, command *made, const object *of) {
+    set(scene, made, "slot", (double)of->slot);
+    set(scene, made, "serial", (double)of->serial);
+}
+
+void send_command(carom *scene, const command *made) {
+    if (!post(scene, made->bytes))
+        refuse(scene, "no room for another command: %lld wait", (long long)scene->ring);
+}
+
+static void send_points(carom *scene, command *made, const call *told) {
+    point found[MOST_POINTS];
+    int count = points(scene, told->verb, told->from, told->words, told->count, found, MOST_POINTS);
+    for (int n = 0; n < count; n++) {
+        set(scene, made, "value", found[n].value);
+        set(scene, made, "ramp.after", found[n].after);
+        set(scene, made, "ramp.over", found[n].over);
+        set(scene, made, "ramp.curve", found[n].curve);
+        send_command(scene, made);
+    }
+}
+
+static char *copied(carom *scene, const char *text) {
+    char *copy = malloc(strlen(text) + 1);
+    if (!copy) refuse(scene, "no memory is left");
+    return strcpy(copy, text);
+}
+
+/* --- what goes on --- */
+
+running *running_by(const carom *scene, const char *id) {
+    for (int n = 0; n < scene->gesture_count; n++)
+        if (!strcmp(scene->gestures[n].id, id)) return &scene->gestures[n];
+    return NULL;
+}
+
+int goes_on(const carom *scene, const char *id, const char *target, const char *action) {
+    const running *found = running_by(scene, id);
+    size_t size = strlen(target);
+    for (int n = 0; found && n < found->count; n++) {
+        const char *each = found->addresses[n];
+        if (!strncmp(each, target, size) && each[size] == '/' && !strcmp(each + size + 1, action)) return 1;
+    }
+    return 0;
+}
+
+static void forget(carom *scene, running *gone) {
+    for (int n = 0; n < gone->count; n++) free(gone->addresses[n]);
+    free(gone->addresses);
+    free(gone->id);
+    *gone = scene->gestures[--scene->gesture_count];
+}
+
+/* Learn which gestures have ended. */
+void collect(carom *scene) {
+    int64_t count = whole_at(scene, scene->ended), joined = (int64_t)number_of(scene->map, "joined");
+    int64_t n = count - scene->most_ended > scene->ends_read ? count - scene->most_ended : scene->ends_read;
+    for (; n < count; n++) {
+        int64_t at = scene->ends + 16 * (n % scene->most_ended);
+        int64_t number = whole_at(scene, at), end = whole_at(scene, at + 8);
+        for (int place = scene->gesture_count - 1; place >= 0; place--) {
+            running *each = &scene->gestures[place];
+            if (each->number != number) continue;
+            int gone = end == joined ? each->count - 1 : 0;
+            free(each->addresses[gone]);
+            each->count--;
+            memmove(each->addresses + gone, each->addresses + gone + 1,
+                    (size_t)(each->count - gone) * sizeof *each->addresses);
+            if (!each->count) forget(scene, each);
+        }
+    }
+    scene->ends_read = count;
+}
+
+/* The number of a gesture that begins. */
+int64_t start(carom *scene, const char *id, const char *target, const char *action) {
+    running *known = running_by(scene, id);
+    if (!known) {
+        if (scene->gesture_count == scene->gesture_room) {
+            int room = 2 * scene->gesture_room + 64;
+            running *more = realloc(scene->gestures, (size_t)room * sizeof *more);
+            if (!more) refuse(scene, "no memory is left");
+            scene->gestures = more;
+            scene->gesture_room = room;
+        }
+        char *own = copied(scene, id);
+        known = &scene->gestures[scene->gesture_count++];
+        *known = (running){own, ++scene->gesture_number, NULL, 0};
+    }
+    char **more = realloc(known->addresses, (size_t)(known->count + 1) * sizeof *more);
+    if (!more) refuse(scene, "no memory is left");
+    known->addresses = more;
+    char joined[2 * LONGEST_NAME];
+    snprintf(joined, sizeof joined, "%s/%s", target, action);
+    known->addresses[known->count] = copied(scene, joined);
+    known->count++;
+    return known->number;
+}
+
+/* --- objects --- */
+
+object *object_by(const carom *scene, const char *name) {
+    for (int n = 0; n < scene->object_count; n++)
+        if (!strcmp(scene->objects[n].name, name)) return &scene->objects[n];
+    return NULL;
+}
+
+static int64_t laid(const carom *scene, const object *of, const char *name) {
+    return (int64_t)field_read(scene, scene->data + (int64_t)number_of(of->said, "made"), name);
+}
+
+static void add_object(carom *scene, object made, const char *name) {
+    if (scene->object_count == scene->object_room) refuse(scene, "no room for another object");
+    made.name = copied(scene, name);
+    scene->objects[scene->object_count++] = made;
+}
+
+static void remove_object(carom *scene, object *gone) {
+    free(gone->name);
+    scene->object_count--;
+    memmove(gone, gone + 1, (size_t)(scene->objects + scene->object_count - gone) * sizeof *gone);
+}
+
+/* Make an object of another's modes, tuned to a note; a plate's copies do not stretch. */
+static void copy(carom *scene, const object *of, const char *name, double note, double time) {
+    static const char *const columns[] = {"frequency", "sigma", "weight", "balance"};
+    const value *state = part(scene, "state");
+    int64_t size = laid(scene, of, "layout.size"), first = laid(scene, of, "layout.first");
+    double lowest = number_of(of->said, "lowest");
+    if (!(lowest > 0.0)) refuse(scene, "note: it has no mode that is heard, and so no pitch");
+    if (scene->mode + size > (int64_t)number_of(state, "modes") || scene->slot + 1 >= scene->object_room)
+        refuse(scene, "note = %g: no room for another object", note);
+    int64_t next = __atomic_load_n(&scene->next, __ATOMIC_ACQUIRE);
+    if (!scene->live && (int64_t)number_of(of->said, "batch") >= next)
+        refuse(scene, "%.80s: its object is not there yet", name);
+    for (int n = 0; n < 4; n++) {
+        uint8_t *column = scene->state + (int64_t)number_of(state, columns[n]);
+        memcpy(column + 8 * scene->mode, column + 8 * first, 8 * (size_t)size);
+    }
+    command made;
+    memcpy(made.bytes, scene->data + (int64_t)number_of(of->said, "made"), (size_t)scene->command_size);
+    object other = *of;
+    other.slot = scene->slot + 1;
+    other.serial = scene->serial + 1;
+    about(scene, &made, &other);
+    set(scene, &made, "time", time);
+    set(scene, &made, "layout.first", (double)scene->mode);
+    set(scene, &made, "layout.sheet", -1.0);
+    for (const value *each = part(scene, "settings")->first; each; each = each->next) {
+        int place = (int)each->number;
+        if (!(of->given >> place & 1)) continue;
+        const value *declared = item_at(item(item_of(part(scene, "verbs"), "/object/NAME/", each->key), "required"), 0);
+        field_write(scene, made.bytes, "settings.", each->key, in_engine(declared, of->settings[place]));
+    }
+    set(scene, &made, "settings.tune", 440.0 * pow(2.0, (note - 69.0) / 12.0) / lowest);
+    send_command(scene, &made);
+    add_object(scene, other, name);
+    scene->slot++;
+    scene->serial++;
+    scene->mode += size;
+}
+
+/* Strike a copy of an object that is tuned to a note; it is made when the note is first played. */
+static void note(carom *scene, const call *told, const object *of) {
+    table given, defaults;
+    parse(scene, told->address, told->verb, told->words, told->count, &given, &defaults);
+    const named *number = entry(&given, "note"), *velocity = entry(&given, "velocity");
+    if (!number || !velocity) refuse(scene, "note: expected a note and a velocity");
+    if (velocity->number == 0.0) return;
+    char name[LONGEST_NAME], address[LONGEST_NAME + 32];
+    if (snprintf(name, sizeof name, "%s.%.15g", told->target, number->number) >= (int)sizeof name)
+        refuse(scene, "%.80s: too long a name", told->target);
+    if (!object_by(scene, name)) copy(scene, of, name, number->number, told->time);
+    double share = (fmax(velocity->number, 1.0) - 1.0) / 126.0;
+    word words[MOST_WORDS];
+    memcpy(words, told->words + 1, (size_t)(told->count - 1) * sizeof *words);
+    words[0] = (word){A_NUMBER, "velocity", SLOWEST * pow(FASTEST / SLOWEST, share), 0, 0};
+    snprintf(address, sizeof address, "/object/%s/impact", name);
+    perform(scene, address, told->from, words, told->count - 1, told->time);
+}
+
+/* --- messages --- */
+
+static void steer(carom *scene, const call *told) {
+    command made;
+    collect(scene);
+    const running *found = running_by(scene, told->target);
+    if (!found) refuse(scene, "%.80s: no such gesture is running", told->target);
+    int stops = !strcmp(told->action, "stop");
+    begin(scene, &made, told, stops ? "STOP" : "STEER");
+    set(scene, &made, "gesture", (double)found->number);
+    if (stops) {
+        send_command(scene, &made);
+        return;
+    }
+    set(scene, &made, "parameter", number_of(part(scene, "steerable"), told->action));
+    send_points(scene, &made, told);
+}
+
+static void of_engine(carom *scene, const call *told) {
+    command made;
+    char kind[32];
+    size_t size = 0;
+    for (const char *each = told->address + 1; *each && size + 1 < sizeof kind; each++)
+        kind[size++] = (char)(*each >= 'a' && *each <= 'z' ? *each - 32 : *each);
+    kind[size] = 0;
+    begin(scene, &made, told, kind);
+    if (is_true(told->verb, "changes")) {
+        send_points(scene, &made, told);
+        return;
+    }
+    table given, defaults;
+    parse(scene, told->address, told->verb, told->words, told->count, &given, &defaults);
+    const named *first = given.count ? &given.entries[0] : NULL;
+    double number = first ? first->number : 0.0;
+    if (first && first->text) {
+        int accuracy = !strcmp(kind, "ACCURACY"), is_on = !strcmp(first->text, "on") || !strcmp(first->text, "1");
+        int listed = accuracy || !strcmp(kind, "BANK");
+        number = listed ? place_of(part(scene, accuracy ? "levels" : "forms"), first->text) : is_on;
+    }
+    set(scene, &made, "value", number);
+    send_command(scene, &made);
+}
+
+static void of_object(carom *scene, const call *told) {
+    object *of = object_by(scene, told->target);
+    if (!of) refuse_all(scene, "object", told->target, part(scene, "objects")->first);
+    if (item(part(scene, "gestures"), told->action)->kind == MAP) {
+        gesture(scene, told, of);
+        return;
+    }
+    if (!strcmp(told->action, "note")) {
+        note(scene, told, of);
+        return;
+    }
+    command made;
+    int changes = is_true(told->verb, "changes");
+    begin(scene, &made, told, changes ? "SET" : "FREE");
+    about(scene, &made, of);
+    if (changes) {
+        int place = (int)number_of(part(scene, "settings"), told->action);
+        set(scene, &made, "parameter", place);
+        send_points(scene, &made, told);
+        if (told->words[0].kind == A_NUMBER && place < 16) {
+            of->settings[place] = told->words[0].number;
+            of->given |= 1u << place;
+        }
+        return;
+    }
+    table given, defaults;
+    parse(scene, told->address, told->verb, told->words, told->count, &given, &defaults);
+    const named *at_once = entry(&given, "at_once");
+    set(scene, &made, "value", at_once ? at_once->number : 0.0);
+    send_command(scene, &made);
+    remove_object(scene, of);
+}
+
+/* The two parts of an address /GROUP/TARGET/ACTION; 0: it has others. */
+static int parts_of(const char *address, const char *group, char *target, const char **action) {
+    size_t size = strlen(group);
+    if (strncmp(address, group, size)) return 0;
+    const char *slash = strchr(address + size, '/');
+    if (!slash || strchr(slash + 1, '/') || slash - address - size >= LONGEST_NAME) return 0;
+    memcpy(target, address + size, (size_t)(slash - address) - size);
+    target[slash - address - size] = 0;
+    *action = slash + 1;
+    return 1;
+}
+
+static void perform(carom *scene, const char *address, const message *from, const word *words, int count, double time) {
+    char target[LONGEST_NAME] = "";
+    call told = {address, target, "", NULL, from, words, count, time};
+    int on_object = parts_of(address, "/object/", target, &told.action);
+    int on_gesture = !on_object && parts_of(address, "/gesture/", target, &told.action);
+    const value *verbs = part(scene, "verbs");
+    told.verb = on_object    ? item_of(verbs, "/object/NAME/", told.action)
+                : on_gesture ? item_of(verbs, "/gesture/ID/", told.action)
+                             : item(verbs, address);
+    if (told.verb->kind != MAP) refuse_all(scene, "address in an exported scene", address, verbs->first);
+    if (on_object)
+        of_object(scene, &told);
+    else if (on_gesture)
+        steer(scene, &told);
+    else
+        of_engine(scene, &told);
+}
+
+int messages_perform(carom *scene, const char *text, double time) {
+    message from;
+    scene->told[0] = 0;
+    if (setjmp(scene->refused)) return 0;
+    split(scene, &from, text);
+    if (!from.count || from.words[0].kind != A_TEXT || from.words[0].text[0] != '/')
+        refuse(scene, "expected an address, which starts with /");
+    perform(scene, from.words[0].text, &from, from.words + 1, from.count - 1, time);
+    return 1;
+}
+
+void messages_end(carom *scene) {
+    while (scene->gesture_count) forget(scene, &scene->gestures[0]);
+    while (scene->object_count) free(scene->objects[--scene->object_count].name);
+}
+
+void messages_begin(carom *scene) {
+    messages_end(scene);
+    scene->made = scene->ends_read = scene->mode = scene->serial = 0;
+    scene->slot = -1;
+    scene->gesture_number = LIVE;
+    for (const value *each = part(scene, "objects")->first; each; each = each->next) {
+        object made = {.said = each, .preset = item_at(part(scene, "presets"), (long)number_of(each, "preset"))};
+        made.slot = (int64_t)number_of(each, "slot");
+        made.serial = (int64_t)number_of(each, "serial");
+        int64_t end = laid(scene, &made, "layout.first") + laid(scene, &made, "layout.size");
+        if (made.serial > scene->serial) scene->serial = made.serial;
+        if (made.slot > scene->slot) scene->slot = made.slot;
+        if (end > scene->mode) scene->mode = end;
+        made.name = malloc(strlen(each->key) + 1);
+        if (!made.name || scene->object_count == scene->object_room) {
+            free(made.name);
+            continue;
+        }
+        scene->objects[scene->object_count++] = made;
+        strcpy(made.name, each->key);
+    }
+}

@@ -1,0 +1,35 @@
+/* What messages are about, and the commands that they become. */
+#ifndef CAROM_MESSAGES_H
+#define CAROM_MESSAGES_H
+
+#include "words.h"
+
+enum { LONGEST_NAME = 256, LARGEST = 4096 };
+
+typedef struct {
+    uint8_t bytes[LARGEST];
+} command;
+
+/* What a message is about, while it is carried out. */
+typedef struct {
+    const char *address, *target, *action;
+    const value *verb;
+    const message *from;
+    const word *words;
+    int count;
+    double time;
+} call;
+
+INNER const value *part(const carom *scene, const char *name);
+INNER void begin(carom *scene, command *made, const call *told, const char *kind);
+INNER void set(carom *scene, command *made, const char *name, double number);
+INNER void about(carom *scene, command *made, const object *of);
+INNER void send_command(carom *scene, const command *made);
+INNER object *object_by(const carom *scene, const char *name);
+INNER running *running_by(const carom *scene, const char *id);
+INNER int goes_on(const carom *scene, const char *id, const char *target, const char *action);
+INNER void collect(carom *scene);
+INNER int64_t start(carom *scene, const char *id, const char *target, const char *action);
+INNER void gesture(carom *scene, const call *told, const object *of);
+
+#endif

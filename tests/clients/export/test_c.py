@@ -1,0 +1,109 @@
+"""A scene as a library for C: what a plain C compiler makes of it renders the bits, and carries out messages."""
+
+import json
+import math
+import re
+import shutil
+import struct
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from carom.clients.export import c
+from carom.server.osc.score import format_line
+from carom.server.osc.wire import Message
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler is installed")]
+
+SOURCES = Path(c.__file__).parent / "c"
+STRICT = ["-std=c11", "-O1", "-Wall", "-Wextra", "-Werror"]
+
+
+def run(*words: object, **more: Any) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run([*map(str, words)], capture_output=True, text=True, **more)
+
+
+@pytest.fixture(scope="module")
+def example(folder: Path) -> Path:
+    """The example, compiled and linked as its page says."""
+    made = run("cc", "example.c", "libcarom.a", "-lm", "-o", "example", cwd=folder)
+    assert (made.stderr, made.returncode) == ("", 0)
+    return folder / "example"
+
+
+def test_the_example_renders_a_score_to_the_bit(example: Path, folder: Path, tmp_path: Path) -> None:
+    """The WAV file of a program in C holds the samples of a render, by the static library and by the shared one."""
+    wanted = (folder / "sound.f32").read_bytes()
+    shared = folder / "shared"
+    run("cc", "example.c", "-L.", "-lcarom", "-Wl,-rpath,.", "-o", shared, cwd=folder, check=True)
+    for program in (example, shared):
+        run(program, folder / "scene.carom", tmp_path / "made.wav", cwd=folder, check=True)
+        made = (tmp_path / "made.wav").read_bytes()
+        assert made[:4] == b"RIFF" and struct.unpack("<HHI", made[20:28]) == (3, 2, 48_000)
+        assert made[44:] == wanted and any(wanted)
+
+
+def test_what_is_wrong_is_said(example: Path, folder: Path, tmp_path: Path) -> None:
+    """The example names what is no scene, and the reason of a refusal; a cut or damaged scene is not opened."""
+    made = run(example, SOURCES / "carom.h", tmp_path / "a.wav")
+    assert made.returncode == 1 and made.stderr.endswith("carom.h: expected a scene that Carom has baked\n")
+    refused = run(example, folder / "scene.carom", tmp_path / "a.wav", "/object/church_bell/impact fast")
+    assert refused.returncode == 1 and "fast" in refused.stderr and refused.stderr.count("\n") == 1
+    whole = (folder / "scene.carom").read_bytes()
+    for size in (0, 11, 5_000, len(whole) // 2, len(whole) - 8):
+        (tmp_path / "cut.carom").write_bytes(whole[:size])
+        assert run(example, tmp_path / "cut.carom", tmp_path / "a.wav").returncode == 1, size
+
+
+def test_the_library_shows_its_own_names_alone(folder: Path) -> None:
+    """Programs see the functions of the header, and no other name of the library's."""
+    declared = {word.split("(")[0].strip("* ") for word in (SOURCES / "carom.h").read_text().split() if "(" in word}
+    wanted = {word for word in declared if word.startswith("carom_")}
+    for words, others in ((["-g", "libcarom.a"], {f"{c.PREFIX}callback"}), (["-D", "libcarom.so"], set())):
+        told = run("nm", "--defined-only", *words, cwd=folder).stdout
+        assert {line.split()[-1] for line in told.splitlines() if " T " in line} == wanted | others, words
+
+
+def test_messages_become_the_commands_of_a_session(folder: Path, tmp_path: Path) -> None:
+    """Messages to the library reach its engine with the values that a session gives them."""
+    asked = json.loads((folder / "asked.json").read_text())
+    program = tmp_path / "ask"
+    words = [*STRICT, "-I", SOURCES, Path(__file__).parent / "ask.c", folder / "libcarom.a", "-lm", "-o", program]
+    made = run("cc", *words)
+    assert (made.stderr, made.returncode) == ("", 0)
+    lines = [format_line(0.0, message_of(each)).partition(" ")[2] for each in asked]
+    told = run(program, folder / "scene.carom", input="\n".join(lines), check=True).stdout.splitlines()
+    scene = (folder / "scene.carom").read_bytes()
+    (size,) = struct.unpack("<I", scene[8:12])
+    fields = json.loads(scene[12 : 12 + size])["command"]["fields"]
+    wrong = []
+    for each, got in zip(asked, told, strict=True):
+        commands = [] if got.startswith("!") else [bytes.fromhex(word) for word in got.split()]
+        if len(commands) != len(each["commands"]):
+            wrong.append((each["message"], got[:200]))
+            continue
+        for wanted, command in zip(each["commands"], commands, strict=True):
+            found = {name: read(command, *fields[name]) for name in wanted}
+            differ = {k: (v, found[k]) for k, v in wanted.items() if not math.isclose(v, found[k], rel_tol=1e-12)}
+            wrong += [(each["message"], differ)] if differ else []
+    assert len(asked) == 400 and not wrong, f"{len(wrong)} of {len(asked)}: {wrong[:5]}"
+
+
+def test_the_program_on_the_page_compiles(folder: Path, tmp_path: Path) -> None:
+    """The page's program is C11 and C++ without a warning."""
+    ((text),) = re.findall(r"```c\n(.*?)```", (SOURCES.parents[1] / "export.md").read_text(), re.DOTALL)
+    for words in (["-std=c11", "-x", "c"], ["-std=c++17", "-x", "c++"]):
+        made = run("cc", *words, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I", folder, "-", input=text)
+        assert "cc1plus" in made.stderr or (made.stderr, made.returncode) == ("", 0), words
+
+
+def message_of(each: dict[str, Any]) -> Message:
+    address, *args = each["message"]
+    return Message(address, tuple(args))
+
+
+def read(command: bytes, place: int, whole: int) -> float:
+    """Return a field of a command's bytes."""
+    return float(struct.unpack_from("<q" if whole else "<d", command, place)[0])
