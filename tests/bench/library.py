@@ -69,7 +69,7 @@ def line(chance: random.Random, whole: str) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=100_000)
-    parser.add_argument("--frames", type=int, default=32, help="computed after each message (%(default)s)")
+    parser.add_argument("--frames", type=int, default=8, help="computed after each message (%(default)s)")
     parser.add_argument("--seed", type=int, default=46)
     parser.add_argument("--engine", default=[], nargs=1, help="a module whose callback stands in for the engine's")
     args = parser.parse_args()

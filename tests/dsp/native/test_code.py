@@ -300,7 +300,7 @@ def test_a_wheel_compiles_itself(doubling, tmp_path, monkeypatch):
     monkeypatch.setattr(setuptools, "setup", lambda **_: None)
     monkeypatch.setattr(store, "PACKAGED", tmp_path / "objects")
     monkeypatch.setattr(sys, "argv", ["-c", doubling])
-    exec(runpy.run_path(str(Path(__file__).parents[3] / "setup.py"))["BUILD"], {})
+    exec(runpy.run_path(str(Path(__file__).parents[3] / "setup.py"))["BUILD"].format(targets="targets.built()"), {})
     assert len(list((tmp_path / "objects").rglob("*.o"))) == len(targets.built())
     assert doubled(doubling) == (42, "package")
 
