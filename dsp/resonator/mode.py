@@ -42,6 +42,15 @@ def energy_of(modes: Modes, weights: View[float], count: int) -> float:
 
 
 @kernel
+def settle_under(modes: Modes) -> None:
+    """Bring modes to rest under a force that lasts: they hold what a sample of it gives them, b; y = A (y + b)."""
+    for i in range(len(modes.y1)):
+        b1, b2, a1, a2 = modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i]
+        modes.y1[i] = ((a1 + a2) * b1 + a2 * b2) / (1.0 - a1 - a2)
+        modes.y2[i] = modes.y1[i] + b1
+
+
+@kernel
 def recurring(frequency: float, nyquist: float) -> float:
     """Return the frequency (Hz) nearest to one at which two samples tell how a mode rings, and what it answers to a
     force.

@@ -3,20 +3,28 @@
 The laws are those of resonator/mode.py, of the energy that rings, and of bodies/tension.py, of a striker that stretches
 a membrane about itself. Modes keep their energy where they are retuned, so that none is gained however often that is. A
 striker that touches feels the point's motion go on without a step (contact/coupled.py).
+
+A striker that is pressed on bends the modes for good, and that tightens the object too: by Kirchhoff's equation of a
+bend at rest s (1 + s)^2 = 2 glide E, with E the energy that the bend would have at the object's own tension. What
+swings about it counts by its own energy alone. Were the energy of both together followed, the swing would change the
+tension in its own time, a quantum late, and the hand would feed it for ever.
 """
 
 import math
 
-from ...native.jit import kernel
-from ...resonator.mode import energy_of, ring_at
+from ...native.jit import kernel, noinline_kernel
+from ...numerics.legendre import KEPT
+from ...resonator.bank import Modes, inject_kept
+from ...resonator.mode import energy_of, ring_at, settle_under
 from ..memory.state import COUPLING, QUANTUM, Object, State
-from .objects import modes_of, ringing_of
+from .objects import modes_of, point_of, ringing_of, shape_at
 
 _AUDIBLE = 2.0 ** (2.0 / 1200.0) - 1.0  # rise of the tension by which the pitch rises by a cent
 _STEP = 0.5 * _AUDIBLE  # the least change of it that is carried out
 _HIGHEST = (
     15.0  # times its own tension that an object's tension rises at most: two octaves; no head or string bears more
 )
+_NEWTON_STEPS = 6
 _SPREAD = 0.003  # s: the tension about a striker that has left spreads over the head, as its waves do
 
 
@@ -25,7 +33,8 @@ def follow_tension(state: State, obj: Object) -> None:
     """Bring an object's tension to its ringing and its strikers; nothing where it does not glide, or inaudibly."""
     if obj.glide == 0.0 or (obj.live == 0 and obj.stretch == 0.0 and obj.contact < 0):
         return
-    stretch = min(max(obj.glide * energy_without_gains(state, obj), _cone_of(state, obj)), _HIGHEST)
+    stretch = max(obj.glide * energy_without_gains(state, obj), _cone_of(state, obj))
+    stretch = min(stretch + _rise_under(2.0 * obj.glide * obj.deflection), _HIGHEST)
     if stretch < obj.stretch:
         stretch += (obj.stretch - stretch) * math.exp(-QUANTUM / (_SPREAD * state.rate))
     if not stretch >= _AUDIBLE:
@@ -44,17 +53,86 @@ def follow_tension(state: State, obj: Object) -> None:
 @kernel
 def energy_without_gains(state: State, obj: Object) -> float:
     """Return the energy (J) that rings on an object, as it were if all gestures had a gain of 1: gains are heard, not
-    felt.
+    felt. That of modes that are bent for good is in `deflection`, and not in it.
 
     The energy that came in a quantum counts with the gain of the loudest gesture in it.
     """
     weights = state.bank.weight[obj.first : obj.first + obj.live]
-    energy = energy_of(modes_of(state, obj, 0, obj.live), weights, obj.felt)
+    modes = modes_of(state, obj, 0, obj.live)
+    if _find_bend(state, obj, modes):
+        bent = _in_work(state, modes)
+        for i in range(len(modes.y1)):
+            bent.y1[i] = modes.y1[i] - bent.y1[i]
+            bent.y2[i] = modes.y2[i] - bent.y2[i]
+        modes = bent
+    energy = energy_of(modes, weights, obj.felt)
     more = energy - obj.rang
     if more > 0.0 and obj.driven_gain > 0.0:
         obj.amplified = energy / (obj.rang / obj.amplified + more / (obj.driven_gain * obj.driven_gain))
     obj.rang = energy
     return energy / obj.amplified
+
+
+@kernel
+def _in_work(state: State, modes: Modes) -> Modes:
+    """Return modes of the same kind whose motion is in `scratch.work`."""
+    size, work = len(modes.y1), state.scratch.work
+    return Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
+
+
+@noinline_kernel
+def _find_bend(state: State, obj: Object, modes: Modes) -> bool:
+    """Write how an object's modes are bent by the strikers that are pressed on it into `scratch.work`; false if none
+    is."""
+    bent, force, found = _in_work(state, modes), state.scratch.power, False
+    for i in range(len(modes.y1)):
+        bent.y1[i] = bent.y2[i] = force[i] = 0.0
+    if obj.shares_contact == 1:
+        for i in range(state.active):
+            found |= _push(state, obj, state.objects[state.order[i]].contact, bent)
+    else:
+        found = _push(state, obj, obj.contact, bent)
+    obj.deflection = 0.0
+    if found:
+        settle_under(bent)
+        for i in range(min(len(modes.y1), obj.felt)):
+            omega = 2.0 * math.pi * state.bank.frequency[obj.first + i] * obj.settings.tune
+            obj.deflection += 0.5 * force[i] * force[i] / (omega * omega) if omega > 0.0 else 0.0
+    return found
+
+
+@kernel
+def _push(state: State, obj: Object, index: int, bent: Modes) -> bool:
+    """Add the pushes of a list of contacts on an object's modes to `scratch.power` (N kg^-1/2), and what a sample of
+    them gives the modes to `bent`; false if none acts on it."""
+    found, moments = False, state.scratch.fine
+    while index >= 0:
+        contact = state.contacts[index]
+        pushed = contact.trait.held == 1 and contact.touching == 1 and contact.solver == COUPLING and contact.push > 0.0
+        for side in range(2):
+            point = contact.point[side]
+            if pushed and point.slot >= 0 and state.objects[point.slot].first == obj.first:
+                for k in range(KEPT):
+                    moments[k] = 0.0
+                force = contact.now.gain * contact.push
+                moments[0] = force / state.rate
+                n = min(point.modes, len(bent.y1))
+                for i in range(n):
+                    state.scratch.power[i] += force * shape_at(state, obj, point, i)
+                felt = Modes(bent.y1[:n], bent.y2[:n], bent.a1[:n], bent.a2[:n], bent.balance[:n], bent.response)
+                inject_kept(felt, point_of(state, obj, point), moments)
+                found = True
+        index = contact.next
+    return found
+
+
+@kernel
+def _rise_under(bend: float) -> float:
+    """Return s >= 0 with s (1 + s)^2 = bend, by Newton's method from above: the function is convex."""
+    rise = min(bend, bend ** (1.0 / 3.0))
+    for _ in range(_NEWTON_STEPS):
+        rise -= (rise * (1.0 + rise) * (1.0 + rise) - bend) / ((1.0 + rise) * (1.0 + 3.0 * rise))
+    return rise
 
 
 @kernel

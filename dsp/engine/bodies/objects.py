@@ -65,11 +65,13 @@ def pitch_of(obj: Object) -> float:
 @kernel
 def frequency_of(state: State, obj: Object, i: int) -> float:
     """Return the frequency (Hz) of an object's mode i as it is now; of one that is stretched by its own ringing too
-    (mode.py)."""
+    (mode.py), where nothing is pressed on the object."""
     at = obj.first + i
     frequency = state.bank.frequency[at] * obj.settings.tune
     if obj.stretch == 0.0:
         return frequency
+    if obj.deflection > 0.0:
+        return frequency * math.sqrt(1.0 + obj.stretch)
     bank = state.bank
     energy = mode_energy(bank.y1[at], bank.y2[at], bank.a1[at], bank.a2[at], bank.weight[at]) / obj.amplified
     own = 0.5 * obj.glide * energy

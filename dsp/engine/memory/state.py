@@ -167,6 +167,7 @@ class Object(Record):
     cone: float  # kg: how far it does about a striker
     rang: float  # J: energy of its modes as last looked at, with the gains of gestures in it
     amplified: float  # that over what it were without these gains
+    deflection: float  # J: energy that its bend under pushes would have at its own tension
     stretch: float  # that rise now; 0 where nobody would hear it
     detuned: int  # 1: modes answer forces as at another stretch, and must be told if they are touched
     sheet: int  # place of a plate whose modes can be coupled, -1: it is none

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from carom.dsp.bodies import Modes, listed
 from carom.dsp.engine.memory.state import QUANTUM
@@ -220,7 +221,8 @@ def test_a_panic_ends_the_glide():
 
 
 def test_a_hand_that_presses_feels_no_step_as_the_tension_falls():
-    """The contact goes on through every retune: its force has no jumps that it has not where nothing glides."""
+    """The contact goes on through every retune: its force has no jumps that it has not where nothing glides, though all
+    is quicker under the tension."""
 
     def jumps(glide):
         engine = Engine(RATE)
@@ -235,7 +237,7 @@ def test_a_hand_that_presses_feels_no_step_as_the_tension_falls():
             traced = engine.traced()
             force.append(traced["impulse"][traced["command"] == 1] * RATE)
         force = np.concatenate(force)[12_000:]
-        return np.abs(np.diff(force, 2)).max()
+        return np.abs(np.diff(force, 2)).max() / (1.0 + place(engine, handle)["stretch"])
 
     assert jumps(200.0) < 3 * jumps(0.0)
 
@@ -260,3 +262,31 @@ def test_gains_are_heard_and_not_felt():
     assert plain[1] > 3.5 * plain[0] > 0.01
     assert rises(20.0, 1.0) == pytest.approx(plain, rel=1e-3)
     assert rises(0.05, 20.0) == pytest.approx(plain, rel=1e-3)
+
+
+@pytest.mark.parametrize("force", (2.0, 20.0, 60.0))
+def test_a_press_tightens_it_by_the_energy_of_its_bend(force):
+    """Kirchhoff's equation gives q = F phi/(omega^2 (1 + s)) at rest and s = glide sum omega^2 q^2."""
+    glide, frequencies = 40.0, np.array((200.0, 310.0))
+    engine = Engine(RATE)
+    handle = engine.add(string(frequencies, t60=0.1, glide=glide))
+    engine.send([gesture("press", handle, (0.1, 3e6, 3.0, 2.0), velocity=0.01, force=force)])
+    engine.process(RATE)
+    compliance = (1.0 / (0.01 * (2 * np.pi * frequencies) ** 2)).sum()
+    rise = brentq(lambda s: s - glide * compliance * (force / (1.0 + s)) ** 2, 0.0, 100.0)
+    assert rise > 0.005
+    assert place(engine, handle)["stretch"] == pytest.approx(rise, rel=0.01, abs=0.001)
+
+
+@pytest.mark.parametrize("by", (False, True), ids=("a hand", "another object"))
+@pytest.mark.parametrize("force", (5.0, 20.0, 60.0))
+def test_a_hand_that_presses_does_not_feed_what_swings(force, by):
+    """Whatever rings under a press falls by its losses, though the press tightens the object."""
+    engine = Engine(RATE)
+    handle = engine.add(string(np.linspace(100, 2_000, 20), t60=0.5, glide=40.0))
+    other = {"by": engine.add(string((150.0, 700.0), t60=0.5, glide=40.0))} if by else {}
+    engine.send([gesture("press", handle, (0.01, 5e5, 3.0, 2.0), velocity=0.01, force=force, **other)])
+    levels = []
+    for _ in range(8):
+        levels.append(np.abs(engine.process(RATE // 4)).max())
+    assert all(later < 0.6 * before for before, later in zip(levels[1:], levels[3:], strict=False)), levels
