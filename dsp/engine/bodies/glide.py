@@ -129,7 +129,7 @@ def _push(state: State, obj: Object, index: int, bent: Modes) -> bool:
 @kernel
 def _rise_under(bend: float) -> float:
     """Return s >= 0 with s (1 + s)^2 = bend, by Newton's method from above: the function is convex."""
-    rise = min(bend, bend ** (1.0 / 3.0))
+    rise: float = min(bend, bend ** (1.0 / 3.0))
     for _ in range(_NEWTON_STEPS):
         rise -= (rise * (1.0 + rise) * (1.0 + rise) - bend) / ((1.0 + rise) * (1.0 + 3.0 * rise))
     return rise
