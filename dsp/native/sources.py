@@ -28,13 +28,14 @@ def key(module: str) -> str:
 
 
 def sources(module: str) -> list[str]:
-    """Return the names of a loaded module, of all that it imports of its top-level package, and of the compiler."""
-    top = module.partition(".")[0]
+    """Return the names of a loaded module, of all that it imports of its top-level package and of this one, and of the
+    compiler."""
+    tops = {name.partition(".")[0] for name in (module, __package__)}
     found = {f"{__package__}.{name}" for name in (*_COMPILER, "linking", "portable")}
     waiting = [module]
     while waiting:
         name = waiting.pop()
-        if name in sys.modules and name not in found and name.partition(".")[0] == top and _file_of(name):
+        if name in sys.modules and name not in found and name.partition(".")[0] in tops and _file_of(name):
             found.add(name)
             waiting += _imports(name)
     return sorted(found)

@@ -77,6 +77,13 @@ def test_no_function_of_the_engine_is_too_long():
     assert sum(lengths) > 50_000 and max(lengths) < 30_000, sorted(lengths)[-5:]
 
 
+def test_the_key_of_code_outside_the_package_holds_what_it_takes_from_it():
+    """Code that another package has for a record is compiled anew where that gets a field."""
+    importlib.import_module("tests.clients.export.tiny")
+    held = sources("tests.clients.export.tiny")
+    assert {"tests.clients.export.tiny", "carom.dsp.engine.memory.state", "carom.dsp.native.jit"} <= set(held)
+
+
 @pytest.mark.slow
 def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
     for module in ("carom.dsp.lab.wall", "carom.dsp.lab.roll", "carom.dsp.bodies.plate"):
