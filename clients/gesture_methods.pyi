@@ -152,6 +152,34 @@ class CrumpleKeys(Keys, total=False):
     spread: SupportsFloat
     seed: SupportsFloat
 
+class PourKeys(Keys, total=False):
+    """Keys of pour."""
+
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
+    height: SupportsFloat
+    variety: SupportsFloat
+    spread: SupportsFloat
+    seed: SupportsFloat
+
+class StepKeys(Keys, total=False):
+    """Keys of step."""
+
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
+    crackles: SupportsFloat
+    duration: SupportsFloat
+    energy: SupportsFloat
+    steepness: SupportsFloat
+    decades: SupportsFloat
+    variety: SupportsFloat
+    spread: SupportsFloat
+    seed: SupportsFloat
+
 class Gestures:
     """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
 
@@ -261,6 +289,27 @@ class Gestures:
         """Begin a gesture that crushes the object: crackles of all energies, each as a blow of the striker, until
         it is stopped."""
 
+    def pour(
+        self,
+        name: str,
+        rate: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[PourKeys],
+    ) -> None:
+        """Begin a gesture that pours many of the striker on the object, until it is stopped: rice, gravel, coins."""
+
+    def step(
+        self,
+        name: str,
+        force: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[StepKeys],
+    ) -> None:
+        """Begin a gesture that treads on the object once, from heel to toe: crackles as the weight comes and goes,
+        each as a blow of the striker."""
+
 class ObjectMethods:
     """Methods on an object: those of its scene on objects, without the name."""
 
@@ -359,6 +408,25 @@ class ObjectMethods:
     ) -> None:
         """Begin a gesture that crushes the object: crackles of all energies, each as a blow of the striker, until
         it is stopped."""
+
+    def pour(
+        self,
+        rate: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[PourKeys],
+    ) -> None:
+        """Begin a gesture that pours many of the striker on the object, until it is stopped: rice, gravel, coins."""
+
+    def step(
+        self,
+        force: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[StepKeys],
+    ) -> None:
+        """Begin a gesture that treads on the object once, from heel to toe: crackles as the weight comes and goes,
+        each as a blow of the striker."""
 
     def note(
         self,

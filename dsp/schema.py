@@ -1,4 +1,4 @@
-"""Every gesture, parameter, setting and counter of the engine, declared once.
+"""Every gesture, parameter and setting of the engine, declared once; `counters.py` has its counters.
 
 From these declarations come the engine's records (`engine/memory`), the check of OSC messages, the
 addresses that steer gestures, OSCQuery's ranges, the ranges of presets, the methods' keys in Python and the tables in
@@ -60,8 +60,8 @@ class Parameter:
         return value
 
 
-DROPS, SPEEDS, ENERGIES = 1, 2, 3
-"""Laws of a swarm's blows: drops of rain; grains at the speeds of a gas; a power law of energies."""
+DROPS, SPEEDS, ENERGIES, FALLS = 1, 2, 3, 4
+"""Laws of a swarm's blows: drops of rain; grains at the speeds of a gas; a power law of energies; grains that fall."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,9 @@ class Gesture:
     meets: float = 1.0
     """Share of the striker's mass that meets the object."""
     swarms: int = 0
-    """The law of its blows, DROPS, SPEEDS or ENERGIES, if it is many small ones at random times; else 0."""
+    """The law of its blows, DROPS, SPEEDS, ENERGIES or FALLS, if it is many small ones at random times; else 0."""
+    treads: bool = False
+    """True if its blows come as the force of a foot comes and goes, after which it is over."""
 
     @property
     def along(self) -> bool:
@@ -341,9 +343,45 @@ CRUMPLE = Gesture(
     ),
     swarms=ENERGIES,
 )  # fmt: skip
-GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, REST, RAIN, SHAKE, CRUMPLE)}
+POUR = Gesture(
+    "pour", "pours many of the striker on it, until it is stopped: rice, gravel, coins",
+    dataclasses.replace(RATE, help="of grains, on average"),
+    (
+        dataclasses.replace(
+            HEIGHT, help="from which they fall", default=0.2, useful=(0.02, 2.0), steerable=True
+        ),
+        VARIETY,
+        dataclasses.replace(SPREAD, default=0.3),
+        SEED,
+    ),
+    swarms=FALLS,
+)  # fmt: skip
+STEP = Gesture(
+    "step", "treads on it once, from heel to toe: crackles as the weight comes and goes, each as a blow of the striker",
+    dataclasses.replace(
+        FORCE, help="the weight of who walks; it comes and goes as a foot's force does", useful=(100.0, 1500.0)
+    ),
+    (
+        Parameter(
+            "crackles", 0.0, 1e4, "1/N", "for each change of the force; it changes by three times the weight in a step",
+            default=0.5, useful=(0.05, 10.0), steerable=True,
+        ),
+        dataclasses.replace(DURATION, help="of the foot on the ground", low=0.05, default=0.65, useful=(0.3, 2.0)),
+        *(each for each in CRUMPLE.keys if each.name in ("energy", "steepness", "decades")),
+        VARIETY,
+        SPREAD,
+        SEED,
+    ),
+    swarms=ENERGIES, treads=True,
+)  # fmt: skip
+GESTURES = {
+    gesture.name: gesture
+    for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, REST, RAIN, SHAKE, CRUMPLE, POUR, STEP)
+}
 
-TRAIT_NAMES = ("single", "repeats", "falls", "held", "rolls", "slips", "rests", "along", "lasts", "meets", "swarms")
+TRAIT_NAMES = (
+    "single", "repeats", "falls", "held", "rolls", "slips", "rests", "along", "lasts", "meets", "swarms", "treads"
+)  # fmt: skip
 """Traits of gestures that kernels ask for: 1 or 0, but for `meets` and `swarms`."""
 
 STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name in gesture.steerable))
@@ -411,53 +449,3 @@ CURVE = Parameter(
     default=0.0, useful=(-8.0, 8.0),
 )  # fmt: skip
 OWN_GAIN = Parameter("gain", -100.0, 100.0, "", "factor of one channel", useful=(0.0, 1.0))
-
-
-def _counter(help: str, unit: str = "") -> int:
-    return dataclasses.field(default=0, metadata={"help": help, "unit": unit})
-
-
-def _measure(help: str, unit: str = "") -> float:
-    return dataclasses.field(default=0.0, metadata={"help": help, "unit": unit})
-
-
-@dataclass(frozen=True)
-class Stats:
-    """The engine's counters and measurements. Counters only rise; `metadata` of each field holds its meaning and
-    unit."""
-
-    impacts: int = _counter("contacts that began, or were left out")
-    contacts_dropped: int = _counter("contacts left out because there was no room")
-    coupled: int = _counter("contacts that were coupled to the modes")
-    recontacts: int = _counter("times that an object caught up with the striker that had just left it")
-    held: int = _counter("steps of coupled contacts in which the force was held")
-    over_budget: int = _counter(
-        "samples in which a coupled contact's force was held, and contacts that were not coupled, as `/budget` says"
-    )
-    late: int = _counter("events that came after their time and were played at once")
-    faults: int = _counter("times that an object was silenced because its sound was not finite")
-    limited: int = _counter("frames that the limiter turned down", "frames")
-    strikers_cut: int = _counter("strikers whose sound was cut short or left out, as too many sounded")
-    ramps_dropped: int = _counter("changes that were made at once, as too many took their time")
-    nonlinear_dropped: int = _counter("times that a plate's modes were not coupled, as too many plates' were")
-    tap_lost: int = _counter("frames missing in the recording", "frames")
-    notes_lost: int = _counter("events missing in the log")
-    trace_lost: int = _counter("samples missing in the record of contacts", "samples")
-    underflows: int = _counter("blocks that the device was not served in time")
-    overruns: int = _counter("callbacks that took longer than the sound they made")
-    callbacks: int = _counter("callbacks")
-    synced: int = _counter("the number of the last sync that was carried out")
-    contacts_active: int = _counter("contacts that go on or wait")
-    rolls_active: int = _counter("bodies that roll or slide")
-    coupled_modes: int = _counter("modes that are coupled to contacts")
-    nonlinear_active: int = _counter("plates whose modes are coupled")
-    live_modes: int = _counter("modes that ring")
-    sounding: int = _counter("objects that sound")
-    sounded: int = _counter("the end of the last quantum in which an object sounded", "samples")
-    limit_lowest: float = _measure("the lowest gain of the limiter since it was last asked for")
-    load: float = _measure("share of the time there is that the callback takes, over a second")
-    load_now: float = _measure("the same over a tenth of a second")
-    load_peak: float = _measure("the highest share, falling slowly")
-    late_last: float = _measure("by how much the last late event was late", "s")
-    late_worst: float = _measure("by how much the latest event was late", "s")
-    latency_measured: float = _measure("from callback to sound, as the device says", "s")

@@ -8,8 +8,9 @@ import dataclasses
 from collections.abc import Collection, Iterable
 from typing import Any
 
+from .counters import Stats
 from .native.typed import Record, dtype_of
-from .schema import SETTINGS, STEERABLE, TRAIT_NAMES, Stats
+from .schema import SETTINGS, STEERABLE, TRAIT_NAMES
 from .schema_values import OF_RAMPS, OWN, SHARED
 
 

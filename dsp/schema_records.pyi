@@ -37,6 +37,8 @@ class Steered(Record):
     decades: float
     excitation: float
     memory: float  # s
+    height: float  # m
+    crackles: float  # 1/N
 
 class Values(Record):
     """The values of a gesture: the parameters of all gestures, 0 for those that it has not."""
@@ -89,6 +91,8 @@ class Values(Record):
     decades: float
     excitation: float
     memory: float  # s
+    height: float  # m
+    crackles: float  # 1/N
 
 class Settings(Record):
     """The settings of an object."""
@@ -121,6 +125,7 @@ class Traits(Record):
     lasts: int
     meets: float
     swarms: int
+    treads: int
 
 class Counters(Record):
     """The counters as the engine holds them: see `Stats`."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
+from ..counters import Stats
 from ..engine.memory.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.memory.commands import Command, Handle, Kind
 from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
@@ -16,7 +17,7 @@ from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
 from ..resonator.bank import NYQUIST_SHARE
-from ..schema import FORMS, Stats
+from ..schema import FORMS
 from .arena import EngineFull
 from .callback import callback
 from .fresh import fresh_state

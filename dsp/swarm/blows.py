@@ -2,8 +2,9 @@
 
 A grain of mass m meets the object at v by the contact law: its pulse is that of contact/closed_form.py. Sizes between
 two sieves are spread evenly by ratios, s = exp(V (2 u - 1)): mass goes as s^3, stiffness as the root of s (Hertz).
-Speeds are those at which a gas of grains meets a wall, v = v_rms sqrt(-ln u). Energies follow a power law E^-b between
-two ends, by inverse transform.
+Speeds are those at which a gas of grains meets a wall, v = v_rms sqrt(-ln u); grains that fall from h on what is uneven
+meet it at v = sqrt(2 g h u), as many at each share u of their energy along its normal. Energies follow a power law E^-b
+between two ends, by inverse transform.
 
 Drops have diameters of Marshall and Palmer's exponential distribution (J. Meteorology 5, 1948) above half a millimetre,
 and the speeds at which they fall, v = 9.65 - 10.3 exp(-600 D) m/s (Atlas, Srivastava and Sekhon, Reviews of Geophysics
@@ -20,7 +21,7 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.elementary import exp, log
-from ..schema import DROPS, ENERGIES
+from ..schema import DROPS, ENERGIES, FALLS
 from .grid import MOST_LOSS
 from .record import FORMS, WIDTHS, Knot, PulseTable, Swarm
 from .times import MAGNITUDE, OTHER, PLACE, VARIETY, uniform
@@ -56,11 +57,19 @@ def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, 
     else:
         s = exp(knot.variety * (2.0 * uniform(seed, i, VARIETY) - 1.0)) if knot.variety > 0.0 else 1.0
         mass, stiffness = swarm.m * s * s * s, swarm.k * math.sqrt(s)
-        v = math.sqrt(2.0 * _draw_energy(knot, u) / mass) if swarm.law == ENERGIES else knot.scale * math.sqrt(-log(u))
+        v = _draw_speed(swarm.law, knot, mass, u)
         scale = exp((log(mass / stiffness) + (1.0 - swarm.a) * log(v)) / (swarm.a + 1.0))
         w = swarm.w if swarm.w > 0.0 else swarm.mu * v
         loss = min(w / (1.0 + w), MOST_LOSS)
     return place, v, mass, loss, scale * exp(known_of(table.width, loss)), scale * known_of(table.middle, loss)
+
+
+@kernel
+def _draw_speed(law: int, knot: Knot, mass: float, u: float) -> float:
+    """Return the speed (m/s) of a grain of a mass (kg)."""
+    if law == ENERGIES:
+        return math.sqrt(2.0 * _draw_energy(knot, u) / mass)
+    return knot.scale * math.sqrt(u if law == FALLS else -log(u))
 
 
 @kernel

@@ -90,6 +90,8 @@ class Swarm(Record):
     memory: float  # s: for which that one sets off others
     knots: Annotated[View[Knot], KNOTS]
     count: int  # of them
+    piece: int  # of a step's course that its blows have come to
+    duration: float  # s: of a step; else 0
     lead: float  # s: from a blow's own time to when it is heard
     places: int
     position: Annotated[View[float], PLACES]  # along the strike path

@@ -166,7 +166,11 @@ def _grain_speed(values: Values) -> float:
     return values.number("speed")
 
 
-_FASTEST: dict[str, Callable[[Values], float]] = {"spin": _rim_speed, "shake": _grain_speed}
+def _fall_speed(values: Values) -> float:
+    return fall(values.number("height"), 0.0, STANDARD_GRAVITY)[0]
+
+
+_FASTEST: dict[str, Callable[[Values], float]] = {"spin": _rim_speed, "shake": _grain_speed, "pour": _fall_speed}
 
 
 def _bounce(to: ObjectCall) -> None:

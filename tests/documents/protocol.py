@@ -2,9 +2,9 @@
 
 import dataclasses
 
+from carom.dsp.counters import Stats
 from carom.dsp.engine.memory import capacity, state
 from carom.dsp.engine.memory.capacity import USUAL_MODES, USUAL_OBJECTS
-from carom.dsp.schema import Stats
 from carom.server.osc.score import LONGEST_SCORE
 from carom.server.render import HIGHEST_RATE, LOWEST_RATE
 from carom.server.scene.limits import LONGEST_BOUNCE, LONGEST_CONTACT

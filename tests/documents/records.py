@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import Any
 
 from carom.dsp import schema_records
+from carom.dsp.counters import Stats
 from carom.dsp.native.typed import Record
-from carom.dsp.schema import GESTURES, SETTINGS, Stats
+from carom.dsp.schema import GESTURES, SETTINGS
 from carom.dsp.schema_values import OF_RAMPS, OWN, SHARED
 
 STUB = Path(__file__).parents[2] / "dsp" / "schema_records.pyi"

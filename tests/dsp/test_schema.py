@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from carom.dsp import schema
+from carom.dsp.counters import Stats
 from carom.dsp.schema import (
     GESTURES,
     PRESS,
@@ -17,7 +18,6 @@ from carom.dsp.schema import (
     STEERABLE,
     STRIKE,
     Parameter,
-    Stats,
     gestures_steered_by,
 )
 from carom.dsp.schema_records import STATS, STEERED

@@ -9,8 +9,8 @@ import pyloudnorm
 import pytest
 
 from carom.clients.loudness import LOUDNESS, PEAK, heard
+from carom.dsp.counters import Stats
 from carom.dsp.runtime.engine import Engine
-from carom.dsp.schema import Stats
 from carom.presets import Presets
 from carom.server.osc.score import parse, read
 from carom.server.render import Options, blocks

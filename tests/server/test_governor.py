@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import pytest
 
+from carom.dsp.counters import Stats
 from carom.dsp.engine.memory.state import Quality
-from carom.dsp.schema import Stats
 from carom.server.governor import Governor
 from carom.server.osc.wire import Message
 

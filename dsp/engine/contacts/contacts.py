@@ -26,7 +26,7 @@ from .rests import begin_rest, keep_resting
 from .rolls import feed_of, feed_on, register_roll
 from .slides import lead_slide, rub, rubs
 from .solver_choice import is_moved
-from .swarms import swarm_on
+from .swarms import delay_swarm, has_run_out, swarm_on
 from .trace import trace_roll
 
 _LAID = FORCE.glide  # s: also of a striker's weight
@@ -50,7 +50,8 @@ def update_contacts(state: State, obj: Object) -> None:
         waits = must_wait(state, index) and not (contact.trait.repeats == 1 and contact.touching == 1)
         ended = _wait_longer(state, contact) if waits else _go_on(state, index)
         if ended:
-            report_end(state, contact.gesture, END_RESTED if is_gone(state, contact) else END_STOPPED)
+            rested = is_gone(state, contact) or has_run_out(contact)
+            report_end(state, contact.gesture, END_RESTED if rested else END_STOPPED)
             end_contact(state, obj, before, index)
         else:
             before = index
@@ -127,7 +128,7 @@ def _wait_longer(state: State, contact: Contact) -> bool:
         return contact.start >= contact.until
     contact.origin += QUANTUM
     if contact.trait.swarms > 0:
-        return contact.until < state.position
+        return delay_swarm(state, contact)
     if contact.trait.repeats == 1:
         schedule_contact(state, contact)
         return contact.start >= contact.until

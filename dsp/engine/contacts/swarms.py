@@ -11,9 +11,11 @@ import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
+from ...numerics.constants import STANDARD_GRAVITY
 from ...resonator.fed import REACH
-from ...schema import DROPS, MOST_BLOWS, SPEEDS
+from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
 from ...swarm.blows import NARROWEST, ROLL_OFF, draw_blow, known_of, yielding
+from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import HALF, LEAST, find_force, find_moments, lay_pulse, move_on
 from ...swarm.record import BACK, BANDS, FORCES, GRID, OCTAVES, PLACES, SWARMS, WIDTHS, Knot, Swarm
 from ...swarm.times import add_knot, drop_knots, on_lattice, take_blow
@@ -78,51 +80,90 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
         swarm.busy[p] = swarm.sounds[p] = 0
         for n in range(GRID):
             swarm.grid[p, n] = 0.0
+    swarm.piece, swarm.duration = 0, 0.0
+    if contact.trait.treads == 1:
+        swarm.duration = values.duration
+        contact.until = contact.gone_at = contact.origin + swarm.duration * state.rate
     _add_knot(swarm, contact, 0.0)
+
+
+@kernel
+def has_run_out(contact: Contact) -> bool:
+    """True if a swarm that lasts for a time of its own has not been stopped before."""
+    return contact.trait.treads == 1 and contact.until >= contact.gone_at
+
+
+@kernel
+def delay_swarm(state: State, contact: Contact) -> bool:
+    """Halt a swarm's time for a quantum; true if it has been told to end."""
+    if has_run_out(contact):
+        contact.until += QUANTUM
+    contact.gone_at += QUANTUM
+    return contact.until < state.position
 
 
 @kernel
 def _add_knot(swarm: Swarm, contact: Contact, time: float) -> Knot:
     """Give a swarm's blows from a time (s from its beginning) on the law that is asked for; return its knot."""
     asked, knot = contact.target, add_knot(swarm, time)
-    knot.rate, knot.scale = _asked_of(swarm, contact)
+    knot.rate, knot.slope, knot.scale = _asked_of(swarm, contact, knot.time)
     knot.excitation, knot.memory, knot.steepness = asked.excitation, max(asked.memory, _BRIEFEST), asked.steepness
     knot.span, knot.variety = asked.decades * math.log(10.0), math.log1p(asked.variety)
-    knot.slope = 0.0
     return knot
 
 
 @kernel
-def _asked_of(swarm: Swarm, contact: Contact) -> tuple[float, float]:
-    """Return the rate (1/s) of a swarm's own blows and their scale, as they are asked for."""
+def _asked_of(swarm: Swarm, contact: Contact, time: float) -> tuple[float, float, float]:
+    """Return the rate (1/s) of a swarm's own blows at a time (s from its beginning), its slope (1/s^2), and their
+    scale, as they are asked for."""
     asked = contact.target
     if swarm.law == DROPS:
-        return asked.rate, asked.size
+        return asked.rate, 0.0, asked.size
     if swarm.law == SPEEDS:
-        return asked.rate, asked.speed
-    return min(asked.speed * asked.density, MOST_BLOWS) * (1.0 - asked.excitation), asked.energy
+        return asked.rate, 0.0, asked.speed
+    if swarm.law == FALLS:
+        return asked.rate, 0.0, math.sqrt(2.0 * STANDARD_GRAVITY * asked.height)
+    if swarm.duration > 0.0:
+        rate, slope = course_at(swarm, time)
+        whole = min(CHANGE * asked.force * asked.crackles, MOST_BLOWS / FASTEST * swarm.duration)
+        return whole * rate, whole * slope, asked.energy
+    return min(asked.speed * asked.density, MOST_BLOWS) * (1.0 - asked.excitation), 0.0, asked.energy
+
+
+@kernel
+def _follow_course(swarm: Swarm, contact: Contact, until: float) -> None:
+    """Give a step's blows the pieces of its course that begin before a time (s from its beginning)."""
+    while swarm.duration > 0.0 and swarm.piece < PIECES and next_bend(swarm) <= until:
+        bend = next_bend(swarm)
+        swarm.piece += 1
+        _add_knot(swarm, contact, bend)
 
 
 @kernel
 def steer_swarm(state: State, contact: Contact, time: float) -> None:
     """Give a swarm's blows from a time (samples) on the law that is asked for now."""
-    since = (max(time, float(state.position)) - contact.origin) / state.rate
-    _add_knot(state.swarms[contact.swarm], contact, max(since, 0.0))
+    swarm = state.swarms[contact.swarm]
+    since = max((max(time, float(state.position)) - contact.origin) / state.rate, 0.0)
+    _follow_course(swarm, contact, since)
+    _add_knot(swarm, contact, since)
 
 
 @kernel
 def _follow_ramp(swarm: Swarm, contact: Contact, begin: float, seconds: float) -> None:
-    """Follow what a ramp asks for at the end of a quantum: the rate goes there by a line."""
+    """Follow what a ramp asks for at the end of a quantum: the rate goes there by a line, and a step's by its
+    course."""
     last, asked = swarm.knots[swarm.count - 1], contact.target
-    rate, scale = _asked_of(swarm, contact)
+    rate, _, scale = _asked_of(swarm, contact, begin)
     there = max(last.rate + last.slope * max(begin - last.time, 0.0), 0.0)
     ramped = abs(rate - there) > _NEAR * rate
     others = scale != last.scale or asked.excitation != last.excitation or asked.steepness != last.steepness
     others = others or max(asked.memory, _BRIEFEST) != last.memory or math.log1p(asked.variety) != last.variety
-    if ramped or others or last.slope != 0.0 or asked.decades * math.log(10.0) != last.span:
+    others = others or (last.slope != 0.0 and swarm.duration == 0.0)
+    if ramped or others or asked.decades * math.log(10.0) != last.span:
         knot = _add_knot(swarm, contact, begin)
-        if ramped:
+        if ramped and swarm.duration == 0.0:
             knot.rate, knot.slope = there, (rate - there) / seconds
+    _follow_course(swarm, contact, begin + seconds)
 
 
 @noinline_kernel

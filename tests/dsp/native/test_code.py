@@ -106,6 +106,7 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "space",
         "engine",
         "runtime",
+        "counters",
         "schema",
         "schema_records",
         "schema_values",

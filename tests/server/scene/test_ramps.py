@@ -56,6 +56,7 @@ def test_all_that_is_steered_takes_its_time(played, name):
     gesture = {"force": "press", "gravity": "bounce", "irregularity": "bounce", "flat": "spin"}.get(name, "slide")
     gesture = "roll" if name in ("mass", "asymmetry", "friction") else gesture
     gesture = {"rate": "shake", "variety": "shake", "size": "rain"}.get(name, gesture)
+    gesture = {"height": "pour", "crackles": "step"}.get(name, gesture)
     crackles = ("density", "energy", "steepness", "decades", "excitation", "memory")
     gesture = "crumple" if name in crackles else gesture
     begins = (gesture, 0.3, "striker", "glass-marble")

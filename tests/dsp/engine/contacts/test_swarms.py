@@ -18,6 +18,8 @@ GRAIN = (1e-4, 3e8, 0.3, 1.5)
 SHAKE = {"rate": 2000.0, "speed": 0.5, "seed": 7}
 CRUMPLE = {"speed": 0.5, "density": 4000.0, "energy": 1e-6, "seed": 7}
 RAIN = {"rate": 2000.0, "seed": 7}
+POUR = {"rate": 2000.0, "height": 0.1, "seed": 7}
+STEP = {"force": 700.0, "crackles": 1.0, "duration": 0.9, "energy": 1e-6, "seed": 7}
 
 
 def plate(count=40, modal_mass=0.5, t60=0.3):
@@ -59,16 +61,21 @@ def drawn(engine):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "keys"), [("shake", SHAKE), ("crumple", CRUMPLE), ("rain", RAIN)])
+@pytest.mark.parametrize(
+    ("kind", "keys"), [("shake", SHAKE), ("crumple", CRUMPLE), ("rain", RAIN), ("pour", POUR), ("step", STEP)]
+)
 def test_blows_are_the_same_and_as_loud_at_any_sampling_rate(kind, keys):
-    name = "speed" if kind == "crumple" else "rate"
+    name = {"crumple": "speed", "step": "force"}.get(kind, "rate")
     events = [steer(7, name, 2.0 * keys[name], 0.3), steer(7, name, keys[name], 0.6001), stop(7, 0.95)]
     found, bands = [], []
     for rate in (44_100.0, 48_000.0, 96_000.0, 192_000.0):
         sound, engine = swarmed(kind, keys, rate, 1.3, events)
         found.append(drawn(engine))
         bands.append(third_octaves(sound, rate))
-        assert engine.ended()[0][1] == End.STOPPED and not engine.state[0]["swarms"]["used"].any()
+        assert (
+            engine.ended()[0][1] == (End.RESTED if kind == "step" else End.STOPPED)
+            and not engine.state[0]["swarms"]["used"].any()
+        )
     assert found[0][0] > 1500 and found == [found[0]] * 4
     assert np.abs(np.array(bands) - bands[0]).max() < 0.2
 
@@ -122,6 +129,28 @@ def test_modes_get_no_more_energy_than_the_blows_bring(kind, keys, modal_mass):
     assert 0.0 < energy_of(engine) < brought
     if modal_mass == 1e-4:
         assert energy_of(engine) > 0.005 * brought
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+def test_a_step_is_over_by_itself_or_when_it_is_stopped(stopped):
+    _, engine = swarmed("step", STEP, seconds=1.0, events=[stop(7, 0.4)] if stopped else [])
+    assert engine.ended() == [(7, End.STOPPED if stopped else End.RESTED)]
+    count, time, *_ = drawn(engine)
+    assert count == pytest.approx((0.5 if stopped else 1.0) * 2100.0, rel=0.08)
+    assert time < (0.4 if stopped else 0.9)
+
+
+def test_a_step_crackles_as_the_force_of_a_foot_changes():
+    """Nine tenths of the crackles with each change of the force, as multiples of the weight, and a tenth evenly."""
+    times, changes = np.array([0.0, 0.22, 0.5, 0.78, 1.0]), np.array([1.15, 0.4, 0.35, 1.1])
+    keys = {**STEP, "crackles": 10.0}
+    _, engine = swarmed("step", keys, seconds=1e-3)
+    counts = []
+    for end in times[1:]:
+        engine.process(round((0.9 * end + 1e-3) * RATE) - engine.position)
+        counts.append(drawn(engine)[0])
+    expected = 21_000.0 * (0.9 * changes / 3.0 + 0.1 * np.diff(times))
+    assert np.diff([0, *counts]) == pytest.approx(expected, rel=0.06)
 
 
 def test_a_swarm_pauses_at_a_rate_of_0_and_goes_on():

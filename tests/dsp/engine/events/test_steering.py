@@ -26,15 +26,18 @@ SLIDE = {
     "stribeck": 0.1, "tangential": 0.0, "along": 0.5, "seed": 1,
 }  # fmt: skip
 
-SWARM = {"rain": {"rate": 2e4}, "shake": {"rate": 2e4}, "crumple": {"speed": 4.0}}
-EXPONENT = {"rain": 0.0, "shake": 1.5, "crumple": 1.5}
+SWARM = {
+    "rain": {"rate": 2e4}, "shake": {"rate": 2e4}, "crumple": {"speed": 4.0}, "pour": {"rate": 2e4},
+    "step": {"force": 700.0, "crackles": 10.0},
+}  # fmt: skip
+EXPONENT = {"rain": 0.0}
 
 NEW = {
     "position": 0.9, "gain": 0.25, "gravity": 30.0, "irregularity": 0.8, "speed": 0.9, "mass": 0.02,
     "radius": 0.02, "roughness": 0.3, "asymmetry": 0.4, "friction": 0.05, "force": 9.0, "flat": 0.6,
     "sweep": 0.7, "patch": 0.005, "static": 0.9, "dynamic": 0.2, "stribeck": 0.3, "tangential": 1e5,
     "along": 0.8, "rate": 4e4, "size": 1e-3, "variety": 0.5, "density": 5000.0, "energy": 1e-2, "steepness": 1.0,
-    "decades": 2.0, "excitation": 0.9, "memory": 0.1, "load": 9.0, "by_position": 0.8,
+    "decades": 2.0, "excitation": 0.9, "memory": 0.1, "load": 9.0, "by_position": 0.8, "height": 0.7, "crackles": 50.0,
 }  # fmt: skip
 """New value of each parameter: nothing that it is by itself in `begin`."""
 
@@ -66,7 +69,7 @@ def begin(kind):
         "rest": lambda: gesture("rest", handle, PAD, 100.0, 7, engine.add(plate(0.1)), load=3.0, by_position=0.3),
         "press": lambda: gesture("press", handle, HAND, 100.0, 7, velocity=0.01, force=2.0),
         **dict.fromkeys(
-            ("rain", "shake", "crumple"),
+            SWARM,
             lambda: gesture(
                 kind,
                 handle,
@@ -76,7 +79,7 @@ def begin(kind):
                 seed=1,
                 spread=0.5,
                 **SWARM[kind],
-                **engine.lay_out_pulses(EXPONENT[kind]),
+                **engine.lay_out_pulses(EXPONENT.get(kind, 1.5)),
             ),
         ),
     }[kind]

@@ -33,6 +33,8 @@ NEEDED = {
     "rain": ("mass", "stiffness", "dissipation", "exponent", "position", "rate", "seed"),
     "shake": ("mass", "stiffness", "dissipation", "exponent", "position", "rate", "seed"),
     "crumple": ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "seed"),
+    "pour": ("mass", "stiffness", "dissipation", "exponent", "position", "rate", "seed"),
+    "step": ("mass", "stiffness", "dissipation", "exponent", "position", "force", "seed"),
     Kind.METHOD: ("method", "correction", "oversampling"),
 }
 """The values that have no default."""

@@ -1,0 +1,54 @@
+"""Every counter and measurement of the engine, declared once."""
+
+import dataclasses
+from dataclasses import dataclass
+
+
+def _counter(help: str, unit: str = "") -> int:
+    return dataclasses.field(default=0, metadata={"help": help, "unit": unit})
+
+
+def _measure(help: str, unit: str = "") -> float:
+    return dataclasses.field(default=0.0, metadata={"help": help, "unit": unit})
+
+
+@dataclass(frozen=True)
+class Stats:
+    """The engine's counters and measurements. Counters only rise; `metadata` of each field holds its meaning and
+    unit."""
+
+    impacts: int = _counter("contacts that began, or were left out")
+    contacts_dropped: int = _counter("contacts left out because there was no room")
+    coupled: int = _counter("contacts that were coupled to the modes")
+    recontacts: int = _counter("times that an object caught up with the striker that had just left it")
+    held: int = _counter("steps of coupled contacts in which the force was held")
+    over_budget: int = _counter(
+        "samples in which a coupled contact's force was held, and contacts that were not coupled, as `/budget` says"
+    )
+    late: int = _counter("events that came after their time and were played at once")
+    faults: int = _counter("times that an object was silenced because its sound was not finite")
+    limited: int = _counter("frames that the limiter turned down", "frames")
+    strikers_cut: int = _counter("strikers whose sound was cut short or left out, as too many sounded")
+    ramps_dropped: int = _counter("changes that were made at once, as too many took their time")
+    nonlinear_dropped: int = _counter("times that a plate's modes were not coupled, as too many plates' were")
+    tap_lost: int = _counter("frames missing in the recording", "frames")
+    notes_lost: int = _counter("events missing in the log")
+    trace_lost: int = _counter("samples missing in the record of contacts", "samples")
+    underflows: int = _counter("blocks that the device was not served in time")
+    overruns: int = _counter("callbacks that took longer than the sound they made")
+    callbacks: int = _counter("callbacks")
+    synced: int = _counter("the number of the last sync that was carried out")
+    contacts_active: int = _counter("contacts that go on or wait")
+    rolls_active: int = _counter("bodies that roll or slide")
+    coupled_modes: int = _counter("modes that are coupled to contacts")
+    nonlinear_active: int = _counter("plates whose modes are coupled")
+    live_modes: int = _counter("modes that ring")
+    sounding: int = _counter("objects that sound")
+    sounded: int = _counter("the end of the last quantum in which an object sounded", "samples")
+    limit_lowest: float = _measure("the lowest gain of the limiter since it was last asked for")
+    load: float = _measure("share of the time there is that the callback takes, over a second")
+    load_now: float = _measure("the same over a tenth of a second")
+    load_peak: float = _measure("the highest share, falling slowly")
+    late_last: float = _measure("by how much the last late event was late", "s")
+    late_worst: float = _measure("by how much the latest event was late", "s")
+    latency_measured: float = _measure("from callback to sound, as the device says", "s")
