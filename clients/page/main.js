@@ -5,6 +5,7 @@ import { Delay } from "./delay.js";
 import { Hands } from "./hands.js";
 import { Keys } from "./keys.js";
 import { Link } from "./link.js";
+import { Listener } from "./listener.js";
 import { Midi } from "./midi.js";
 import { presets, strikers } from "./palettes.js";
 import { Scene } from "./scene.js";
@@ -89,7 +90,7 @@ function setUpSound(link, sound) {
 async function open(link, scene, file) {
   const text = await file.text();
   if (text.startsWith(HEAD)) {
-    scene.replace(read(text).objects);
+    scene.open(read(text));
     return;
   }
   const response = await fetch(`/page/score?client=${encodeURIComponent(link.client)}`, { method: "POST", body: file });
@@ -168,6 +169,7 @@ async function start() {
   const sound = new Sound(link);
   const hands = new Hands(link, scene);
   const table = new Table($("table"), scene);
+  const listener = new Listener($("space"), $("listener"), scene, table);
   const touch = (table.touch = new Touch(table.stage, table, hands));
   const delay = new Delay(link, hands, sound);
   const views = new Views(scene, sound, delay);
@@ -202,7 +204,7 @@ async function start() {
   setUpHint(hands);
   controls.show();
   link.open();
-  window.carom = { link, scene, sound, delay, hands, table, touch, views, keys, midi };
+  window.carom = { link, scene, listener, sound, delay, hands, table, touch, views, keys, midi };
 }
 
 start().catch((error) => notice(`The page can't start: ${error.message}`, "bad"));

@@ -26,6 +26,7 @@ export class Scene extends EventTarget {
     this.pending = new Map(); // by name, objects that were asked for
     this.places = JSON.parse(localStorage.getItem(PLACES) ?? "{}");
     this.room = null; // the table, which knows where there is room
+    this.listener = null; // who hears objects from where they lie
     this.trials = 0;
     this.isKnown = false; // whether it is known what the server has
     this.restored = new Set(); // names of objects that were made again: another page may have been faster
@@ -160,7 +161,7 @@ export class Scene extends EventTarget {
 
   /** The table as a score. */
   text(title) {
-    return write(title, [...this.objects.values()].map((object) => this.entry(object)));
+    return write(title, [...this.objects.values()].map((object) => this.entry(object)), this.listener.lines);
   }
 
   /** The same, with what others have set meanwhile. */
@@ -178,6 +179,12 @@ export class Scene extends EventTarget {
   keep() {
     if (this.pending.size) this.keepSoon();
     else if (this.isKnown && this.link.isOpen) localStorage.setItem(TABLE, this.text("as it was last"));
+  }
+
+  /** Lay a table that was kept, with its listener, in place of what is there. */
+  open({ objects, listener }) {
+    this.replace(objects);
+    this.listener.be(listener);
   }
 
   /** Lay objects in place of all that are there. */
@@ -224,7 +231,9 @@ export class Scene extends EventTarget {
     const at = [x, y].map((each) => Number(Math.min(0.97, Math.max(0.03, each)).toFixed(4)));
     this.places[name] = at;
     const object = this.objects.get(name);
-    if (object) [object.x, object.y] = at;
+    if (!object) return;
+    [object.x, object.y] = at;
+    this.dispatchEvent(new CustomEvent("placed", { detail: name }));
   }
 
   /** Keep where things lie; `from`: where the object lay before it was moved. */

@@ -54,12 +54,13 @@ export class Shelf {
 
   show() {
     const rows = Object.entries(this.kept).map(([name, text]) => {
-      const { objects } = read(text);
+      const table = read(text);
+      const { objects } = table;
       const lay = el("button", { type: "button", className: "lay", title: objects.map((each) => each.name).join(", ") },
         el("span", { textContent: name }), el("span", { className: "quiet", textContent: `${objects.length} object${objects.length === 1 ? "" : "s"}` }));
       lay.onclick = () => {
         this.name.value = name;
-        this.scene.replace(objects);
+        this.scene.open(table);
         this.dialog.close();
       };
       const forget = el("button", { type: "button", textContent: "Delete", "aria-label": `Delete ${name}` });

@@ -26,8 +26,9 @@ function least(items, value) {
   return found;
 }
 
-export class Table {
+export class Table extends EventTarget {
   constructor(main, scene) {
+    super();
     this.main = main;
     this.scene = scene;
     scene.room = this;
@@ -56,6 +57,7 @@ export class Table {
     this.h = clientHeight;
     this.dense = dense;
     this.draws(this.size);
+    this.dispatchEvent(new Event("fitted"));
   }
 
   /** Draw all so many times as large as there is room for. */

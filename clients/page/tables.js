@@ -5,8 +5,8 @@ const WORD = /^[A-Za-z_][\w.-]*$/;
 const TOKEN = /"(?:\\.|[^"\\])*"|\[[^\]]*\]|#.*|\S+/g;
 const EVERY = 0.8; // s between strikes
 
-/** The score of a table: objects are {name, preset, keys, x, y, velocity, position}. */
-export function write(title, objects) {
+/** The score of a table: objects are {name, preset, keys, x, y, velocity, position}; `heard`: lines of who listens. */
+export function write(title, objects, heard) {
   const lines = [
     `${HEAD}: ${title}`,
     "# Open it on Carom's page, or hear its objects: carom render table.txt table.wav",
@@ -15,6 +15,7 @@ export function write(title, objects) {
     lines.push(`# at ${x} ${y} ${name}`);
     lines.push(["0.0", "/object/new", written(name), written(preset), ...Object.entries(keys).flat().map(written)].join(" "));
   }
+  lines.push(...heard);
   objects.forEach(({ name, velocity, position }, n) => {
     lines.push(`${(0.2 + EVERY * n).toFixed(1)} /object/${name}/impact ${velocity} ${position}`);
   });
@@ -26,25 +27,34 @@ function written(value) {
   return typeof value === "number" || WORD.test(value) ? String(value) : JSON.stringify(value);
 }
 
-/** The table in a score: {title, objects}, as `write` takes them. An Error says why there is none. */
+/** The table in a score: {title, objects, listener}, as `write` takes them; listener: {x, y, on}. An Error says why there
+ * is none. */
 export function read(text) {
   const [first, ...lines] = text.split(/\r?\n/);
   if (!first.startsWith(HEAD)) throw new Error(`expected a table, whose first line begins with "${HEAD}"`);
   const places = new Map();
   const objects = [];
+  const listener = { on: false };
   for (const line of lines) {
+    const [, u, v] = line.match(/^# listener at (\S+) (\S+)/) ?? [];
+    if (u) Object.assign(listener, { x: within(u), y: within(v), on: true });
     const [, x, y, name] = line.match(/^# at (\S+) (\S+) (\S+)/) ?? [];
-    if (name) places.set(name, [Number(x), Number(y)]);
+    if (name) places.set(name, [within(x), within(y)]);
     const [, address, ...args] = (line.match(TOKEN) ?? []).filter((token) => !token.startsWith("#")).map(valueOf);
     if (address === "/object/new") objects.push(made(args, places));
   }
-  return { title: first.slice(HEAD.length).replace(/^:?\s*/, ""), objects };
+  return { title: first.slice(HEAD.length).replace(/^:?\s*/, ""), objects, listener };
+}
+
+/** A share of the table's side, whatever a file says. */
+function within(text) {
+  return Number(text) >= 0 && Number(text) <= 1 ? Number(text) : 0.5;
 }
 
 function made([name, preset, ...pairs], places) {
   const keys = {};
   for (let n = 0; n + 1 < pairs.length; n += 2) keys[pairs[n]] = pairs[n + 1];
-  const [x, y] = places.get(name)?.map((each) => (each >= 0 && each <= 1 ? each : 0.5)) ?? [];
+  const [x, y] = places.get(name) ?? [];
   return { name: String(name), preset: String(preset), keys, x, y };
 }
 

@@ -82,19 +82,19 @@ def _listener(transaction: Transaction, call: Call, values: Values) -> None:
 
 def place_object(to: ObjectCall) -> Command:
     """Return the command of `/object/NAME/place`. Refused where there is no room for another object in space."""
-    numbers, table = to.values.numbers, to.transaction.space
+    numbers, table, serial = to.values.numbers, to.transaction.space, to.obj.handle.serial
     given = [axis for axis in "xyz" if axis in numbers]
     if not given:
-        table.placed.discard(to.obj.handle.serial)
+        table.places.pop(serial, None)
         return Command(NOW, Kind.POSE, values=pose_values((0.0, 0.0, 0.0)))
     if len(given) < 3:
         raise Refused(f"place: {len(given)} numbers: expected x, y and z")
     there = {obj.handle.serial for obj in to.transaction.objects.values()}
-    table.placed &= there
-    if len(table.placed | {to.obj.handle.serial}) > LINES:
+    table.places = {each: place for each, place in table.places.items() if each in there}
+    if len(table.places.keys() | {serial}) > LINES:
         raise Refused(f"place: expected at most {LINES} objects in space")
-    table.placed.add(to.obj.handle.serial)
-    values = pose_values([numbers[axis] for axis in "xyz"], over=to.values.number("over"))
+    table.places[serial] = place = (numbers["x"], numbers["y"], numbers["z"])
+    values = pose_values(place, over=to.values.number("over"))
     return Command(NOW, Kind.POSE, value=1.0, values=values)
 
 

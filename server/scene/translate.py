@@ -202,6 +202,9 @@ def _note(to: ObjectCall) -> None:
         new = calls(Message(NEW, copy_of(to.obj, name, note)))[0]
         with transaction.has_made(new, NewObject(to.obj.preset, to.obj.modes)):  # to make them again may take seconds
             translate(transaction, new)
+        if to.obj.handle.serial in transaction.space.places:
+            place = transaction.space.places[to.obj.handle.serial]
+            translate(transaction, calls(Message(f"/object/{name}/place", place))[0])
     translate(transaction, calls(Message(f"/object/{name}/impact", (speed_of(velocity), *to.call.message.args[2:])))[0])
 
 

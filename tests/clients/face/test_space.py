@@ -54,6 +54,18 @@ def test_a_score_says_the_same_as_a_scene_and_refuses_what_cannot_be():
             bar.place(1, 2)
 
 
+def test_a_note_comes_from_where_its_object_is():
+    with carom.Scene() as scene:
+        bar = scene.new("bar", "marimba-bar")
+        scene.listener(0, 0, 0)
+        bar.place(34.32, 0, 0)
+        bar.note(60, 100)
+        assert onset(scene.render(0.5).samples[:, 0]) == pytest.approx(4_800, abs=40)
+        bar.place()
+        bar.note(62, 100)
+        assert onset(scene.render(0.5).samples[:, 0]) < 200
+
+
 def test_an_object_out_of_space_is_placed_by_its_pan():
     with carom.Scene() as scene:
         bar = scene.new("bar", "marimba-bar", pan=-1)

@@ -129,9 +129,9 @@ def play(browser, shared) -> Iterator[Callable[..., Table]]:
     server, url, folder = shared
     with server.client() as client:
         client.send("/gesture/*/stop")
-        client.send("/object/*/free", 1)
         client.ask("/sync", 1)
-        while client.ask("/objects").args[1]:
+        while client.ask("/objects").args[1]:  # some that a page asked for may come late
+            client.send("/object/*/free", 1)
             time.sleep(0.02)
     with ExitStack() as stack:
         yield lambda *script, **settings: stack.enter_context(opened(browser, server, url, folder, *script, **settings))
