@@ -2,7 +2,9 @@
 
 As in coupled.py the compression is x = D - int g f. Here D is laid out for a whole block (resonator/rows.py), and what
 the force of a sample does to the samples after it is added by a table, so that modes are read once a block. The unknown
-is F = f - f_0, with f_0 the force of a body at rest: gravity is gone from all else, and at rest nothing moves.
+is F = f - f_0, with f_0 the force of a body at rest: gravity is gone from all else, and at rest nothing moves. A
+striker that is pressed on has no such force: modes bend under all of it, and series are mended by what they miss of a
+force that lasts. Its block ends where it leaves.
 
 The force over a sample, or over each half of it, is a line by its values at two Gauss nodes, where the law holds; its
 MOMENTS_AHEAD Legendre moments are all that later samples feel. The path under the body is the line of least squares in
@@ -53,14 +55,25 @@ _FIRST = 0.25  # of a sample: the first step to try after a block
 
 @kernel
 def parts_for(contact: Coupled, least: int) -> int:
-    """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight; 0 if
-    no number does."""
-    stiffness = contact.a * contact.rest_force / contact.rest_compression
-    swing = math.sqrt(stiffness / contact.mass) * contact.period
+    """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
+    gets with its energy; 0 if no number does."""
+    swing = math.sqrt(_stiffness(contact) / contact.mass) * contact.period
     for parts in range(least, MOST_PARTS + 1):
         if swing < STIFFEST[parts]:
             return parts
     return 0
+
+
+@kernel
+def _stiffness(contact: Coupled) -> float:
+    """Return the stiffness (N/m) of a contact under its weight, or as deep as its energy or its push compress it."""
+    if contact.rest_force > 0.0:
+        return contact.a * contact.rest_force / contact.rest_compression
+    energy = elastic(contact.motion[0], contact.k, contact.a) + 0.5 * contact.m * contact.v * contact.v
+    deepest = ((contact.a + 1.0) * energy / contact.k) ** (1.0 / (contact.a + 1.0))
+    deepest = max(deepest, (max(contact.push, 0.0) / contact.k) ** (1.0 / contact.a))
+    stiffness: float = contact.a * contact.k * deepest ** (contact.a - 1.0)
+    return stiffness
 
 
 @kernel
@@ -74,6 +87,7 @@ def renew_block(block: Block) -> None:
 def begin_block(block: Block, contact: Coupled, place: float) -> None:
     """Begin a block with a coupled contact as it is; place (m): of the object's point now, by its free motion."""
     contact.position = contact.motion[0] + place
+    block.leaves = 1 if contact.rest_force == 0.0 else 0
     block.rows[rows_of(block) - 1] = place
     for j in range(FORCES):
         known = contact.touching == 1 and j < forces_of(block)
@@ -85,8 +99,7 @@ def end_block(block: Block, contact: Coupled) -> None:
     """Leave the contact so that it can go on by samples, after as many of the block as were taken."""
     for j in range(NODES):
         contact.force[j] = contact.step.f[j] = block.last[forces_of(block) - 1] if contact.touching == 1 else 0.0
-    contact.last = 0.0
-    contact.next = _FIRST
+    contact.last = contact.next = _FIRST
 
 
 @kernel
@@ -106,6 +119,8 @@ def _step(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, times
     """Take a step of `step_blocks` with nodes at `times`, of which there is a fixed number for each compilation."""
     for i in range(net.size):
         _predict(contacts[net.contact[i]].coupled, blocks[net.block[i]], i, n, times)
+    if net.lasts == 1:
+        _keep_at_rest(blocks, net)
     _sweep(contacts, blocks, net, times)
     if not _conserve(contacts, blocks, net, n, times):
         for i in range(net.size):
@@ -130,7 +145,8 @@ def _sweep(contacts: Items[Member], blocks: Items[Block], net: Net, times: tuple
 def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, times: tuple[float, ...]) -> bool:
     """Change the forces of sample n so that no contact's energy grows by too much; false if that takes too much.
 
-    Of several contacts, each is found anew with the others' forces where they have changed by too much for that.
+    False, too, where a contact leaves that ends its block so. Of several contacts, each is found anew with the others'
+    forces where they have changed by too much for that.
     """
     for turn in range(_ROUNDS):
         grows = far = False
@@ -139,7 +155,7 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, t
                 _rate(contacts, blocks, net, i, times)
             excess = _account(contacts, blocks, net, i, n, times)
             block = blocks[net.block[i]]
-            if block.solved == 0 or not math.isfinite(excess):
+            if block.solved == 0 or not math.isfinite(excess) or (block.leaves == 1 and not _pushes(block)):
                 return False
             if excess > 0.0:
                 grows = True
@@ -151,6 +167,15 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, t
         if far:
             _sweep(contacts, blocks, net, times)
     return False
+
+
+@kernel
+def _pushes(block: Block) -> bool:
+    """True if a contact pushes at all nodes of a sample, and touches at its end."""
+    least = block.end
+    for k in range(forces_of(block)):
+        least = min(least, block.force[k])
+    return least > 0.0
 
 
 @kernel
@@ -186,6 +211,22 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
         block.last[k] = block.force[k]
         block.force[k] = max(2.0 * block.force[k] - block.before[k], 0.0)
     block.kept = block.gained
+
+
+@kernel
+def _keep_at_rest(blocks: Items[Block], net: Net) -> None:
+    """Add what series miss of forces that last, as they were at the end of the sample before."""
+    for i in range(net.size):
+        block = blocks[net.block[i]]
+        block.missed_end = 0.0
+        for j in range(net.size):
+            tables, other = block.tables[j], blocks[net.block[j]]
+            if other.leaves == 1:
+                force = (ratio_of(net, i, j) if i != j else 1.0) * other.last[forces_of(other) - 1]
+                block.missed_end += force * tables.missed_end
+                for k in range(MOTIONS):
+                    block.free[k] += force * tables.missed[k]
+                    block.seen[k] += force * tables.missed[k]
 
 
 @kernel
@@ -289,6 +330,8 @@ def _account(
     h, forces = contact.period, len(times)
     moved = h * (contact.v + 0.5 * h * (contact.push - contact.rest_force) / contact.m) + block.rise
     end, work = contact.position + moved - block.rows[(n + 2) * (2 * forces + 1) - 1], 0.0
+    if net.lasts == 1:
+        end += block.missed_end
     for j in range(net.size):
         tables, other = block.tables[j], blocks[net.block[j]]
         rest, ratio = contacts[net.contact[j]].coupled.rest_force, ratio_of(net, i, j) if i != j else 1.0

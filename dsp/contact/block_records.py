@@ -26,12 +26,17 @@ class Tables(Record):
     give: Annotated[View[float], FORCES * MOTIONS]
     give_end: Annotated[View[float], FORCES]  # m/N
     give_all: Annotated[View[float], MOTIONS]  # all forces together
+    # m/N: by how much compression and rate at the nodes come out too small under a force that lasts, as series end, and
+    # the compression at the sample's end.
+    missed: Annotated[View[float], MOTIONS]
+    missed_end: float
 
 
 class Net(Record):
     """Contacts with one object that are solved together."""
 
     size: int
+    lasts: int  # 1: forces that last are not all those of bodies at rest, which are in no force here
     contact: Annotated[View[int], TOGETHER]  # places among the contacts
     block: Annotated[View[int], TOGETHER]  # and among the blocks
     gain: Annotated[View[float], TOGETHER]  # factor on the force that the object gets, and
@@ -57,6 +62,7 @@ class Block(Record):
     height: Annotated[View[float], FORCES]  # m: of the path at the nodes, against the sample's beginning,
     slope: Annotated[View[float], FORCES]  # m per sample
     rise: float  # m: and at the sample's end
+    leaves: int  # 1: the block ends where the contact does
     even: int  # 1: the body rolls evenly
     # Where it was on its path before the sample:
     piece: int  # -1: it has not rolled evenly over the sample
@@ -64,6 +70,7 @@ class Block(Record):
     t: float  # s
     s: float  # m
     end: float  # m: compression then
+    missed_end: float  # m: of it, beyond what tables give
     solved: int  # 1: so Newton's method has ended
     free: Annotated[View[float], MOTIONS]  # compression and rate with no force but that at rest,
     seen: Annotated[View[float], MOTIONS]  # and with those of the others,

@@ -4,8 +4,8 @@ from ..native.jit import kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, add_tables, line_of
-from .block_nodes import FORCES, MOTIONS, NODES_PER_PART, RATES, TO_END, TO_NODES
-from .block_records import Block, Net, Tables, moments_of, ratio_of, rows_of
+from .block_nodes import AT, FORCES, MOTIONS, NODES_PER_PART, RATES, TO_END, TO_NODES
+from .block_records import Block, Net, Tables, forces_of, moments_of, ratio_of, rows_of
 from .power_series import POWERS
 
 
@@ -41,6 +41,20 @@ def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
             tables.give[j * MOTIONS + FORCES + i] = v
             tables.give_all[i] += x
             tables.give_all[FORCES + i] += v
+
+
+@kernel
+def take_missed(block: Block, tables: Tables, laid: View[float], place: float, own: float) -> None:
+    """Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the rows of their
+    motion if they are let go. own: the striker's answer in the tables, m/(N sample^2); 0 if there is none."""
+    forces = forces_of(block)
+    for k in range(forces):
+        at = AT[block.parts, k]
+        tables.missed[k] = laid[2 * k * AHEAD] + tables.give_all[k] - 0.5 * own * at * at - place
+        tables.missed[FORCES + k] = laid[(2 * k + 1) * AHEAD] + tables.give_all[FORCES + k] - own * at
+    tables.missed_end = laid[2 * forces * AHEAD] - 0.5 * own - place
+    for k in range(forces):
+        tables.missed_end += tables.give_end[k]
 
 
 @kernel

@@ -63,8 +63,17 @@ def roll_striker(state: State, contact: Contact) -> None:
 
 
 @kernel
+def press_striker(state: State, contact: Contact) -> None:
+    """Drive the voice of a striker that is pressed on in this quantum, if it has one or one is free."""
+    if _sounds(state, contact):
+        _take_voice(state, contact, False)
+        if contact.voice >= 0:
+            state.voices[contact.voice].driven = 1
+
+
+@kernel
 def feed_striker(state: State, contact: Contact) -> None:
-    """Drive a rolling body's voice, if it has one, by its force over the whole quantum."""
+    """Drive a striker's voice, if it has one, by its force over the whole quantum."""
     if contact.voice >= 0:
         voice = state.voices[contact.voice]
         voice.roll = contact.roll

@@ -1,5 +1,5 @@
-"""Rolls that feel all modes, and rests on supports, solved a quantum at a time (contact/block.py) where nothing else
-acts on the object.
+"""Rolls that feel all modes, rests on supports, and presses, solved a quantum at a time (contact/block.py) where
+nothing else acts on the object.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
 decided for each quantum anew: where a contact of another kind acts in it, or too many do, where a body moves over its
@@ -11,24 +11,25 @@ from ...contact.accuracy import PARTS
 from ...contact.block import begin_block, end_block, parts_for, renew_block, step_blocks
 from ...contact.block_nodes import AT, MOMENTS_AHEAD, MOST_PARTS
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, rows_of
-from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_rows
+from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept, transfer_receptance
+from ...resonator.mode import settle_under
 from ...resonator.rows import lay_rows, row_weights
 from ...rolling.block_path import is_even, project_path, roll_back, roll_evenly
 from ...rolling.body import share_of
 from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of, point_of
 from ..bodies.sheets import is_coupled
-from ..bodies.strikers import feed_striker
+from ..bodies.strikers import feed_striker, press_striker
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
 from .contact_force import observe_points
 from .contact_list import take_place, take_room_again
 from .rolls import feed_of, register_roll
-from .trace import trace_roll
+from .trace import trace_press, trace_roll
 
 WEIGHTS = tuple(
     tuple(
@@ -44,7 +45,7 @@ _FEWEST = 8  # frames that are worth a block
 
 @noinline_kernel
 def solve_blocks(state: State, obj: Object, frame: int) -> None:
-    """Solve an object's rolls from a frame to the quantum's end, if they can be."""
+    """Solve an object's lasting contacts from a frame to the quantum's end, if they can be."""
     obj.resumes = QUANTUM
     net = state.scratch.net
     if PARTS[state.choices.accuracy] == 0 or not _gather(state, obj, net):
@@ -68,7 +69,7 @@ def solve_blocks(state: State, obj: Object, frame: int) -> None:
 @kernel
 def _gather(state: State, obj: Object, net: Net) -> bool:
     """List an object's contacts, in the order of their places; false if one can't be solved in blocks."""
-    net.size = 0
+    net.size = net.lasts = 0
     if is_coupled(state, obj) or obj.shares_contact == 1 or state.choices.method.method > 0:
         return False
     index = obj.contact
@@ -84,27 +85,37 @@ def _gather(state: State, obj: Object, net: Net) -> bool:
                 i -= 1
             net.contact[i], net.block[i] = index, contact.roll
             net.size += 1
+            net.lasts |= contact.trait.held
         index = contact.next
     return net.size > 0
 
 
 @kernel
 def _can_be(state: State, contact: Contact) -> bool:
-    """True if a contact is a roll or a rest that may be solved over the quantum."""
-    if contact.solver != COUPLING or contact.travel > 0.0:
+    """True if a contact is a roll, a rest or a press that may be solved over the quantum."""
+    begun = contact.start + contact.fraction <= state.position - 1
+    if contact.solver != COUPLING or contact.travel > 0.0 or not begun:
         return False
     if contact.trait.rests == 1:
-        begun = contact.start + contact.fraction <= state.position - 1
-        return begun and contact.touching == 1 and _has_place(state, contact)
+        return contact.touching == 1 and _has_place(state, contact)
+    if contact.trait.held == 1:
+        return _stays_pressed(state, contact) and _has_place(state, contact)
     if contact.trait.rolls == 0:
         return False
     roll = state.rolls[contact.roll]
-    return roll.t > 0.0 and contact.start + contact.fraction <= state.position - 1 and roll.m == roll.target.mass
+    return roll.t > 0.0 and roll.m == roll.target.mass
+
+
+@kernel
+def _stays_pressed(state: State, contact: Contact) -> bool:
+    """True if a press touches, and is not taken away in the quantum."""
+    touches = contact.touching == 1 and contact.coupled.touching == 1
+    return touches and contact.gone_at >= state.position + QUANTUM
 
 
 @kernel
 def _has_place(state: State, contact: Contact) -> bool:
-    """True if a rest has a place for its block, which it gets if one is free."""
+    """True if a rest or a press has a place for its block, which it gets if one is free."""
     if contact.roll < 0 and take_place(state, contact):
         renew_block(state.blocks[contact.roll])
     return contact.roll >= 0
@@ -142,6 +153,9 @@ def _begin(state: State, obj: Object, net: Net, i: int, parts: int) -> None:
             tables.settled = other.settled
             _settle(state, contact, tables, modes, (point_of(state, obj, other.point[0]), where), i == j)
             _find_later(state, block, tables, modes, (point_of(state, obj, other.point[0]), where))
+            if other.trait.held == 1:
+                own = contact.coupled.period**2 / contact.m if i == j else 0.0
+                _find_missed(state, block, tables, modes, (point_of(state, obj, other.point[0]), where), own)
     scale = 1.0 / contact.now.gain
     place = scale * _lay(state, block, modes, where)
     take_rows(block, state.scratch.rows, scale)
@@ -198,8 +212,8 @@ def _run(state: State, net: Net, frame: int) -> int:
 @kernel
 def _lead(state: State, contact: Contact, block: Block) -> float:
     """Lay the path under a contact over the coming sample; return the share of its force that the object gets."""
-    if contact.trait.rests == 1:
-        project_path(contact.coupled, block)  # of what rests, which is level
+    if contact.trait.rolls == 0:
+        project_path(contact.coupled, block)  # which is level
         return 1.0
     roll = state.rolls[contact.roll]
     if contact.led == 0 and block.even == 1:
@@ -214,16 +228,21 @@ def _lead(state: State, contact: Contact, block: Block) -> float:
 
 @kernel
 def _hand_on(state: State, obj: Object, contact: Contact, frame: int) -> None:
-    """Hand on the force of a roll from a frame on, as far as it is solved: to the record of contacts, and with its gain
-    to the modes."""
+    """Hand on the force of a contact from a frame on, as far as it is solved: to the record of contacts, to a striker
+    that sounds, and with its gain to the modes."""
     fed = feed_of(state, contact)
     if contact.ahead > frame and obj.ahead == 0:
         for n in range(QUANTUM):
             for k in range(KEPT):
                 fed[n, k] = fed[n, k] if frame <= n < contact.ahead and k < MOMENTS_AHEAD else 0.0
         register_roll(state, contact.index)
+        if contact.trait.held == 1:
+            press_striker(state, contact)
         feed_striker(state, contact)
-    trace_roll(state, contact, fed, (frame, contact.ahead), 0)
+    if contact.trait.held == 1:
+        trace_press(state, contact, fed, (frame, contact.ahead))
+    else:
+        trace_roll(state, contact, fed, (frame, contact.ahead), 0)
     for n in range(frame, contact.ahead):
         note_force(contact.forces, fed[n, 0] * state.rate)
         for k in range(KEPT):
@@ -257,3 +276,20 @@ def _find_later(state: State, block: Block, tables: Tables, modes: Modes, points
             struck.y1[i], struck.y2[i] = modes.a1[i] * struck.y1[i] + modes.a2[i] * struck.y2[i], struck.y1[i]
         _lay(state, block, struck, points[1])
         take_answers(block, tables, k, state.scratch.rows)
+
+
+@kernel
+def _find_missed(
+    state: State, block: Block, tables: Tables, modes: Modes, points: tuple[Point, Point], own: float
+) -> None:
+    """Find what tables miss of a force that lasts at the first of two points: by modes that 1 N there bends."""
+    size, work, moments = len(modes.y1), state.scratch.work, state.scratch.fine
+    bent = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
+    for i in range(2 * size):
+        work[i] = 0.0
+    for j in range(KEPT):
+        moments[j] = 1.0 / state.rate if j == 0 else 0.0
+    inject_kept(bent, points[0], moments)
+    settle_under(bent)
+    place = _lay(state, block, bent, points[1])
+    take_missed(block, tables, state.scratch.rows, place, own)

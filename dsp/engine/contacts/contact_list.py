@@ -73,8 +73,22 @@ def places_left(state: State) -> int:
 
 
 @kernel
+def has_place(state: State) -> bool:
+    """True if there is a place for what is computed as a roll; where none is free, a rest or a press gives up its
+    own."""
+    for i in range(state.active):
+        index = state.objects[state.order[i]].contact
+        while index >= 0 and places_left(state) == 0:
+            contact = state.contacts[index]
+            if contact.trait.along == 0 and contact.trait.swarms == 0:
+                give_place_back(state, contact)
+            index = contact.next
+    return places_left(state) > 0
+
+
+@kernel
 def take_place(state: State, contact: Contact) -> bool:
-    """Give a rest the place of a roll, in which its force is kept over a quantum; false if there is none."""
+    """Give a rest or a press the place of a roll, in which its force is kept over a quantum; false if there is none."""
     if contact.roll < 0 and places_left(state) > 0:
         contact.roll = state.free_roll[places_left(state) - 1]
         state.rests_placed += 1
@@ -83,7 +97,7 @@ def take_place(state: State, contact: Contact) -> bool:
 
 @kernel
 def give_place_back(state: State, contact: Contact) -> None:
-    """Take the place of a roll away from a rest, if it has one."""
+    """Take the place of a roll away from a rest or a press, if it has one."""
     if contact.roll >= 0:
         state.rests_placed -= 1
         state.free_roll[places_left(state) - 1] = contact.roll
@@ -120,10 +134,10 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     if contact.trait.along == 1:
         stats.rolls_active -= 1
         state.free_roll[places_left(state) - 1] = contact.roll
-    elif contact.trait.rests == 1:
-        give_place_back(state, contact)
     elif contact.trait.swarms > 0:
         state.swarms[contact.swarm].used = 0
+    else:
+        give_place_back(state, contact)
 
 
 @kernel

@@ -112,6 +112,7 @@ def _go_on(state: State, index: int) -> bool:
         return True
     if contact.trait.rests == 1:
         return not keep_resting(state, contact)
+    contact.ahead = 0
     if contact.trait.held == 1 and update_mode_count(state, contact):
         _lift(state, contact, 0)
     elif contact.solver == COUPLING:
@@ -141,7 +142,7 @@ def _wait_longer(state: State, contact: Contact) -> bool:
 def _lift(state: State, contact: Contact, frames: int) -> None:
     """Take a pressing striker away, to be laid on again after so many frames."""
     release_modes(state, contact)
-    contact.touching = contact.asleep = 0
+    contact.touching = contact.asleep = contact.ahead = 0
     contact.push = 0.0
     contact.start = state.position + frames
     contact.fraction = 0.0

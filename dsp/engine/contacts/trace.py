@@ -70,6 +70,19 @@ def trace_roll(state: State, contact: Contact, feed: View2D[float], frames: tupl
 
 
 @kernel
+def trace_press(state: State, contact: Contact, feed: View2D[float], frames: tuple[int, int]) -> None:
+    """Keep the force of a press that touches all the time, over frames of a quantum, from the first up to the
+    second."""
+    coupled = contact.coupled
+    met = contact.now.position, coupled.approach, coupled.arrival
+    for n in range(frames[0], frames[1]):
+        entry = _entry(state, contact, state.position + n - 1, feed[n, 0], met)
+        if entry >= 0:
+            _set_moments(state, entry, feed[n])
+            _publish(state)
+
+
+@kernel
 def trace_place(state: State, contact: Contact, position: float, feed: View2D[float]) -> None:
     """Keep the force of a swarm's blows at one place over a quantum."""
     for n in range(QUANTUM):

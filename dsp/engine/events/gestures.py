@@ -13,7 +13,7 @@ from ...schema import GESTURES
 from ...schema_records import VALUES, Values
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
-from ..contacts.contact_list import append_contact, places_left, report_end, schedule_contact
+from ..contacts.contact_list import append_contact, has_place, places_left, report_end, schedule_contact
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
 from ..contacts.slides import begin_slide
@@ -39,12 +39,11 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
     """Take a striker into an object's list, to touch it at its time; a roll or slide that goes on is steered."""
     trait = state.traits[event.what]
     stats = state.stats
-    full = stats.contacts_active == len(state.contacts) or (trait.along == 1 and places_left(state) == 0)
     if trait.along == 1 and steer_existing(state, event):
         report_end(state, event.gesture, END_JOINED)
     elif max(field(event.values, _SIZES[event.what]), event.values.sweep) < _SLOWEST and trait.swarms == 0:
         report_end(state, event.gesture, END_RESTED)
-    elif full or (trait.swarms > 0 and not has_room_for_swarm(state, event)):
+    elif not _has_room(state, event):
         stats.impacts += 1
         stats.contacts_dropped += 1
         report_end(state, event.gesture, END_NO_ROOM)
@@ -61,6 +60,15 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         begin_gesture(contact.kind, state, contact, event)
         schedule_contact(state, contact)
         append_contact(state, obj, index)
+
+
+@kernel
+def _has_room(state: State, event: Event) -> bool:
+    """True if there is room for the contact that a command begins."""
+    trait = state.traits[event.what]
+    if state.stats.contacts_active == len(state.contacts) or (trait.along == 1 and not has_place(state)):
+        return False
+    return trait.swarms == 0 or has_room_for_swarm(state, event)
 
 
 @kernel
@@ -83,7 +91,8 @@ def _describe(state: State, contact: Contact, event: Event) -> None:
     contact.origin = event.time
     contact.elapsed = values.delay
     contact.random = np.uint64(values.seed)
-    contact.spin = 0.0
+    contact.spin = contact.travel = 0.0
+    contact.roll = -1
     contact.solver = CLOSED
     contact.unsettled = contact.solved = contact.ahead = contact.led = contact.asleep = 0
     contact.forces[:] = 0.0
@@ -104,7 +113,6 @@ def _push(contact: Contact, values: Values) -> None:
         contact.push = contact.push_target = contact.m * target.gravity
     elif contact.trait.rests == 1:
         target.gain = 1.0
-        contact.roll, contact.travel = -1, 0.0
     elif contact.trait.held == 1:
         contact.push_target = target.force
         target.gain = 1.0  # a hand that is softer is one that presses less

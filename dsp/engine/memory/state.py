@@ -380,7 +380,7 @@ class State(Record):
     samples: Annotated[View2D[float], DRIVEN, QUANTUM + 2 * REACH]  # their forces by one number a frame, likewise
     through: Annotated[View2D[Through], DRIVEN, 2]
     free_roll: Annotated[View[int], ROLLS]  # stack
-    rests_placed: int  # rests that have the place of a roll
+    rests_placed: int  # rests and presses that have the place of a roll
     swarms: Annotated[View[Swarm], SWARMS]
     pulses: Pulses  # the tables of their blows
     strikers: Annotated[View[Striker], STRIKERS]  # kinds that sound

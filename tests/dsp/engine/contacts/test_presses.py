@@ -1,0 +1,222 @@
+"""Presses that are solved in blocks: against DOP853, at rest, their energy, their record, and their bits."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM, ROLLS
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.server.osc.wire import Message
+from carom.server.scene.session import Session
+from tests.dsp.engine.contacts.test_coupling import PRESETS, body, energy, modal
+from tests.dsp.engine.contacts.test_rests import contact_of
+from tests.dsp.engine.support import gesture, strike
+
+RATE = 48_000
+HAND = (0.03, 3e5, 2.0, 1.5)
+FORCE = 4.0
+
+
+def pressed(level="-60", hand=HAND, count=1, **kind):
+    """Return an engine, and an object on which hands press at the same place."""
+    engine = Engine(RATE)
+    handle = engine.add(body(**kind), 0.05)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
+    for number in range(count):
+        engine.send([gesture("press", handle, hand, 0.0, 7 + number, velocity=0.01, force=FORCE)])
+    return engine, handle
+
+
+def in_blocks(engine, handle):
+    """Return whether the last quantum was solved in blocks."""
+    return engine.state["objects"]["ahead"][0, handle.slot] == 1
+
+
+def reference(modes, hand, start, pushes):
+    """Return the velocity of the point of `modal` modes after each quantum under its push, by DOP853."""
+    m, k, mu, a = hand
+    frequency, sigma, phi, z = modes
+    omega, n = 2 * np.pi * frequency, len(frequency)
+    x, v = start
+    y, found = np.concatenate([z.real, z.imag, [x + phi @ (z.imag / omega), v]]), []
+
+    def motion(t, y, push):
+        q, u = y[n : 2 * n] / omega, y[:n] - sigma * y[n : 2 * n] / omega
+        x, rate = y[-2] - phi @ q, y[-1] - phi @ u
+        force = k * x**a * max(0.0, 1 + mu * rate) if x > 0 else 0.0
+        turning = -sigma * y[:n] - omega * y[n : 2 * n] + phi * force
+        return np.concatenate([turning, omega * y[:n] - sigma * y[n : 2 * n], [y[-1], (push - force) / m]])
+
+    for push in pushes:
+        y = solve_ivp(motion, (0, QUANTUM / RATE), y, "DOP853", args=(push,), rtol=1e-10, atol=1e-13).y[:, -1]
+        found.append(phi @ (y[:n] - sigma * y[n : 2 * n] / omega))
+    return np.array(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("level", "bound"), [("-50", -50), ("-60", -60)])
+@pytest.mark.parametrize("hand", [HAND, (0.005, 1e7, 0.5, 1.5), (0.2, 1e4, 5.0, 1.0)])
+@pytest.mark.parametrize("modal_mass", [0.02, 1.0])
+def test_what_rings_under_a_press_against_dop853(modal_mass, hand, level, bound):
+    """A strike is over, and the modes ring on under the hand for 53 ms."""
+    engine, handle = pressed(level, hand, modal_mass=modal_mass)
+    engine.process(150 * QUANTUM)
+    strike(engine, handle, (0.002, 1e8, 0.2, 1.5), engine.position + 0.25, 0.1)
+    engine.process(2 * QUANTUM)
+    while not in_blocks(engine, handle):
+        engine.process(QUANTUM)
+    coupled = contact_of(engine)["coupled"]
+    start = float(coupled["motion"][0]), float(coupled["v"])
+    found, pushes = [], []
+    before = modal(engine, handle, 24)
+    for _ in range(40):
+        engine.process(QUANTUM)
+        assert in_blocks(engine, handle)
+        frequency, sigma, phi, z = modal(engine, handle, 24)
+        found.append(phi @ (z.real - sigma / (2 * np.pi * frequency) * z.imag))
+        pushes.append(float(contact_of(engine)["push"]))
+    right = reference(before, hand, start, pushes)
+    assert 20 * math.log10(np.abs(found - right).max() / np.abs(right).max()) < bound
+
+
+@pytest.mark.parametrize("level", ["-50", "-60"])
+@pytest.mark.parametrize("modal_mass", [1e-3, 0.1])
+def test_a_press_at_rest_stays_so(modal_mass, level):
+    """The force stays within 1e-6 of the push, also where the object gives way by far more than the hand."""
+    engine, handle = pressed(level, (0.03, 1e7, 200.0, 1.5), modal_mass=modal_mass, t60=0.02)
+    engine.process(3 * RATE)
+    assert in_blocks(engine, handle) and engine.stats.held == 0
+    forces = []
+    for _ in range(20):
+        engine.process(QUANTUM)
+        forces += contact_of(engine)["forces"].tolist()
+    np.testing.assert_allclose(forces, FORCE, rtol=1e-6)
+
+
+def test_two_hands_are_as_one_of_twice_the_mass():
+    found = []
+    m, k, mu, a = HAND
+    for hand, count in ((HAND, 2), ((2 * m, 2 * k, mu, a), 1)):
+        engine, handle = pressed("-60", hand, count)
+        if count == 1:
+            engine.send([Command(NOW, Kind.STEER, value=2 * FORCE, gesture=7, parameter="force")])
+        engine.process(RATE // 2)
+        strike(engine, handle, (0.002, 1e8, 0.2, 1.5))
+        engine.process(40 * QUANTUM)
+        assert in_blocks(engine, handle)
+        _, _, phi, z = modal(engine, handle, 24)
+        found.append(phi @ z)
+    assert abs(found[0] - found[1]) < 1e-3 * abs(found[1])
+
+
+@pytest.mark.slow
+def test_energy_under_a_press_grows_by_no_more_than_its_allowance():
+    """Modes and hands without loss, that swing about where they rest; less the push's work."""
+    random = np.random.default_rng(3)
+    grown = []
+    for _ in range(12):
+        hand = 10 ** random.uniform(-3, 0), 10 ** random.uniform(4, 7), 0.0, random.choice([1.0, 1.5, 2.0])
+        engine, handle = pressed(random.choice(["-50", "-60"]), hand, modal_mass=10 ** random.uniform(-2, 1), t60=1e9)
+        engine.process(2 * RATE)  # the push is what it will be
+        courses = []
+        for _ in range(200):
+            engine.process(QUANTUM)
+            if in_blocks(engine, handle) and contact_of(engine)["coupled"]["touching"] == 1:
+                courses.append(total(engine, handle, hand))
+        if courses:
+            course, scale = np.array(courses).T
+            grown.append((course - np.minimum.accumulate(course)).max() / scale.max())
+    assert len(grown) > 5 and max(grown) < 1e-5, grown
+
+
+def total(engine, handle, hand):
+    """Return the energy (J) of modes, hand and contact, less the push's work; and the greatest of its parts."""
+    m, k, _, a = hand
+    contact = contact_of(engine)
+    coupled = contact["coupled"]
+    frequency, _, phi, z = modal(engine, handle, 24)
+    x = float(coupled["motion"][0])
+    place = x + phi @ (z.imag / (2 * np.pi * frequency))
+    parts = energy(engine, handle, 24), k * max(x, 0.0) ** (a + 1) / (a + 1), 0.5 * m * float(coupled["v"]) ** 2
+    return sum(parts) - float(contact["push"]) * place, max(parts)
+
+
+@pytest.mark.parametrize("striker", ["felt", "wood"])
+def test_the_record_of_a_press_in_blocks_is_what_the_hand_gives(striker):
+    """The impulses of its record are what its striker, which sounds or not, loses, and what the push gives."""
+    engine = Engine(RATE)
+    engine.trace(True)
+    press_preset(engine, "wood-block", 5.0, striker)
+    engine.process(9_600)
+    engine.traced()
+    before, entries, pushed = contact_pressed(engine), [], 0.0
+    for _ in range(50):
+        engine.process(QUANTUM)
+        assert engine.state["objects"]["ahead"][0].max() == 1
+        entries.append(engine.traced())
+        contact = contact_pressed(engine)
+        pushed += float(contact["push"]) * QUANTUM / RATE
+    found = np.concatenate(entries)
+    given = float(contact["m"]) * float(before["coupled"]["v"] - contact["coupled"]["v"]) + pushed
+    assert (contact["sound"] >= 0) == (striker == "wood") and set(found["contact"]) == {int(contact["number"])}
+    assert found["impulse"].sum() == pytest.approx(given, rel=1e-9) and len(found) == 50 * QUANTUM
+
+
+@pytest.mark.parametrize("striker", ["felt", "wood"])
+def test_the_bits_of_a_press_are_the_same_in_any_blocks_and_with_others(striker):
+    """Other objects ring beside it, at no gain."""
+    sounds = []
+    for blocks, others in (([9_600], 0), ([QUANTUM] * 150, 0), ([37, 1_000, 8_563], 2)):
+        engine = Engine(RATE)
+        handles = [engine.add(body(), 0.0) for _ in range(others)]
+        press_preset(engine, "wood-block", 5.0, striker)
+        engine.send([gesture("press", each, HAND, velocity=0.1, force=1.0) for each in handles])
+        sounds.append(np.concatenate([engine.process(frames) for frames in blocks]))
+        assert engine.state["objects"]["ahead"][0].sum() == 1 + others
+    np.testing.assert_array_equal(sounds[0], sounds[1])
+    np.testing.assert_array_equal(sounds[0], sounds[2])
+
+
+def contact_pressed(engine):
+    """Return a copy of the contact of the only command that brought a striker."""
+    return max(engine.state["contacts"][0], key=lambda each: each["command"]).copy()
+
+
+@pytest.mark.parametrize("level", ["-50", "-60"])
+@pytest.mark.parametrize(("name", "striker"), [("pot-lid", "felt"), ("glass-plate", "bowling-ball")])
+def test_blocks_follow_a_force_that_lasts(name, striker, level):
+    """Modes far above the Nyquist frequency give way to it, of which series miss a share: no sample is taken alone."""
+    engine = Engine(RATE)
+    press_preset(engine, name, 50.0, striker, level)
+    engine.process(3 * RATE)
+    before = contact_pressed(engine)["coupled"]["steps"]
+    for _ in range(60):
+        engine.process(QUANTUM)
+        assert engine.state["objects"]["ahead"][0].max() == 1
+    assert contact_pressed(engine)["coupled"]["steps"] - before == 60 * QUANTUM
+
+
+def test_presses_take_no_place_from_rolls():
+    """128 presses in blocks have the places of all rolls there may be; a roll gets one, and a press goes on without."""
+    engine = Engine(RATE)
+    handles = [engine.add(body(n=4, top=2_000), 0.05) for _ in range(ROLLS // 4)]
+    for handle in handles:
+        engine.send([gesture("press", handle, HAND, velocity=0.01, force=FORCE) for _ in range(4)])
+    engine.process(40 * QUANTUM)
+    assert engine.state["rests_placed"][0] == ROLLS and all(in_blocks(engine, each) for each in handles)
+    engine.send([gesture("roll", handles[0], HAND, speed=0.3, radius=0.02, gravity=9.8, seed=1)])
+    engine.process(40 * QUANTUM)
+    assert engine.stats.contacts_dropped == 0 and engine.stats.rolls_active == 1
+    assert engine.state["rests_placed"][0] == ROLLS - 1
+    assert sum(in_blocks(engine, each) for each in handles) == len(handles) - 1
+
+
+def press_preset(engine, name, force, striker, level="-60"):
+    """Press on a built-in object."""
+    session = Session(engine, PRESETS)
+    press = Message("/object/a/press", (force, "striker", striker))
+    session.perform([Message("/accuracy", (level,)), Message("/object/new", ("a", name)), press], NOW)
