@@ -20,8 +20,10 @@ from ..dsp.errors import CaromError
 from ..dsp.fitting.distance import Distance, distance
 from ..dsp.fitting.errors import RecordingError
 from ..dsp.fitting.hits import check
+from ..dsp.fitting.kinds import Excess, excess
 from .plot import PlotError, require_matplotlib, require_picture
-from .recordings import read
+from .recordings import Recording, read
+from .recordings import found as files_of
 
 _LOWEST = 40.0  # Hz
 _DYNAMIC = 80.0  # dB of a spectrogram
@@ -52,14 +54,41 @@ def compare(a: Path, b: Path) -> tuple[Distance, list[str]]:
 
     RecordingError or OSError where one cannot be read or holds no sound.
     """
-    first, second = read(a, mixed=True), read(b, mixed=True)
-    for each in (first, second):
-        try:
-            check(each.samples, each.rate)
-        except RecordingError as error:
-            if "clipped" not in str(error):
-                raise RecordingError(f"{each.path}: {error}") from None
+    first, second = _read(a), _read(b)
     return distance(first.samples, second.samples, first.rate, second.rate), [*first.notes, *second.notes]
+
+
+def beside(a: Path, b: Path, kind: Path) -> Excess:
+    """Return how far B is from A and the other recordings of its kind in a folder, beside how far these are apart.
+
+    RecordingError or OSError where one cannot be read, or where there is none but A.
+    """
+    others = [each for each in files_of([kind]) if not each.samefile(a)]
+    if not others or not kind.is_dir():
+        raise RecordingError(f"{kind}: expected a folder with other recordings of the kind of {a.name}")
+    sound, *recordings = ((each.samples, each.rate) for each in map(_read, (b, a, *others)))
+    return excess(sound, recordings)
+
+
+def _read(path: Path) -> Recording:
+    recording = read(path, mixed=True)
+    try:
+        check(recording.samples, recording.rate)
+    except RecordingError as error:
+        if "clipped" not in str(error):
+            raise RecordingError(f"{path}: {error}") from None
+    return recording
+
+
+def kind_table(found: Excess) -> str:
+    """Return what was found beside recordings of one kind as text."""
+    return "\n".join(
+        (
+            f"beside {found.recordings} recordings    B to them  to each other",
+            f"third octaves             {found.gap:6.1f} dB      {found.real_gap:6.1f} dB",
+            f"T60                  {found.decay:6.2f} octaves {found.real_decay:6.2f} octaves",
+        )
+    )
 
 
 def table(found: Distance) -> str:
@@ -77,20 +106,27 @@ def table(found: Distance) -> str:
     return "\n".join(lines)
 
 
-def as_json(found: Distance) -> str:
-    """Return all figures as JSON; a decay that there is none of is null."""
-    data = {
+def as_json(found: Distance, kind: Excess | None = None) -> str:
+    """Return all figures as JSON; a decay that there is none of is null. kind: what was found beside recordings."""
+    data: dict[str, Any] = {
         "residual_db": found.residual,
         "log_spectral_distance_db": found.spectral,
         "gain_db": found.gain,
         "shift_s": found.shift,
         "third_octaves": [dict(zip(("hz", "a_db", "b_db"), row, strict=True)) for row in found.thirds.tolist()],
-        "decays": [
-            {"hz": middle, "a_s": None if math.isnan(a) else a, "b_s": None if math.isnan(b) else b}
-            for middle, a, b in found.decays.tolist()
-        ],
+        "decays": [{"hz": middle, "a_s": _known(a), "b_s": _known(b)} for middle, a, b in found.decays.tolist()],
     }
+    if kind:
+        data["kind"] = {
+            "recordings": kind.recordings,
+            "third_octaves_db": kind.gap, "third_octaves_real_db": kind.real_gap,
+            "decays_octaves": _known(kind.decay), "decays_real_octaves": _known(kind.real_decay),
+        }  # fmt: skip
     return json.dumps(data, indent=2)
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value
 
 
 def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) -> None:

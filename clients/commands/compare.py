@@ -13,6 +13,9 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "b", type=Path, metavar="B.wav", help="the other one; it is shifted and levelled to agree with A"
     )
+    parser.add_argument(
+        "--kind", type=Path, metavar="FOLDER", help="other recordings of A's kind: tell how far apart they are, and B"
+    )
     parser.add_argument("--plot", type=Path, metavar="OUT.png", help="draw both spectrograms, third octaves and decays")
     parser.add_argument(
         "--page", type=Path, metavar="OUT.html", help="write a page with players, figures and the picture"
@@ -21,7 +24,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from ..comparison import as_json, compare, draw, require_page, table, write_page
+    from ..comparison import as_json, beside, compare, draw, kind_table, require_page, table, write_page
     from ..plot import require_picture
 
     if arguments.plot:
@@ -31,13 +34,17 @@ def _run(arguments: argparse.Namespace) -> int:
     names = (arguments.a.name, arguments.b.name)
     with shown_progress(Work("compare", at_work), f"{names[0]} and {names[1]}"):
         found, notes = compare(arguments.a, arguments.b)
+        kind = beside(arguments.a, arguments.b, arguments.kind) if arguments.kind else None
         if arguments.plot:
             draw(found, arguments.plot, names)
         if arguments.page:
             write_page(arguments.page, f"{names[0]} and {names[1]}", [(found, names)])
     for note in notes:
         tell("compare", note)
-    print(as_json(found) if arguments.json else table(found))
+    if arguments.json:
+        print(as_json(found, kind))
+    else:
+        print("\n\n".join([table(found), *([kind_table(kind)] if kind else [])]))
     return 0
 
 

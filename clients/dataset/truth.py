@@ -111,7 +111,7 @@ def about_object(
     level = placed.level / AMPLIFIED
     table = mode_table(placed.modes, level, settings, gains, position, rate)
     relief = table.relief
-    glides = placed.modes.glide > 0.0
+    bends = placed.modes.glide > 0.0 or placed.modes.sheet is not None
     made = int((placed.modes.frequency <= NYQUIST_SHARE * 0.5 * rate).sum())
     return {
         "name": name,
@@ -120,7 +120,7 @@ def about_object(
         "material": preset.material.name if preset.material else "",
         "mass": placed.modes.mass,
         "position": position,
-        "linear": not glides and followed.stayed(serial),
+        "linear": not bends and followed.stayed(serial),
         "by_moments": _by_moments(placed.modes, settings.tune, rate),
         "rubbed_relief": max(min(SLID - made, len(relief.frequencies) if relief else 0), 0),
         "rubbed_clicks": len(table.clicks) if made + CLICK_ROOM <= SLID else 0,

@@ -60,8 +60,8 @@ def distance(a: Array, b: Array, rate: float, rate_b: float | None = None) -> Di
         shift=shift / rate,
         residual=float(10 * np.log10(left + 1e-30)),
         spectral=log_spectral(a, b, rate),
-        thirds=_third_octaves(a, b, rate),
-        decays=np.array([[middle, decay(a, rate, middle), decay(b, rate, middle)] for middle in _octaves(rate)]),
+        thirds=_both(a, b, rate),
+        decays=np.array([[middle, decay(a, rate, middle), decay(b, rate, middle)] for middle in octaves(rate)]),
         a=a,
         b=b,
     )
@@ -109,21 +109,28 @@ def decay(samples: Array, rate: float, middle: float) -> float:
     return float(-60 / slope) if slope < 0 else float("nan")
 
 
-def _octaves(rate: float) -> Array:
-    octaves: Array = _DECAY_BANDS[_DECAY_BANDS * np.sqrt(2) < rate / 2]
-    return octaves
+def octaves(rate: float) -> Array:
+    """Return the middles (Hz) of the octaves below half the rate."""
+    middles: Array = _DECAY_BANDS[_DECAY_BANDS * np.sqrt(2) < rate / 2]
+    return middles
 
 
-def _third_octaves(a: Array, b: Array, rate: float) -> Array:
-    powers = [np.abs(np.fft.rfft(each)) ** 2 for each in (a, b)]
-    frequency = np.fft.rfftfreq(len(a), 1 / rate)
+def third_octaves(samples: Array, rate: float) -> Array:
+    """Return rows of third-octave middle (Hz) and level (dB) of a sound (n,), up to half the rate."""
+    power = np.abs(np.fft.rfft(samples)) ** 2
+    frequency = np.fft.rfftfreq(len(samples), 1 / rate)
     rows = []
     for step in range(-13, 14):
         middle = 1000 * 2 ** (step / 3)
         inside = (frequency >= middle * 2 ** (-1 / 6)) & (frequency < middle * 2 ** (1 / 6))
         if inside.any() and middle * 2 ** (1 / 6) < rate / 2:
-            rows.append([middle, *(10 * np.log10(power[inside].sum() + 1e-30) for power in powers)])
-    table = np.array(rows)
+            rows.append([middle, 10 * np.log10(power[inside].sum() + 1e-30)])
+    return np.array(rows)
+
+
+def _both(a: Array, b: Array, rate: float) -> Array:
+    """Return rows of third-octave middle (Hz) and both levels (dB, against A's loudest)."""
+    table = np.column_stack([third_octaves(a, rate), third_octaves(b, rate)[:, 1]])
     table[:, 1:] -= table[:, 1].max()
     return table
 

@@ -196,6 +196,26 @@ def test_a_sound_is_no_distance_from_itself(folder, tmp_path, capsys):
     assert page.read_text().count("<audio") == 2 and picture.stat().st_size > 10_000
 
 
+@pytest.mark.slow
+def test_a_sound_is_compared_with_recordings_of_its_kind(folder, tmp_path, capsys):
+    ring, kind = folder / "ring.wav", tmp_path / "kind"
+    kind.mkdir()
+    samples, rate = soundfile.read(ring)
+    for n in (1, 2):
+        soundfile.write(kind / f"{n}.wav", np.r_[np.zeros(100 * n), samples / n], rate, "FLOAT")
+    soundfile.write(tmp_path / "b.wav", samples * np.exp(-20.0 * np.arange(len(samples)) / rate), rate, "FLOAT")
+    words = ["compare", str(ring), str(tmp_path / "b.wav"), "--kind", str(kind)]
+    assert main([*words, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["kind"]
+    assert told["recordings"] == 3 and told["third_octaves_real_db"] < 0.1 < told["third_octaves_db"]
+    assert told["decays_real_octaves"] < 0.05 < told["decays_octaves"]
+    assert main(words) == 0
+    assert "beside 3 recordings" in capsys.readouterr().out
+    (kind / "2.wav").unlink()
+    assert main(["compare", str(kind / "1.wav"), str(ring), "--kind", str(kind)]) == 1
+    assert "expected a folder with other recordings of the kind of 1.wav" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [

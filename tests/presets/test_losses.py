@@ -61,13 +61,11 @@ def test_decay_times_are_those_of_recordings(name, frequency, t60, within):
 
 
 @pytest.mark.parametrize("name", ["piano-string", "bass-string"])
-def test_strings_decay_as_a_power_of_the_frequency(name):
+@pytest.mark.parametrize(
+    ("frequency", "t60"), [(250, 3.3), (500, 3.4), (1000, 4.3), (2000, 4.4), (4000, 3.8), (8000, 2.4)]
+)
+def test_a_pianos_strings_decay_as_recorded(name, frequency, t60):
+    """Medians by octaves of ten notes of FluidR3's piano, D2 to D6, over 1.5 s."""
     modes = PRESETS.object(name).modes(10_000)
-    slope = np.polyfit(np.log(modes.frequency), -np.log(modes.decay), 1)[0]
-    assert slope == pytest.approx(-0.7, abs=0.05)
-
-
-def test_a_piano_string_decays_as_recorded():
-    modes = PRESETS.object("piano-string").modes(10_000)
-    t60 = math.log(1000) / np.interp(2000.0, modes.frequency, modes.decay)
-    assert t60 == pytest.approx(1.5, rel=0.1)
+    found = math.log(1000) / np.interp(frequency, modes.frequency, modes.decay)
+    assert 1 / 1.3 < found / t60 < 1.3

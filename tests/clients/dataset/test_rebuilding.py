@@ -69,9 +69,10 @@ def test_a_world_is_rebuilt():
     assert max(missed(read(find("worlds")), 1)) < -80
 
 
-def test_what_glides_is_refused_by_name(tmp_path):
+@pytest.mark.parametrize("preset", ["tom", "splash-cymbal"])
+def test_what_stretches_is_refused_by_name(tmp_path, preset):
     recipe = recipe_of(
-        tmp_path, SMALL.replace('"xylophone-bar"\nmaterial = { choice = ["rosewood", "aluminium"] }', '"tom"')
+        tmp_path, SMALL.replace('"xylophone-bar"\nmaterial = { choice = ["rosewood", "aluminium"] }', f'"{preset}"')
     )
     with pytest.raises(ValueError, match="object: it is not linear"):
         missed(recipe, 0)
