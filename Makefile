@@ -122,7 +122,7 @@ $(READY): pyproject.toml
 	@$(INSTALL) --no-deps --no-build-isolation --editable .
 	@$(BIN)/python -c 'from carom.dsp.runtime.engine import prepare; prepare()' & compiling=$$!; \
 	  trap 'kill $$compiling; exit 130' INT TERM; \
-	  $(INSTALL) --no-build-isolation $(if $(UV),-r pyproject.toml --extra plot,'carom[plot]'); installed=$$?; \
+	  $(INSTALL) --no-build-isolation $(if $(UV),-r pyproject.toml --extra compile --extra plot,'carom[compile,plot]'); installed=$$?; \
 	  wait $$compiling && exit $$installed
 	@touch $@
 

@@ -11,6 +11,9 @@ from setuptools.command.build_py import build_py
 COMPILED = (
     "carom.dsp.native.atomics",
     "carom.dsp.native.system",
+    "carom.dsp.contact.law",
+    "carom.dsp.contact.pulse",
+    "carom.dsp.rolling.surface",
     "carom.dsp.runtime.callback",
     "carom.dsp.runtime.handover",
     "carom.dsp.runtime.jobs",
@@ -31,8 +34,8 @@ TARGETS = {
 
 BUILD = """
 import sys
-from carom.dsp.native import code, store, targets
-code.build(sys.argv[1:], {targets}, store.PACKAGED)
+from carom.dsp.native import compiling, store, targets
+compiling.build(sys.argv[1:], {targets}, store.PACKAGED)
 """
 
 

@@ -4,7 +4,7 @@ import threading
 import time
 from typing import Any
 
-from ..dsp.native.code import progress
+from ..dsp.native.compile_notice import progress
 from ..dsp.runtime.engine import prepare
 from .net.network import Network, Source
 from .osc.wire import Message

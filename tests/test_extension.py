@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from carom.dsp.native.code import KERNELS
+from carom.dsp.native.compiling import KERNELS
 from carom.dsp.native.store import user_cache
 from carom.dsp.runtime.engine import prepare
 

@@ -17,6 +17,14 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 TESTS = (ROOT / ".github" / "workflows" / "test.yml").read_text()
 
 
+MARKS = re.compile(r"^@(c_function\(|elementwise$)", re.M)
+"""Decorators of what is compiled ahead."""
+
+
+def _is_compiled(path: Path) -> bool:
+    return "lab" not in path.parts and MARKS.search(path.read_text()) is not None
+
+
 def test_the_version_is_one():
     assert re.search(rf"^version: {re.escape(PROJECT['version'])}$", (ROOT / "CITATION.cff").read_text(), re.M)
 
@@ -28,7 +36,8 @@ def test_every_python_that_is_promised_is_tested():
 
 
 def test_the_lowest_the_highest_and_the_newest_numba_are_tested():
-    (allowed,) = (each.removeprefix("numba") for each in PROJECT["dependencies"] if each.startswith("numba"))
+    (numba,) = PROJECT["optional-dependencies"]["compile"]
+    allowed = numba.removeprefix("numba")
     lowest, highest, newest = re.findall(r'- numba: "(.*)"', TESTS)
     assert highest == allowed and lowest.startswith(allowed.split(",")[0])
     assert newest == allowed.split(",")[0] and "may_fail: true" in TESTS
@@ -37,10 +46,10 @@ def test_the_lowest_the_highest_and_the_newest_numba_are_tested():
 def test_a_wheel_holds_all_code_and_is_built_with_what_the_package_allows():
     compiled = re.search(r"^COMPILED = \((.*?)\)$", (ROOT / "setup.py").read_text(), re.M | re.S)[1]
     files = [path for package in ("dsp", "server") for path in (ROOT / package).rglob("*.py")]
-    marked = {path.relative_to(ROOT).with_suffix("") for path in files if "\n@c_function(" in path.read_text()}
+    marked = {path.relative_to(ROOT).with_suffix("") for path in files if _is_compiled(path)}
     assert set(re.findall(r'"(.*)"', compiled)) == {".".join(("carom", *path.parts)) for path in marked}
     needed = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
-    assert set(needed) <= {*PROJECT["dependencies"], "setuptools>=77.0.3"}
+    assert set(needed) <= {*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["compile"], "setuptools>=77.0.3"}
 
 
 @pytest.mark.parametrize("path", ["CONTRIBUTING.md", ".github/pull_request_template.md", "SECURITY.md"])

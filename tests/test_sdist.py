@@ -1,6 +1,8 @@
 """The packages: an sdist holds all that the repository does, but for what only its host needs; a wheel its code."""
 
 import os
+import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -11,16 +13,101 @@ import pytest
 
 from tests.test_house import ROOT
 
+COMPILED = re.findall(r'^    "(carom\.[\w.]+)",$', (ROOT / "setup.py").read_text(), re.M)
+"""The modules whose machine code a wheel holds."""
+
 ONLY_HERE = (".ci/", ".github/", ".gitignore", ".pre-commit-config.yaml")
 
 
-@pytest.fixture
-def tree(tmp_path):
+REFUSES = """
+import sys
+
+
+class Refuses:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in ("numba", "llvmlite"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+sys.meta_path.insert(0, Refuses())
+"""
+"""The module `sitecustomize` of processes that cannot import the compilers of kernels."""
+
+PLAYS = """
+import pkgutil
+import sys
+import threading
+from importlib import import_module
+
+import carom
+from carom.clients.cli import main
+from carom.dsp.native.code import load
+from carom.server.options import Options
+from carom.server.start import serving
+
+LINES = (
+    "strike church-bell a.wav --seconds 1",
+    "render score.txt out.wav --seconds 1",
+    "compare a.wav a.wav",
+    "fit a.wav fitted --name bell --no-report --modes 5",
+    "dataset recipe.toml set --count 1",
+    "mesh box.obj meshed --name box --material steel --modes 3 --points 50 --no-report",
+    "presets church-bell",
+    "doctor",
+)
+for line in LINES:
+    code = main(line.split())
+    assert code == 0 or line == "doctor", line
+assert [main([word, *words]) for word, words in (("chart", ["out"]), ("export", ["score.txt", "out"]))] == [1, 1]
+
+with carom.Scene() as scene:
+    scene.new("a", "church-bell")
+    for gesture in ("roll", "slide", "bounce", "press", "spin", "rain", "shake", "crumple"):
+        getattr(scene, gesture)("a", 0.5)
+    assert abs(scene.render(0.2).samples).max() > 1e-3
+
+with carom.World(microphones=[carom.Microphone((0, -1, 0.5))]) as world:
+    world.body("floor", "plate", (2, 2, 0.02), "wood", held=True)
+    world.body("ball", "sphere", 0.02, "glass")
+    world.step(0.01, [carom.Touch("floor", "ball", point=(0, 0, 0.01), normal=(0, 0, 1), approach=1.5)])
+    assert abs(world.step(0.02)).max() > 0
+
+with serving(Options(port=0, device="none")) as server:
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    with carom.Client(port=server.address[1]) as client:
+        client.new("a", "church-bell")
+        client.impact("a", 1.0)
+        client.ask("/sync", 1)
+        assert server.engine.stats.impacts == 1
+        client.ask("/quit")
+    thread.join()
+
+surface = carom.dsp.make_surface(1e-5, 1e-3, 2.0)
+assert carom.dsp.heights(surface, [1, 2]).shape == (2,) and 0 < carom.dsp.contact_time(1.0, 0.01, 1e6, 0.1, 1.5) < 1
+for module in sys.argv[1:]:
+    assert load(module).origin == "package", module
+
+compile = "carom.dsp.lab", "carom.clients.examples", "carom.dsp.native", "carom.clients.export", "carom.torch"
+for module in pkgutil.walk_packages(carom.__path__, "carom."):
+    if not module.name.startswith((*compile, "carom.gymnasium", "carom.__main__")):
+        import_module(module.name)
+assert not [name for name in sys.modules if name.startswith(("numba", "llvmlite"))]
+print("all plays")
+"""
+
+BOX = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n" + "".join(
+    f"f {face}\n" for face in ("4 3 2 1", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8")
+)
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory):
     """A copy of the repository: a build leaves files in its tree."""
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
     if listed.returncode:
         pytest.skip("no git checkout")
-    tree = tmp_path / "tree"
+    tree = tmp_path_factory.mktemp("built") / "tree"
     for name in (name for name in listed.stdout.splitlines() if (ROOT / name).is_file()):
         (tree / name).parent.mkdir(parents=True, exist_ok=True)
         (tree / name).write_bytes((ROOT / name).read_bytes())
@@ -39,14 +126,44 @@ def test_an_sdist_holds_the_repository(tree, tmp_path):
     assert "CHANGELOG.md" in names and "presets/scores/demo.png" in names
 
 
-@pytest.mark.slow
-def test_a_wheel_brings_its_code_though_its_python_has_no_numba(tree, tmp_path):
-    """pip builds apart from what is installed: it lends what a build needs by PYTHONPATH."""
+@pytest.fixture(scope="module")
+def wheel(tree, tmp_path_factory):
+    """A wheel for this processor. Its Python has no numba: pip builds apart from what is installed, and lends what a
+    build needs by PYTHONPATH."""
+    folder = tmp_path_factory.mktemp("wheel")
     lent = os.environ | {"PYTHONPATH": sysconfig.get_path("purelib"), "CAROM_WHEEL": "machine"}
-    build = f"import setuptools.build_meta as build; build.build_wheel({str(tmp_path)!r})"
+    build = f"import setuptools.build_meta as build; build.build_wheel({str(folder)!r})"
     subprocess.run([sys._base_executable, "-c", build], cwd=tree, check=True, capture_output=True, env=lent)
-    (archive,) = tmp_path.glob("*.whl")
-    with zipfile.ZipFile(archive) as packed:
+    (archive,) = folder.glob("*.whl")
+    return archive
+
+
+@pytest.mark.slow
+def test_a_wheel_brings_its_code_as_images_and_nothing_to_compile(wheel):
+    with zipfile.ZipFile(wheel) as packed:
         names = packed.namelist()
+        (metadata,) = (packed.read(name).decode() for name in names if name.endswith("/METADATA"))
     assert any("/objects/modules/carom.dsp.runtime.callback/" in name for name in names)
-    assert sum("/objects/units/" in name and name.endswith(".o") for name in names) > 20
+    images = {name for name in names if "/objects/units/" in name}
+    assert len(images) == len(COMPILED) and all(name.endswith(".image") for name in images)
+    needed = [line for line in metadata.splitlines() if line.startswith("Requires-Dist: numba")]
+    assert needed and all(re.search("extra == ['\"](compile|dev)['\"]", line) for line in needed)
+
+
+@pytest.mark.slow
+def test_a_wheel_plays_where_neither_numba_nor_llvmlite_can_be_imported(wheel, tmp_path):
+    site = tmp_path / "site"
+    with zipfile.ZipFile(wheel) as packed:
+        packed.extractall(site)
+    (site / "sitecustomize.py").write_text(REFUSES)
+    (tmp_path / "score.txt").write_text("0 /object/new a church-bell\n0 /object/a/impact 1\n0.1 /object/a/rain 500\n")
+    shutil.copy(ROOT / "presets" / "recipes" / "impacts.toml", tmp_path / "recipe.toml")
+    (tmp_path / "box.obj").write_text(BOX)
+    own = {"PYTHONPATH": str(site), "XDG_CACHE_HOME": str(tmp_path / "cache"), "OPENBLAS_NUM_THREADS": "1"}
+    run = subprocess.run(
+        [sys.executable, "-c", PLAYS, *COMPILED], cwd=tmp_path, env=os.environ | own, capture_output=True, text=True
+    )
+    assert run.returncode == 0 and run.stdout.endswith("all plays\n"), run.stderr
+    assert "carom chart needs numba: `pip install 'carom[compile]'` installs it" in run.stderr
+    assert "carom export needs numba" in run.stderr
+    assert not [*(tmp_path / "cache").rglob("*.o")]

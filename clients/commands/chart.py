@@ -18,10 +18,13 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from ...dsp.lab.chart.run import FULL, QUICK, chart
+    from ...dsp.errors import require_compiler
     from ..plot import require_matplotlib
 
+    require_compiler("carom chart")
     require_matplotlib()
+    from ...dsp.lab.chart.run import FULL, QUICK, chart
+
     with shown_progress(Work("chart"), total=1.0) as show:
         for what, done in chart(arguments.folder, QUICK if arguments.quick else FULL):
             show(description=what, completed=done)

@@ -110,6 +110,21 @@ def _force_at(t: float, v_in: float, m: float, k: float, mu: float, a: float) ->
 
 
 @elementwise
+def _compressing(w: float) -> float:
+    return spans_of(w, restitution_of(w))[0]
+
+
+@elementwise
+def _releasing(w: float) -> float:
+    return spans_of(w, restitution_of(w))[1]
+
+
+@elementwise
+def _unit(v_in: float, m: float, k: float, a: float) -> float:
+    return time_scale(v_in, m, k, a)
+
+
+@elementwise
 def _node_slowness(zeta: float, span: float, w: float, a: float) -> float:
     return _slowness(zeta, span, w, a)
 
@@ -148,7 +163,7 @@ def force_nodes(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[A
     law = (checked_scalar(name, value) for name, value in zip(names, (v_in, m, k, mu, a), strict=True))
     v_in, m, k, mu, a = map(float, checked_law(*law))
     w = mu * v_in
-    compressing, releasing = spans_of(w, restitution_of(w))
+    compressing, releasing = float(_compressing(w)), float(_releasing(w))
     Z = _NODES ** (a + 1.0)
     times, impulses, duration = [], [], 0.0
     for span, sign in ((compressing, 1.0), (releasing, -1.0)):
@@ -160,4 +175,4 @@ def force_nodes(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[A
     t = np.concatenate([times[0], duration - times[1][::-1]])
     impulse = np.concatenate([impulses[0], impulses[1][::-1]])
     kept = impulse > _LEAST_SHARE * impulse.sum()
-    return t[kept] * time_scale(v_in, m, k, a), impulse[kept] * m * v_in
+    return t[kept] * float(_unit(v_in, m, k, a)), impulse[kept] * m * v_in

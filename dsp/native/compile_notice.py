@@ -14,6 +14,13 @@ _WIDTH = 79  # characters of a terminal's line
 _log = logging.getLogger(__name__)
 
 
+def progress() -> tuple[float, float]:
+    """Return how far the code is that is being compiled now, as a share and as seconds left, estimated; 1 and 0 if none
+    is."""
+    running = _running
+    return running.progress(time.monotonic()) if running else (1.0, 0.0)
+
+
 class CompileNotice:
     """A notice for the user of kernels that are translated and units that are compiled, while it is entered.
 
@@ -54,11 +61,15 @@ class CompileNotice:
         return self._share, (now - self._begun) * (1.0 / max(self._share, 1e-3) - 1.0)
 
     def __enter__(self) -> "CompileNotice":
+        global _running
+        _running = self  # another thread may replace it by its own
         self._thread = Thread(target=self._watch, name="carom-compiling", daemon=True)
         self._thread.start()
         return self
 
     def __exit__(self, *error: object) -> None:
+        global _running
+        _running = None
         self._done.set()
         if self._thread:
             self._thread.join()
@@ -81,3 +92,6 @@ class CompileNotice:
         text = f"compiling the engine, the first time only: {share:4.0%}, about {max(1.0, left):.0f} s left"
         terminal.write(f"\r{text:{_WIDTH}}")
         terminal.flush()
+
+
+_running: CompileNotice | None = None

@@ -11,6 +11,8 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any, Concatenate, Generic, ParamSpec, TypeAlias, TypeVar, cast
 
+from ..errors import require_compiler
+
 P = ParamSpec("P")
 R = TypeVar("R")
 R_co = TypeVar("R_co", covariant=True)
@@ -43,6 +45,7 @@ class Later:
 ir: Any = Later("llvmlite.ir")
 types: Any = Later("numba.types")
 cgutils: Any = Later(f"{__package__}.numba_internals", "cgutils")
+to_fixed_tuple: Any = Later(f"{__package__}.numba_internals", "to_fixed_tuple")
 carray: Any = Later("numba", "carray")
 
 
@@ -57,7 +60,8 @@ class Kernel(Generic[P, R_co]):
 
     @functools.cached_property
     def whole(self) -> Any:
-        """The kernel as a function of its own, compiled at its first call."""
+        """The kernel as a function of its own, compiled at its first call. NoCodeError where there is no compiler."""
+        require_compiler(f"{self.py_func.__module__}.{self.py_func.__name__}, called from Python,")
         return import_module(f"{__package__}.kernel_types").whole(self)
 
     @functools.cached_property

@@ -24,6 +24,7 @@ from numba.core.registry import cpu_target
 from numba.core.runtime.context import NRTContext
 from numba.core.typed_passes import NativeLowering
 from numba.core.types.misc import unliteral
+from numba.np.unsafe.ndarray import to_fixed_tuple
 
 __all__ = [
     "cgutils",
@@ -35,6 +36,7 @@ __all__ = [
     "refresh",
     "register_opaque",
     "target_machine",
+    "to_fixed_tuple",
     "type_of",
     "types",
     "typing",

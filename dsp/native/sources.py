@@ -18,6 +18,7 @@ from .digests import digest
 _COMPILER = (
     *("digests", "kernel_types", "lowering", "numba_internals", "pickled", "platforms", "targets", "translation"),
     "units",
+    "images",
 )
 
 

@@ -4,7 +4,7 @@
     units/KEY/source.HASH.bc          a unit's bitcode before it is optimised (in the cache alone)
     units/KEY/TARGET.HASH.bc          the same, optimised for a target (in the cache alone)
     units/KEY/TARGET.HASH.o           machine code for a target
-    units/KEY/TARGET.HASH.needs       the functions of the system's libraries that it calls, as JSON
+    units/KEY/TARGET.HASH.image       units' machine code, linked (`images.py`): all that a package holds of them
     modules/MODULE/KEY/listed.json    the sources of a module with functions of C, and for each target its units
 
 A target is written SYSTEM-PROCESSOR; HASH is one of the file's own content, by which a damaged one is found out. Files
@@ -101,11 +101,16 @@ class Store:
 
     def read_unit(self, key: str, what: str, kind: str) -> bytes | None:
         """Return a file of a unit, "source" or of a target, by its kind; None where there is none that is whole."""
+        found = self.unit_file(key, what, kind)
+        return found[1] if found else None
+
+    def unit_file(self, key: str, what: str, kind: str) -> tuple[Path, bytes] | None:
+        """Return the path and the content of what `read_unit` reads."""
         for file in self._unit(key).glob(f"{what}.*.{kind}"):
             with suppress(OSError):
                 content = file.read_bytes()
                 if file.suffixes[-2] == f".{digest(content)}":
-                    return content
+                    return file, content
                 _log.warning("the compiled code in %s is damaged", file)
         return None
 
@@ -113,14 +118,12 @@ class Store:
         """Keep a file of a unit."""
         _write(self._unit(key) / f"{what}.{digest(content)}.{kind}", content)
 
-    def read_object(self, key: str, target: Target) -> tuple[bytes, list[str]] | None:
-        """Return a unit's machine code for a target, and the functions of the system that it calls."""
-        made, needs = (self.read_unit(key, str(target), kind) for kind in ("o", "needs"))
-        return None if made is None or needs is None else (made, json.loads(needs))
+    def read_object(self, key: str, target: Target) -> bytes | None:
+        """Return a unit's machine code for a target."""
+        return self.read_unit(key, str(target), "o")
 
-    def write_object(self, key: str, target: Target, made: bytes, needs: list[str]) -> None:
-        """Keep a unit's machine code for a target, and the functions of the system that it calls."""
-        self.write_unit(key, str(target), "needs", json.dumps(needs).encode())
+    def write_object(self, key: str, target: Target, made: bytes) -> None:
+        """Keep a unit's machine code for a target."""
         self.write_unit(key, str(target), "o", made)
 
     def lists(self, module: str) -> Iterator[tuple[str, Listed]]:
@@ -136,8 +139,9 @@ class Store:
         _write(self._module(module) / key / "listed.json", json.dumps(listed._asdict()).encode())
         _remove_but(self._module(module).glob("*"), _VERSIONS_KEPT)
 
-    def use_list(self, module: str, key: str) -> None:
-        """Note that a module's list, and its units, are in use."""
+    def use_list(self, module: str, key: str, image: str) -> None:
+        """Note that a module's list, its units and an image of them are in use."""
+        _touch(self._unit(image))
         for name, listed in self.lists(module):
             if name == key:
                 _touch(self._module(module) / key)

@@ -5,19 +5,20 @@ import platform
 import sys
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from typing import Any
 
-import llvmlite.binding as llvm
+import numpy as np
 
 VARIABLE = "CAROM_PROCESSOR"
 """The environment variable that names one of LEVELS for a processor that could do more, or PORTABLE."""
 
 _ADDED = {
     "x86-64": "",
-    "x86-64-v2": "cx16 popcnt sse3 sse4.1 sse4.2 ssse3",
-    "x86-64-v3": "avx2 bmi bmi2 f16c fma lzcnt movbe",
-    "x86-64-v4": "avx512f avx512bw avx512cd avx512dq avx512vl",
-}
+    "x86-64-v2": "CX16 POPCNT SSE3 SSE41 SSE42 SSSE3",
+    "x86-64-v3": "AVX2 BMI BMI2 F16C FMA3 LZCNT MOVBE",
+    "x86-64-v4": "AVX512F AVX512CD AVX512_SKX",
+}  # by numpy's names of them
 LEVELS = tuple(_ADDED)
 """Levels of x86-64, from the least to the most; each can do what those before it can."""
 
@@ -31,7 +32,7 @@ WASM = "wasm"
 """The system of WebAssembly, which has nothing of what other systems have."""
 
 _OWN_NAMES = {"amd64": "x86_64", "arm64": ARM}
-# LLVM's names. On Windows its linker of code in memory takes ELF, not the system's own format.
+# LLVM's names. Windows has no format of its own here: nothing but images (`images.py`) is made for it.
 _TRIPLES = {
     ("linux", "x86_64"): "x86_64-unknown-linux-gnu",
     ("linux", ARM): "aarch64-unknown-linux-gnu",
@@ -58,14 +59,19 @@ class Target:
             return "wasm32-unknown-unknown"
         family = "x86_64" if self.processor in LEVELS else self.processor
         family = _own_family() if self.processor == PORTABLE else family
-        return _TRIPLES.get((self.system, family)) or str(llvm.get_process_triple())
+        return _TRIPLES.get((self.system, family)) or str(_llvm().get_process_triple())
 
     def machine(self) -> Any:
         """Return LLVM's maker of machine code for it."""
-        llvm.initialize_all_targets()
-        llvm.initialize_all_asmprinters()
+        return self._machine(self.triple)
+
+    def image_machine(self) -> Any:
+        """Return the same for images, which are linked from ELF on all systems (`images.py`)."""
+        return self._machine(f"{self.triple}-elf" if self.system == "darwin" else self.triple)
+
+    def _machine(self, triple: str) -> Any:
         cpu, features = (self.processor, "-prefer-256-bit") if self.processor in LEVELS else ("generic", "")
-        return _machine(self.triple, cpu, _WASM_FEATURES if self.system == WASM else features)
+        return _machine(triple, cpu, _WASM_FEATURES if self.system == WASM else features)
 
     def optimiser(self) -> Any:
         """Return what LLVM optimises code for: portable code for one machine, whatever runs it."""
@@ -77,9 +83,19 @@ _WASM_FEATURES = "+simd128,+bulk-memory,+bulk-memory-opt,+nontrapping-fptoint,+s
 
 
 def _machine(triple: str, cpu: str, features: str) -> Any:
+    llvm = _llvm()
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
     reloc = "static" if triple.startswith("wasm") else "pic"
     target = llvm.Target.from_triple(triple)
     return target.create_target_machine(cpu=cpu, features=features, opt=3, reloc=reloc, codemodel="default")
+
+
+def _llvm() -> Any:
+    """Return LLVM, which is imported only to compile."""
+    import llvmlite.binding as llvm
+
+    return llvm
 
 
 WHEEL = tuple(
@@ -106,15 +122,24 @@ def processors() -> tuple[str, ...]:
     machine = _own_family()
     if machine != "x86_64":
         return (machine,)
-    has, able = llvm.get_host_cpu_features(), []
+    has, able = _features(), []
     for level, added in _ADDED.items():
-        if not all(has.get(name) for name in added.split()):
+        if not all(has.get(name, True) for name in added.split()):
             break
         able.append(level)
     if asked and asked not in able:
         can = f"{', '.join(able)}, which this processor can do"
         raise ValueError(f"{VARIABLE} = {asked!r}: expected {PORTABLE}, or one of {can}")
     return tuple(reversed(able[: able.index(asked) + 1] if asked else able))
+
+
+def _features() -> dict[str, bool]:
+    """Return which instructions this processor has, and the system lets it use, by numpy's names.
+
+    Releases before 2.4 don't know all: they lack none that a processor with the others of its level has not.
+    """
+    core = "numpy._core" if hasattr(np, "_core") else "numpy.core"  # its name before 2.0
+    return dict(vars(import_module(f"{core}._multiarray_umath"))["__cpu_features__"])
 
 
 def _own_family() -> str:

@@ -60,8 +60,15 @@ def make_object(store: Store, key: str, target: Target) -> None:
     else:
         best = optimised(store.read_unit(key, "source", "bc") or b"", target)
     store.write_unit(key, str(target), "bc", best.as_bitcode())
-    made = best.as_bitcode() if target.system == WASM else target.machine().emit_object(best)  # `wasm.py` links it
-    store.write_object(key, target, made, needed(best))
+    store.write_object(key, target, best.as_bitcode() if target.system == WASM else for_image(best, target))
+
+
+def for_image(module: Any, target: Target) -> bytes:
+    """Return the machine code of LLVM's module as an object file that `images.py` links."""
+    machine = target.image_machine()
+    module.triple, module.data_layout = machine.triple, str(machine.target_data)
+    made: bytes = machine.emit_object(module)
+    return made
 
 
 def _portable(store: Store, key: str, target: Target) -> Any:
@@ -122,15 +129,3 @@ def optimise(module: Any, target: Target) -> None:
     tuning.loop_vectorization, tuning.slp_vectorization = True, False
     full = llvm.create_pass_builder(machine, tuning)
     full.getModulePassManager().run(module, full)
-
-
-_OF_C_LIBRARY = ("sin", "cos", "tan", "exp", "exp2", "log", "log2", "log10", "pow")
-"""Functions that LLVM has instructions for, and calls where a processor has none."""
-
-
-def needed(module: Any) -> list[str]:
-    """Return the functions of the system's libraries that the code of a module calls; other units' are left out."""
-    others = "_ZN", "carom_"
-    names = [each.name for each in module.functions if each.is_declaration and not each.name.startswith(others)]
-    inner = [name.split(".")[1] for name in names if name.startswith("llvm.")]
-    return sorted({name for name in names if not name.startswith("llvm.")} | set(inner) & set(_OF_C_LIBRARY))

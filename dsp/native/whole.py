@@ -6,7 +6,8 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
-from .code import functions_of, units_of
+from .code import functions_of
+from .compiling import units_of
 from .digests import digest
 from .linking import show_only, tidy
 from .sources import hash_of

@@ -11,12 +11,13 @@ of kilometres. The reader chooses how much of an octave is heard: `gain`.
 """
 
 import math
-from typing import Annotated, cast
+from ctypes import c_int64, c_void_p
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..native.jit import kernel, noinline_kernel
+from ..native.jit import c_function, carray, kernel, noinline_kernel
 from ..native.typed import Record, View, dtype_of
 from ..numerics.checks import checked
 from ..numerics.random import STEP, mixed
@@ -315,6 +316,17 @@ def _make_weights(surface: Surface, place: int, stride: int) -> None:
             surface.weights[row + 2 * LANES], surface.weights[row + 3 * LANES] = w2, w3
 
 
+@c_function(None, c_void_p, c_void_p, c_int64)
+def _begin(surface: int, profile: int, seed: int) -> None:
+    begin_surface(carray(surface, (1,), SURFACE)[0], carray(profile, (1,), PROFILE)[0], seed)
+
+
+@c_function(None, c_void_p, c_void_p, c_void_p, c_int64)
+def _read(surface: int, places: int, values: int, count: int) -> None:
+    z: View[float] = carray(values, (count,), np.float64)
+    _heights(carray(surface, (1,), SURFACE)[0], carray(places, (count,), np.int64), z)
+
+
 @kernel
 def _heights(surface: Surface, places: View[int], z: View[float]) -> None:
     for i in range(len(places)):
@@ -343,7 +355,7 @@ def make_surface(
     deviation of the local rms height, 0 to MOST_VARIATION dB, which changes over variation_length (m, > 0). ValueError
     names what is out of range.
     """
-    surface: np.void = np.zeros(1, SURFACE)[0]
+    surface = np.zeros(1, SURFACE)
     profile = np.zeros(1, PROFILE)
     profile[0] = (
         checked("roughness", roughness, 0.0, strict=False),
@@ -354,8 +366,10 @@ def make_surface(
         checked("variation", variation, 0.0, MOST_VARIATION, strict=False),
         checked("variation_length", variation_length, 0.0),
     )
-    begin_surface(cast(Surface, surface), profile[0], int(checked("seed", seed, 0, 2.0**53, strict=False)))
-    return surface
+    seed = int(checked("seed", seed, 0, 2.0**53, strict=False))
+    _begin(surface.ctypes.data, profile.ctypes.data, seed)
+    made: np.void = surface[0]
+    return made
 
 
 def heights(surface: np.void, places: ArrayLike) -> NDArray[np.float64]:
@@ -363,7 +377,7 @@ def heights(surface: np.void, places: ArrayLike) -> NDArray[np.float64]:
 
     places: whole numbers of surface["unit"] metres.
     """
-    where = np.atleast_1d(np.asarray(places, np.int64))
-    z = np.empty(where.shape)
-    _heights(cast(Surface, surface), where.ravel(), z.reshape(-1))
-    return z.reshape(np.shape(places))
+    where = np.ascontiguousarray(places, np.int64)
+    z = np.empty(np.shape(places))
+    _read(np.asarray(surface).ctypes.data, where.ctypes.data, z.ctypes.data, z.size)
+    return z

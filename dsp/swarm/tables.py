@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.law import restitution_of
+from ..contact.law import restitution
 from ..contact.pulse import contact_time, force_nodes, force_pulse
 from ..kept import Kept
 from ..numerics.checks import Array
@@ -84,12 +84,12 @@ def contact_form(w: float, exponent: float) -> Form:
     u, weights = np.polynomial.legendre.leggauss(_NODES)
     times = float(contact_time(1.0, 1.0, 1.0, w, exponent)) * np.sin(0.25 * np.pi * (u + 1.0)) ** 2
     forces = force_pulse(times, 1.0, 1.0, 1.0, w, exponent)
-    return _form(times, forces * np.cos(0.5 * np.pi * u) * weights, 1.0 + restitution_of(w))
+    return _form(times, forces * np.cos(0.5 * np.pi * u) * weights, 1.0 + float(restitution(1.0, w)))
 
 
 def _measures(w: float, exponent: float) -> tuple[float, float, float]:
     """Return a contact's width, middle and momentum, as a Form has them."""
-    return _form(*force_nodes(1.0, 1.0, 1.0, w, exponent), 1.0 + restitution_of(w))[2:]
+    return _form(*force_nodes(1.0, 1.0, 1.0, w, exponent), 1.0 + float(restitution(1.0, w)))[2:]
 
 
 @lru_cache(maxsize=1)

@@ -21,7 +21,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from carom.dsp.native.code import KERNELS
+from carom.dsp.native.compiling import KERNELS
 from carom.dsp.native.store import Store
 from carom.dsp.native.targets import targets
 from tests.bench.machine import machine
@@ -124,7 +124,7 @@ def code_in(cache: Path) -> dict[str, list[bytes]]:
     target = str(targets()[0])
     units = json.loads(folders[-1].read_text())["units"][target]
     # the cache may hold the code for other targets too
-    kinds = "source.*.bc", f"{target}.*.bc", f"{target}.*.o", f"{target}.*.needs"
+    kinds = "source.*.bc", f"{target}.*.bc", f"{target}.*.o"
     found = {
         unit: [file.read_bytes() for kind in kinds for file in (store.root / "units" / unit).glob(kind)]
         for unit in units

@@ -15,9 +15,11 @@ import platformdirs
 import pytest
 import setuptools
 
-from carom.dsp.native import code, store, targets
-from carom.dsp.native.code import bitcode, compiled, load
-from carom.dsp.native.digests import digest
+from carom.dsp.errors import NoCodeError
+from carom.dsp.native import compiling, store, targets
+from carom.dsp.native.code import load
+from carom.dsp.native.compiling import bitcode, compiled
+from carom.dsp.native.images import image_of
 from carom.dsp.native.sources import compiler_digest, key, sources
 from carom.dsp.native.store import Store
 from carom.dsp.native.targets import LEVELS, Target, processors, system
@@ -107,6 +109,7 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "engine",
         "runtime",
         "counters",
+        "errors",
         "schema",
         "schema_records",
         "schema_values",
@@ -178,7 +181,7 @@ def test_edited_sources_are_compiled_again_and_the_old_code_is_found_again(doubl
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", ["empty", "half", "noise", "gone"])
-@pytest.mark.parametrize("ending", ["*.o", "listed.json", "source.*.bc", "*-*.bc", "translations/*/*", "*.needs"])
+@pytest.mark.parametrize("ending", ["*.image", "listed.json", "*.o", "source.*.bc", "*-*.bc", "translations/*/*"])
 def test_damaged_code_is_compiled_anew_and_no_start_fails(doubling, tmp_path, way, ending):
     assert doubled(doubling) == (42, "compiled")
     (file,) = (tmp_path / "cache" / "carom" / "code").rglob(ending)
@@ -187,17 +190,17 @@ def test_damaged_code_is_compiled_anew_and_no_start_fails(doubling, tmp_path, wa
         file.unlink()
     else:
         file.write_bytes({"empty": b"", "half": data[: len(data) // 2], "noise": bytes(len(data))}[way])
-    assert doubled(doubling) == (42, "compiled" if ending in ("*.o", "listed.json", "*.needs") else "cache")
+    assert doubled(doubling) == (42, "compiled" if ending in ("*.image", "listed.json") else "cache")
     assert doubled(doubling) == (42, "cache")
-    assert code.bitcode(doubling)[:2] == b"BC"
+    assert bitcode(doubling)[:2] == b"BC"
 
 
-def test_code_that_needs_what_the_system_lacks_is_compiled_here(doubling, tmp_path):
-    assert doubled(doubling) == (42, "compiled")
-    (file,) = tmp_path.rglob("*.needs")
-    content = b'["carom_has_no_such_function"]'
+def test_code_that_needs_what_the_system_lacks_is_compiled_here(doubling, tmp_path, monkeypatch):
+    packaged(doubling, tmp_path, monkeypatch, targets.targets()[:1])
+    (file,) = (tmp_path / "objects").rglob("*.image")
+    made = image_of(file.read_bytes())._replace(needs=["carom_has_no_such_function"])
     file.unlink()
-    file.with_name(f"{file.name.split('.')[0]}.{digest(content)}.needs").write_bytes(content)
+    Store(tmp_path / "objects").write_unit(file.parent.name, file.name.split(".")[0], "image", made.content())
     assert doubled(doubling) == (42, "compiled")
 
 
@@ -244,15 +247,15 @@ def test_what_was_not_used_for_longest_goes_when_the_cache_is_full(doubling, tmp
 
 
 def test_sources_that_are_edited_while_they_are_compiled_are_compiled_again(doubling, tmp_path, monkeypatch):
-    submit = code._submit
+    submit = compiling._submit
 
     def edit_and_submit(*args):
         (tmp_path / "doubling.py").write_text(MODULE.replace("2 * x", "20 * x"))
         submit(*args)
 
-    monkeypatch.setattr(code, "_submit", edit_and_submit)
+    monkeypatch.setattr(compiling, "_submit", edit_and_submit)
     assert doubled(doubling) == (42, "compiled")
-    monkeypatch.setattr(code, "_submit", submit)
+    monkeypatch.setattr(compiling, "_submit", submit)
     assert doubled(doubling) == (420, "compiled")
 
 
@@ -292,11 +295,44 @@ def test_processes_that_start_at_once_get_the_same_code(doubling, tmp_path):
     assert sorted(each.communicate()[0] for each in both) == ["cache 42\n", "compiled 42\n"]
 
 
+def packaged(module: str, folder: Path, monkeypatch: pytest.MonkeyPatch, wanted: tuple[Target, ...]) -> None:
+    """Make a package's code of a module for some targets, and have `load` find that and an empty cache."""
+    compiling.build([module], wanted, folder / "objects")
+    monkeypatch.setattr(store, "PACKAGED", folder / "objects")
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: folder / "nowhere" / name)
+
+
+OTHER = Target("linux" if system() != "linux" else "windows", LEVELS[1])
+
+
+@pytest.mark.parametrize(
+    ("wanted", "edited", "said"),
+    [
+        ((), False, r"this Carom came without machine code; `pip install 'carom\[compile\]'` installs what compiles"),
+        (
+            (OTHER,),
+            False,
+            f"the machine code that came along is for {OTHER}, and this machine is {targets.targets()[0]}",
+        ),
+        (targets.targets()[:1], True, "the machine code that came along is of other sources of doubling"),
+    ],
+)
+def test_who_has_neither_code_nor_a_compiler_is_told_what_helps(doubling, tmp_path, monkeypatch, wanted, edited, said):
+    packaged(doubling, tmp_path, monkeypatch, wanted)
+    if not wanted:
+        monkeypatch.setattr(store, "PACKAGED", tmp_path / "nowhere")
+    if edited:
+        (tmp_path / "doubling.py").write_text(MODULE.replace("2 * x", "20 * x"))
+    monkeypatch.delitem(sys.modules, "carom.dsp.native.compiling")
+    monkeypatch.setitem(sys.modules, "llvmlite", None)
+    with pytest.raises(NoCodeError, match=said):
+        load(doubling)
+
+
 def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doubling, tmp_path, monkeypatch):
-    code.build([doubling], tuple(Target(system(), level) for level in LEVELS[:2]), tmp_path / "objects")
-    assert len(list((tmp_path / "objects").rglob("*.o"))) == 2 and not list((tmp_path / "objects").rglob("*.bc"))
-    monkeypatch.setattr(store, "PACKAGED", tmp_path / "objects")
-    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "nowhere" / name)
+    packaged(doubling, tmp_path, monkeypatch, tuple(Target(system(), level) for level in LEVELS[:2]))
+    assert len(list((tmp_path / "objects").rglob("*.image"))) == 2
+    assert not [*(tmp_path / "objects").rglob("*.bc"), *(tmp_path / "objects").rglob("*.o")]
     assert doubled(doubling) == (42, "package")
     assert load(doubling).processor == LEVELS[1]
     assert not (tmp_path / "nowhere").exists()
@@ -309,7 +345,7 @@ def test_a_wheel_compiles_itself(doubling, tmp_path, monkeypatch):
     monkeypatch.setattr(store, "PACKAGED", tmp_path / "objects")
     monkeypatch.setattr(sys, "argv", ["-c", doubling])
     exec(runpy.run_path(str(Path(__file__).parents[3] / "setup.py"))["BUILD"].format(targets="targets.built()"), {})
-    assert len(list((tmp_path / "objects").rglob("*.o"))) == len(targets.built())
+    assert len(list((tmp_path / "objects").rglob("*.image"))) == len(targets.built())
     assert doubled(doubling) == (42, "package")
 
 
@@ -343,8 +379,10 @@ with carom.Scene() as scene:
     scene.roll("a", 0.3, striker="glass-marble", surface="wood", seed=1)
     scene.bounce("a", 0.1, striker="steel")
     scene.press("a", 1.0, striker="felt")
+    scene.rain("a", 100)
+    scene.shake("a", 1)
     scene.render(0.1)
-print(sorted({"numba"} & sys.modules.keys()))
+print(sorted({"numba", "llvmlite"} & sys.modules.keys()))
 """
 
 SERVES = """
@@ -362,13 +400,13 @@ with serving(Options(port=0, device="none")) as server:
         assert server.engine.stats.impacts == 1
         client.ask("/quit")
     thread.join()
-print(sorted({"numba"} & sys.modules.keys()))
+print(sorted({"numba", "llvmlite"} & sys.modules.keys()))
 """
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", [RENDERS, SERVES], ids=["render and Scene", "serve"])
-def test_nothing_that_plays_needs_numba(script):
+def test_nothing_that_plays_needs_a_compiler(script):
     for _ in range(2):  # the first time it may have to be compiled
         run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (run.stdout, run.stderr) == ("[]\n", "")

@@ -6,13 +6,14 @@ from ctypes import c_int64
 import platformdirs
 import pytest
 
-from carom.dsp.native import code
+from carom.dsp.native import code, compiling
+from carom.dsp.native.images import link
 from carom.dsp.native.jit import c_function
 from carom.dsp.native.store import Store
 from carom.dsp.native.system import clock_ns, flush_denormals, monotonic_ns, pause_ns, restore_denormals, thread_id
 from carom.dsp.native.targets import ARM, LEVELS, WHEEL, Target, built
 from carom.dsp.native.translation import translator
-from carom.dsp.native.units import needed, optimised
+from carom.dsp.native.units import for_image, optimised
 
 CALLED = {
     "linux": ["clock_gettime", "gettid", "nanosleep"],
@@ -47,11 +48,14 @@ def kind(made: bytes) -> tuple[object, int]:
 @pytest.mark.parametrize("target", WHEEL, ids=str)
 def test_code_is_made_for_every_target_of_a_wheel(source, target):
     best = optimised(source, target)
-    assert needed(best) == CALLED[target.system]
     assert ("fpcr" in str(best)) == (target.processor == ARM) != ("ldmxcsr" in str(best))
     numbers = AARCH64 if target.processor == ARM else X86_64
     container = MACH_O if target.system == "darwin" else ELF
     assert kind(target.machine().emit_object(best)) == (container, numbers[container])
+    made = for_image(best, target)
+    assert kind(made) == (ELF, numbers[ELF])
+    image = link([made], ["everything"])
+    assert image.needs == CALLED[target.system] and image.functions.keys() == {"everything"}
 
 
 def test_a_wheel_is_for_these_systems():
@@ -67,7 +71,7 @@ def test_what_runs_here_runs_everything():
 def test_code_for_another_system_is_kept_beside_and_not_taken(tmp_path, monkeypatch):
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
     other = Target("windows" if built()[0].system == "linux" else "linux", LEVELS[1])
-    code.build(["carom.dsp.native.system"], (other,), tmp_path / "objects")
+    compiling.build(["carom.dsp.native.system"], (other,), tmp_path / "objects")
     ((_, listed),) = Store(tmp_path / "objects").lists("carom.dsp.native.system")
     assert list(listed.units) == [str(other)] and "carom.dsp.native.platforms" in listed.sources
     assert code._found("carom.dsp.native.system", Store(tmp_path / "objects"), "package") is None

@@ -3,7 +3,7 @@
 import llvmlite.binding as llvm
 import pytest
 
-from carom.dsp.native.code import bitcode
+from carom.dsp.native.compiling import bitcode
 from carom.dsp.runtime.callback import callback
 
 

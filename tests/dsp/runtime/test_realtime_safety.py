@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import carray, cfunc, njit, objmode, types
 
-from carom.dsp.native.code import bitcode
+from carom.dsp.native.compiling import bitcode
 from carom.dsp.runtime import handover
 
 pytestmark = pytest.mark.slow
