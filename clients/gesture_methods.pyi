@@ -19,7 +19,9 @@ class Keys(TypedDict, total=False):
     stiffness: SupportsFloat
     dissipation: SupportsFloat
     exponent: SupportsFloat
+    point: str
     by_position: SupportsFloat
+    by_point: str
     by_radius: SupportsFloat
     id: str
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..dsp.bodies.air import IMPEDANCE
 from ..dsp.bodies.material import Material
 from ..dsp.bodies.mesh import Table, decay_times, usual_path
-from ..dsp.mesh.model import refined
+from ..dsp.mesh.refining import refined
 from .comparison import player, rows, write_page
 from .fitting import played
 from .meshes import Asked, MadeMesh

@@ -93,7 +93,7 @@ def mode_table(
     made = modes.frequency <= NYQUIST_SHARE * 0.5 * rate
     heard = np.flatnonzero(made & (frequencies <= NYQUIST_SHARE * 0.5 * rate))
     sides = _sides(modes, len(gains))
-    shape = _shape_at(modes.strike, position)[heard]
+    shape = _shape_at(modes.along, position)[heard]
     clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in modes.clicks)
     still = _relief(modes, settings.tune, level * gains, position, rate)
     return ModeTable(
@@ -122,10 +122,11 @@ def places_of(modes: Modes, level: float, settings: Settings, gains: NDArray[np.
     frequencies = modes.frequency * settings.tune
     top = NYQUIST_SHARE * 0.5 * rate
     heard = np.flatnonzero((modes.frequency <= top) & (frequencies <= top))
-    rows = modes.strike if len(modes.strike) >= _ROWS else np.repeat(modes.strike[:1], _ROWS, axis=0)
-    found = planned(modes, top, 0.5 * rate, len(gains) == 2).relief
+    rows = modes.along if len(modes.along) >= _ROWS else np.repeat(modes.strike[:1], _ROWS, axis=0)
+    plan = planned(modes, top, 0.5 * rate, len(gains) == 2)
+    found = plan.relief
     share = np.minimum(1.0, top / (found.frequency * settings.tune))
-    shapes = [found.shape[side if len(gains) == 2 else 0] for side in range(len(gains))]
+    shapes = [found.shape[side if len(gains) == 2 else 0, : plan.rows] for side in range(len(gains))]
     sized = [
         level * gain * shape * np.where(share > GONE, share, 0.0) for gain, shape in zip(gains, shapes, strict=True)
     ]
@@ -155,10 +156,12 @@ def _relief(modes: Modes, tune: float, gains: NDArray[np.float64], position: flo
     """Return the relief of modes that are heard with gains (channels,), as the engine has it
     (engine/bodies/objects.py)."""
     top = NYQUIST_SHARE * 0.5 * rate
-    found = planned(modes, top, 0.5 * rate, len(gains) == 2).relief
+    plan = planned(modes, top, 0.5 * rate, len(gains) == 2)
+    found = plan.relief
     frequency = found.frequency * tune
     share = np.minimum(1.0, top / frequency)
-    each = [_shape_at(shape, position) * np.where(share > GONE, share, 0.0) for shape in found.shape]
+    along = found.shape[:, : plan.rows]
+    each = [_shape_at(shape, position) * np.where(share > GONE, share, 0.0) for shape in along]
     sized = np.stack(each if len(gains) == 2 else [each[0]] * len(gains), axis=1) * gains
     return Relief(frequency * share, found.decay * tune * share, sized)
 

@@ -114,7 +114,7 @@ class Gesture:
     @cached_property
     def steerable(self) -> tuple[str, ...]:
         """Names of the parameters that a running gesture takes anew."""
-        given = (self.argument, *STRIKE, *self.keys)
+        given = (self.argument, *STRIKE, *POINT, *self.keys)
         named = {each.name: each.steerable for each in given}
         return tuple(name for name, steerable in named.items() if steerable and name not in self.fixed)
 
@@ -138,6 +138,18 @@ POSITION = Parameter(
     "position", 0.0, 1.0, "", "where it is struck, from one end of the object's strike path to the other",
     steerable=True, glide=0.02,
 )  # fmt: skip
+POINT = tuple(
+    Parameter(
+        axis, -1000.0, 1000.0, "m", f"{axis} in its own frame of the point of its surface where it is struck",
+        useful=(-0.2, 0.2), steerable=True, glide=POSITION.glide,
+    )
+    for axis in "xyz"
+)  # fmt: skip
+"""The place of a gesture on an object that has a surface, in place of the position: the nearest point of it."""
+BY_POINT = tuple(
+    dataclasses.replace(each, name=f"by_{each.name}", help="", steerable=False, glide=0.0) for each in POINT
+)
+"""The same of the object that strikes."""
 GAIN = Parameter(
     "gain", -120.0, 40.0, "dB", "of this gesture", default=0.0, useful=(-40.0, 12.0), steerable=True, glide=0.02
 )
@@ -392,7 +404,7 @@ def gestures_steered_by(name: str) -> dict[str, Parameter]:
     """Return the gestures that a steerable parameter steers, by name, each with the parameter as it has it."""
     found = {}
     for gesture in GESTURES.values():
-        own = {each.name: each for each in (*STRIKE, *gesture.keys, gesture.argument)}
+        own = {each.name: each for each in (*STRIKE, *POINT, *gesture.keys, gesture.argument)}
         if name in gesture.steerable:
             found[gesture.name] = own[name]
     return found

@@ -9,6 +9,9 @@ class Steered(Record):
 
     position: float
     gain: float  # as amplitude
+    x: float  # m
+    y: float  # m
+    z: float  # m
     gravity: float  # m/s^2
     irregularity: float
     speed: float  # m/s
@@ -51,7 +54,15 @@ class Values(Record):
     restitution: float
     position: float
     gain: float  # as amplitude
+    x: float  # m
+    y: float  # m
+    z: float  # m
     by_position: float
+    by_x: float  # m
+    by_y: float  # m
+    by_z: float  # m
+    on_surface: float
+    by_on_surface: float
     sound: float
     sound_serial: float
     press: float

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .schema import BY_POSITION, CURVE, GESTURES, OVER, STRIKE, VELOCITY, Gesture, Parameter
+from .schema import BY_POINT, BY_POSITION, CURVE, GESTURES, OVER, POINT, STRIKE, VELOCITY, Gesture, Parameter
 
 _SOUND = (
     Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
@@ -14,7 +14,17 @@ _PRESSED = Parameter(
 _PULSES = Parameter("pulses", 0, np.inf, "", "number of the table of a swarm's pulses", default=0.0)
 _DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning to the first contact", default=0.0)
 
-SHARED = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND, _PRESSED, _DELAY, _PULSES)}
+_ON_SURFACE = (
+    Parameter("on_surface", 0, 1, "", "1: at its point, 0: at its position", default=0.0, whole=True),
+    Parameter("by_on_surface", 0, 1, "", "the same of the object that strikes", default=0.0, whole=True),
+)
+
+SHARED = {
+    each.name: each
+    for each in (
+        VELOCITY, *STRIKE, *POINT, BY_POSITION, *BY_POINT, *_ON_SURFACE, *_SOUND, _PRESSED, _DELAY, _PULSES,
+    )
+}  # fmt: skip
 """Parameters that every gesture has, by name."""
 
 

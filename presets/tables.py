@@ -22,8 +22,9 @@ _TEXTS = ("method", "notes")
 _NUMBERS = ("mass", "volume", "density", "youngs_modulus", "poisson_ratio")
 _SHAPES = {
     "frequency": "n", "resistance": "n", "error": "n", "shapes": "P3n", "points": "P3", "normals": "P3", "areas": "P",
-    "curvature": "P",
+    "curvature": "P2",
 }  # fmt: skip
+_WHOLE = {"faces": "F3", "edges": "F3"}
 
 
 def table_bytes(values: dict[str, Any]) -> bytes:
@@ -33,6 +34,7 @@ def table_bytes(values: dict[str, Any]) -> bytes:
     kept |= {name: np.asarray(values[name], np.float64) for name in ("frequency", "resistance")}
     kept["error"] = np.asarray(values["error"], np.float32)
     kept |= {name: np.asarray(values[name], np.float32) for name in ("points", "normals", "areas", "curvature")}
+    kept |= {"faces": np.asarray(values["faces"], np.int32), "edges": np.asarray(values["edges"], np.int8)}
     shapes = np.asarray(values["shapes"])
     kept["scale"] = np.abs(shapes).max(axis=(0, 1)) / _STEPS
     kept["shapes"] = np.round(shapes / np.maximum(kept["scale"], 1e-300)).astype(np.int16)
@@ -54,6 +56,7 @@ def table_of(data: bytes, where: str) -> Table:
         scale = held.pop("scale")
         values: dict[str, Any] = {name: np.ascontiguousarray(held.pop(name), np.float64) for name in _SHAPES}
         values["shapes"] = values["shapes"] * scale
+        values |= {name: np.ascontiguousarray(held.pop(name), np.int64) for name in _WHOLE}
         values |= {name: float(held.pop(name)) for name in _NUMBERS}
         texts = {name: json.loads(held.pop(name).tobytes()) for name in _TEXTS}
     except (KeyError, OSError, ValueError, zipfile.BadZipFile, NotImplementedError) as error:
@@ -69,13 +72,15 @@ def table_of(data: bytes, where: str) -> Table:
 
 def _require_whole(where: str, values: dict[str, Any]) -> None:
     """Raise PresetError unless arrays fit each other and hold numbers."""
-    sizes = {"n": len(values["frequency"]), "P": len(values["points"]), "3": 3}
-    for name, axes in _SHAPES.items():
+    sizes = {"n": len(values["frequency"]), "P": len(values["points"]), "F": len(values["faces"]), "3": 3, "2": 2}
+    for name, axes in (*_SHAPES.items(), *_WHOLE.items()):
         wanted = tuple(sizes[axis] for axis in axes)
         if values[name].shape != wanted:
             raise PresetError(f"{where}: {name} of {values[name].shape}: expected {wanted}")
         if name != "error" and not np.isfinite(values[name]).all():
             raise PresetError(f"{where}: {name}: expected numbers")
+    if not sizes["F"] or values["faces"].min() < 0 or values["faces"].max() >= sizes["P"]:
+        raise PresetError(f"{where}: faces: expected numbers of the {sizes['P']} points")
     if not sizes["n"] or not sizes["P"] or (np.diff(values["frequency"]) < 0).any() or values["frequency"][0] <= 0:
         raise PresetError(f"{where}: frequency: expected numbers above 0 that ascend")
     for name in _NUMBERS:

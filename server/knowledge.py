@@ -114,9 +114,7 @@ class Knowledge:
             return None
         modes = obj.modes
         count = min(_MOST_MODES, len(modes.frequency))
-        rows = np.unique(
-            np.linspace(0, len(modes.strike) - 1, min(_MOST_POINTS, len(modes.strike))).round().astype(int)
-        )
+        rows = np.unique(np.linspace(0, len(modes.along) - 1, min(_MOST_POINTS, len(modes.along))).round().astype(int))
         shapes = modes.strike[rows][:, :count]
         loud = np.sqrt(0.5 * (modes.pressure[:, :count] ** 2).sum(axis=0))
         return {

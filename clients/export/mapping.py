@@ -20,7 +20,7 @@ from ...dsp.schema import FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NA
 from ...presets import Presets
 from ...presets.kinds import DRY, ObjectPreset
 from ...server.osc.addresses import VERBS
-from ...server.osc.arguments import Either, Note, Numbers, Verb, Word
+from ...server.osc.arguments import Either, Note, Numbers, Vector, Verb, Word
 from ...server.osc.points import Change
 from ...server.scene.limits import ContactLaws, least_radius
 from ...server.scene.objects import PlayedObject
@@ -163,7 +163,8 @@ def _gesture(name: str) -> dict[str, Any]:
 def _verb(verb: Verb) -> dict[str, Any]:
     """Return the declaration of an address's arguments."""
     lists = {"required": verb.required, "optional": verb.optional, "keys": verb.keys}
-    said = {name: [_argument(each) for each in given] for name, given in lists.items() if given}
+    plain = {name: [each for each in given if not isinstance(each, Vector)] for name, given in lists.items()}
+    said = {name: [_argument(each) for each in given] for name, given in plain.items() if given}
     return {**said, "changes": True} if isinstance(verb, Change) else said
 
 

@@ -12,13 +12,12 @@ import numpy as np
 
 from . import acceleration
 from .heard import heard
-from .material import Array, Material
-from .modes import Modes, audible, selected
+from .material import Array, Indices, Material
+from .modes import Faces, Modes, audible, selected
+from .triangles import nearest
 from .unheard import Felt, with_unheard
 
 _ROWS = 65  # along the strike path
-_FITTED = 10  # points that say a shape between them
-_ALIKE = 0.5  # cosine of the normals of points on one side of the body
 _ACROSS = 0.2  # of half the width: how far off the middle the usual path runs, as a hand strikes
 TILT = 5.0
 """Angle (degrees) of a blow: as a hand strikes unless it takes care."""
@@ -31,8 +30,10 @@ class Table:
     """Modes of a body at points of its surface, in the body's frame; two are equal whose digests are.
 
     frequency (n,) in Hz, ascending; resistance (n,) in 1/s; shapes (P, 3, n) in kg^-1/2; points (P, 3) in m; normals
-    (P, 3), outward; areas (P,) in m^2; curvature (P,) in 1/m; error (n,): of the frequencies as a share, NaN where it
-    was not asked for. mass in kg, volume in m^3; density, youngs_modulus and poisson_ratio are those of its material.
+    (P, 3), outward; areas (P,) in m^2; curvature (P, 2) in 1/m, the larger first; faces (F, 3), numbers of points,
+    between which shapes are linear; edges (F, 3): 1 where the side from a corner to the next is a sharp edge; error
+    (n,): of the frequencies as a share, NaN where it was not asked for. mass in kg, volume in m^3; density,
+    youngs_modulus and poisson_ratio are those of its material.
     """
 
     digest: str
@@ -43,6 +44,8 @@ class Table:
     normals: Array
     areas: Array
     curvature: Array
+    faces: Indices
+    edges: Indices
     error: Array
     mass: float
     volume: float
@@ -67,39 +70,60 @@ class Table:
         return {each.name: getattr(self, each.name) for each in fields(self) if each.name != "digest"}
 
     @cached_property
-    def _tree(self) -> Any:
-        from scipy.spatial import cKDTree  # slow to load
-
-        return cKDTree(self.points)
+    def corners(self) -> Array:
+        """The corners (F, 3, 3) of the faces, m."""
+        return self.points[self.faces]
 
     def near(self, places: Array) -> tuple[Array, Array, Array]:
         """Return the surface's points (p, 3) nearest to places (p, 3), its normals there (p, 3) and the shapes (p, 3,
-        n): planes through the points about, of the same side of the body."""
-        found, normals, shapes = [], [], []
-        for place, numbers in zip(places, self._tree.query(places, k=min(_FITTED, len(self.points)))[1], strict=True):
-            first = numbers[0]
-            side = numbers[self.normals[numbers] @ self.normals[first] > _ALIKE]
-            normal = self.normals[side].mean(axis=0)
-            normal /= np.linalg.norm(normal)
-            foot = place - normal * (normal @ (place - self.points[first]))
-            weights = _plane(self.points[side] - foot, normal)
-            found.append(foot)
-            normals.append(normal)
-            shapes.append(np.tensordot(weights, self.shapes[side], 1))
-        return np.array(found), np.array(normals), np.array(shapes)
+        n), as its triangles have them."""
+        face, shares = nearest(self.corners, places)
+        points, normals = (
+            np.einsum("pc,pck->pk", shares, each[self.faces[face]]) for each in (self.points, self.normals)
+        )
+        shapes = np.einsum("pc,pckn->pkn", shares, self.shapes[self.faces[face]])
+        return points, normals / np.linalg.norm(normals, axis=1)[:, None], shapes
+
+    @cached_property
+    def strips(self) -> tuple[Indices, Indices]:
+        """Points (R,) one after the other, of which each three in a row are a face, or none; and the first of those
+        (F,) of each face."""
+        return strips_of(self.faces)
 
 
-def _plane(offsets: Array, normal: Array) -> Array:
-    """Return weights (k,) with which values at offsets (k, 3) give the value at 0: exact for a plane, or the mean if
-    they are too few."""
-    distance = (offsets**2).sum(axis=1)
-    near = 1 / (distance + 0.05 * float(np.median(distance)) + 1e-18)
-    across = np.linalg.svd(normal[None])[2][1:]
-    rows = np.c_[np.ones(len(offsets)), offsets @ across.T]
-    if len(offsets) < 5:
-        return np.asarray(near / near.sum())
-    weights: Array = np.linalg.lstsq(rows * np.sqrt(near)[:, None], np.diag(np.sqrt(near)), rcond=1e-6)[0][0]
-    return weights
+def strips_of(faces: Indices) -> tuple[Indices, Indices]:
+    """Return points (R,) in rows of which each face (F, 3) has three that follow each other, and the first of these
+    (F,): a row serves up to three faces (as F. Evans, S. Skiena, A. Varshney, Visualization 1996)."""
+    about: dict[tuple[int, int], list[int]] = {}
+    for number, (a, b, c) in enumerate(faces.tolist()):
+        for side in ((a, b), (b, c), (c, a)):
+            about.setdefault((min(side), max(side)), []).append(number)
+    left = dict.fromkeys(range(len(faces)))
+    order: list[int] = []
+    first = np.zeros(len(faces), np.int64)
+    while left:
+        start = next(iter(left))
+        strips = (_strip(faces, about, left, start, turn) for turn in range(3))
+        points, passed = max(strips, key=lambda strip: len(strip[1]))
+        for step, number in enumerate(passed):
+            first[number] = len(order) + step
+            del left[number]
+        order += points
+    return np.array(order, np.int64), first
+
+
+def _strip(
+    faces: Indices, about: dict[tuple[int, int], list[int]], left: dict[int, None], start: int, turn: int
+) -> tuple[list[int], list[int]]:
+    """Return the points of a strip that begins with a face, turned by so many corners, and the faces that it passes."""
+    points, passed = np.roll(faces[start], turn).tolist(), [start]
+    while True:
+        side = min(points[-2:]), max(points[-2:])
+        after = [each for each in about[side] if each in left and each not in passed]
+        if not after:
+            return points, passed
+        passed.append(after[0])
+        points.append(next(each for each in faces[after[0]].tolist() if each not in side))
 
 
 def mesh(
@@ -116,7 +140,8 @@ def mesh(
     table: of the same material; damping alone may be another. The strike path is the straight line from one place to
     another (m, in the body's frame), each point of it moved to the surface; the usual one runs along the body, on top,
     beside the middle. The blow is tilted by `tilt` (degrees) from the surface's normal, across the path: at 90 it is
-    tangential. Modes of the table above `top` are felt. ValueError says what does not fit.
+    tangential. At a point of the surface it is along the normal. Modes of the table above `top` are felt. ValueError
+    says what does not fit.
     """
     for name in ("density", "youngs_modulus", "poisson_ratio"):
         made, given = getattr(table, name), getattr(material, name)
@@ -126,12 +151,17 @@ def mesh(
         raise ValueError(f"path_from = {path_from}, path_to = {path_to}: expected both together")
     ends = usual_path(table) if path_from is None else (np.array(path_from), np.array(path_to))
     share = np.linspace(0, 1, _ROWS)[:, None]
-    _, normals, shapes = table.near((1 - share) * ends[0] + share * ends[1])
+    line, normals, shapes = table.near((1 - share) * ends[0] + share * ends[1])
     aside = np.cross(normals, ends[1] - ends[0])
     aside /= np.maximum(np.linalg.norm(aside, axis=1), 1e-300)[:, None]
     angle = math.radians(tilt)
     strike = np.einsum("pc,pcn->pn", math.cos(angle) * normals + math.sin(angle) * aside, shapes)
     sign = strike[np.argmax(np.abs(strike), axis=0), np.arange(strike.shape[1])]
+    order, first = table.strips
+    strike = np.concatenate([strike, np.einsum("pc,pcn->pn", table.normals[order], table.shapes[order])])
+    # A contact weighs four rows; the last face has one after it.
+    strike = np.concatenate([strike, np.zeros((1, strike.shape[1]))])
+    faces = Faces(table.points[order[first[:, None] + np.arange(3)]], _ROWS + first, _ROWS, line)
     keep = audible(table.frequency, top)
     every = heard(material, table.frequency, table.resistance, (strike, sign), table.mass)
     others = table.frequency > top
@@ -139,7 +169,7 @@ def mesh(
         selected(every, keep), Felt(table.frequency[others], strike[:, others]), material.decay, top
     )
     area = float(table.areas.sum())
-    return replace(made_modes, clicks=(acceleration.body(table.mass, table.volume, area),))
+    return replace(made_modes, faces=faces, clicks=(acceleration.body(table.mass, table.volume, area),))
 
 
 def usual_path(table: Table) -> tuple[Array, Array]:

@@ -38,12 +38,24 @@ class Unheard(NamedTuple):
     strike: Array
 
 
+class Faces(NamedTuple):
+    """Triangles of a body's surface: corners (f, 3, 3) in m, in the body's frame; rows (f,) of Modes.strike that hold
+    the shapes at the first of them, with those at the others in the next two rows. The first `path` rows lie along the
+    strike path, at the places `line` (path, 3) in m."""
+
+    corners: Array
+    rows: Indices
+    path: int
+    line: Array
+
+
 @dataclass(frozen=True)
 class Modes:
     """The audible modes of a body: w(x, t) = sum_i phi_i(x) q_i(t), q'' + 2 sigma q' + omega^2 q = phi(x) F.
 
     frequency (n,) in Hz, ascending. decay (n,) in 1/s: the sigma above. strike (P, n) in kg^-1/2: mass-normalised
-    shapes at P equally spaced positions 0..1 along the strike path; P = 1 where the position does not matter.
+    shapes at P equally spaced positions 0..1 along the strike path; P = 1 where the position does not matter. Where it
+    has faces, rows follow with shapes at their corners.
     pressure (2, n) in Pa per unit modal velocity (q' of 1 sqrt(kg) m/s), left and right: the sound pressure at 1 m,
     rms over directions, G with (L^2 + R^2)/2 = G^2; both have the sign of the shape at one point of the body. mass of
     the whole body in kg. All float64. clicks: what it radiates at once, wherever
@@ -66,6 +78,12 @@ class Modes:
     cone: float = 0.0
     unheard: Unheard | None = None
     sheet: Sheet | None = None
+    faces: Faces | None = None
+
+    @property
+    def along(self) -> Array:
+        """The rows of `strike` along the strike path."""
+        return self.strike if self.faces is None else self.strike[: self.faces.path]
 
 
 def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]:

@@ -11,7 +11,9 @@ from ..bodies.material import Array, Material
 from . import cells, shells
 from .air import Radiation, layer_of, radiation, velocities
 from .cleaning import cleaned, openings
-from .points import curvature, picked, sampled
+from .points import curvature, sampled
+from .refining import refined
+from .skin import skin_of
 from .surface import Indices, MeshError, Surface, faces_of, size_of, volume_of
 
 CELLS, FINE = (4, 80), (4, 170)
@@ -29,8 +31,6 @@ _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
 _TRIANGLES, _FINE_TRIANGLES = 2600, 8000  # of a shell, about
 _MOST_TRIANGLES = 20_000
-_MOST_SPLIT = 4  # times the triangles wanted: long thin ones are not split beyond
-_SLIVER = 1e-3  # of a side squared: a triangle's area
 
 Say = Callable[[str, float], object]
 
@@ -52,8 +52,9 @@ class Model:
 
     frequency (n,) in Hz, with the air's mass where the wall is thin. resistance (n,) in 1/s: R of a radiated power of
     R q'^2/2. shapes (P, 3, n) in kg^-1/2, in the body's frame; points (P, 3) in m; normals (P, 3), outward; areas (P,)
-    in m^2; curvature (P,) in 1/m, the mean of both, positive where convex. mass in kg, volume of
-    its material in m^3.
+    in m^2; curvature (P, 2) in 1/m, the larger first, positive where convex. faces (F, 3), numbers of points, between
+    which shapes are linear; edges (F, 3): 1 where the side from a corner to the next is a sharp edge. Where sides of an
+    edge meet, a point is there for each. mass in kg, volume of its material in m^3.
     error (n,): of the frequencies, estimated, as a share. method: "cells" or "shells"; notes say what was mended and
     assumed.
     """
@@ -65,6 +66,8 @@ class Model:
     normals: Array
     areas: Array
     curvature: Array
+    faces: Indices
+    edges: Indices
     error: Array
     mass: float
     volume: float
@@ -154,49 +157,6 @@ def _require_few(faces: Indices) -> None:
         raise MeshError(f"{len(faces):,} triangles: expected at most {_MOST_TRIANGLES:,} in a thin wall; simplify it")
 
 
-def refined(surface: Surface, count: int) -> Surface:
-    """Return a surface of about so many triangles at least: sides that are too long are split, and slivers left out."""
-    longest = 1.5 * math.sqrt(float(faces_of(surface).areas.sum()) / count * 2)
-    points, faces = surface
-    for _ in range(24):
-        sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2)
-        edges, number = np.unique(np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
-        length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-        number = number.reshape(-1, 3)
-        each = length[number]
-        # A side is split if it is too long, and the longest of one of its triangles.
-        wanted = np.zeros(len(edges), bool)
-        worst = number[np.arange(len(faces)), each.argmax(axis=1)]
-        wanted[worst[each.max(axis=1) > longest]] = True
-        if not wanted.any() or len(faces) > _MOST_SPLIT * count:
-            break
-        middle = np.where(wanted, len(points) + np.cumsum(wanted) - 1, -1)
-        points = np.vstack([points, points[edges[wanted]].mean(axis=1)])
-        faces = _split(faces, middle[number])
-    corners = points[faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    faces = faces[area > _SLIVER * ((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=2).max(axis=1)]
-    used = np.unique(faces)
-    return Surface(points[used], np.searchsorted(used, faces))
-
-
-def _split(faces: Indices, middle: Indices) -> Indices:
-    """Return faces of which the sides with a middle (m, 3; -1: none) are split, one at a time."""
-    while (middle >= 0).any():
-        side = np.argmax(middle >= 0, axis=1)
-        has = (middle >= 0).any(axis=1)
-        row = np.arange(len(faces))
-        turned, between = (np.stack([each[row, (side + k) % 3] for k in range(3)], axis=1) for each in (faces, middle))
-        a, b, c = turned.T
-        m = between[:, 0]
-        none = np.full(len(faces), -1)
-        first = np.stack([a, m, c], axis=1), np.stack([none, none, between[:, 2]], axis=1)
-        second = np.stack([m, b, c], axis=1), np.stack([none, between[:, 1], none], axis=1)
-        faces = np.concatenate([turned[~has], first[0][has], second[0][has]])
-        middle = np.concatenate([between[~has], first[1][has], second[1][has]])
-    return faces
-
-
 def _elastic(frequency: Array, count: int) -> Indices:
     """Return the numbers of the lowest modes that bend the body."""
     bending = np.flatnonzero(frequency > _FLOOR * frequency[-1])
@@ -227,23 +187,33 @@ def _heard(surface: Surface, solution: Solution, keep: Indices, wanted: Wanted) 
 
 
 def _at_points(surface: Surface, solution: Solution, keep: Indices, wanted: Wanted) -> Model:
-    """Return a model with its points alone."""
+    """Return a model with its points and triangles alone."""
+    from scipy.spatial import cKDTree
+
+    skin = skin_of(surface, wanted.points)
     samples = sampled(surface, _PER_POINT * wanted.points)
-    spacing = math.sqrt(samples.area * len(samples.places) / wanted.points)
-    # Skins apart: points of one lie nearer to each other than to those of the other.
-    chosen, own = picked(np.hstack([samples.places, samples.normals * spacing]), spacing)
+    spacing = math.sqrt(samples.area * _PER_POINT)
+    curved = curvature(samples, 1.5 * spacing)
+    near = cKDTree(np.hstack([samples.places, samples.normals * spacing])).query(
+        np.hstack([skin.places, skin.normals * spacing])
+    )[1]
+    total = float(faces_of(surface).areas.sum())
+    shares = np.repeat(faces_of(Surface(skin.places, skin.faces)).areas / 3, 3)
+    areas = np.bincount(skin.faces.ravel(), shares, len(skin.places))
     empty = np.zeros(0)
     return Model(
         frequency=empty,
         resistance=empty,
-        shapes=solution.at(samples.places[chosen])[:, :, keep],
-        points=samples.places[chosen],
-        normals=samples.normals[chosen],
-        areas=np.asarray(np.bincount(own, minlength=len(chosen)) * samples.area, np.float64),
-        curvature=curvature(samples, 1.5 * spacing)[chosen],
+        shapes=solution.at(skin.places)[:, :, keep],
+        points=skin.places,
+        normals=skin.normals,
+        areas=np.asarray(areas * total / areas.sum(), np.float64),
+        curvature=curved[near],
+        faces=skin.faces,
+        edges=skin.edges.astype(np.int64),
         error=empty,
         mass=solution.mass,
-        volume=volume_of(surface) if wanted.wall is None else wanted.wall * float(faces_of(surface).areas.sum()),
+        volume=volume_of(surface) if wanted.wall is None else wanted.wall * total,
         method="",
         notes=(),
     )

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..bodies.material import Array
+from ..bodies.triangles import shares_of
 from .surface import Indices, Surface
 
 _TRIED = 24  # triangles whose middles are nearest
@@ -26,28 +27,8 @@ class Nearest:
         face = np.zeros(len(places), np.int64)
         for column in near.T:
             corners = self._corners[column]
-            share = _shares(corners, places)
+            share = shares_of(corners, places)
             distance = np.linalg.norm(np.einsum("nc,nck->nk", share, corners) - places, axis=1)
             closer = distance < best
             best[closer], shares[closer], face[closer] = distance[closer], share[closer], column[closer]
         return face, shares
-
-
-def _shares(corners: Array, places: Array) -> Array:
-    """Return shares (n, 3) of the corners (n, 3, 3) at the points of triangles nearest to places (n, 3)."""
-    a = corners[:, 0]
-    u, v, w = corners[:, 1] - a, corners[:, 2] - a, places - a
-    uu, uv, vv = (np.einsum("ij,ij->i", *pair) for pair in ((u, u), (u, v), (v, v)))
-    wu, wv = np.einsum("ij,ij->i", w, u), np.einsum("ij,ij->i", w, v)
-    area = np.maximum(uu * vv - uv**2, 1e-300)
-    p, q = (vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area
-    inside = (p >= 0) & (q >= 0) & (p + q <= 1)
-    ends = [np.clip(wu / np.maximum(uu, 1e-300), 0, 1), np.clip(wv / np.maximum(vv, 1e-300), 0, 1)]
-    third = np.clip((wv - wu + uu - uv) / np.maximum(uu - 2 * uv + vv, 1e-300), 0, 1)
-    zero = np.zeros(len(places))
-    tried = [(ends[0], zero), (zero, ends[1]), (1 - third, third)]
-    far = [np.linalg.norm(s[:, None] * u + t[:, None] * v - w, axis=1) for s, t in tried]
-    side = np.argmin(far, axis=0)
-    p = np.where(inside, p, np.choose(side, [s for s, _ in tried]))
-    q = np.where(inside, q, np.choose(side, [t for _, t in tried]))
-    return np.stack([1 - p - q, p, q], axis=1)

@@ -13,6 +13,7 @@ _FACING = -0.5  # cosine of the normals of two skins
 _ASIDE = 0.35  # of the thickness: how far off the opposite point may lie
 _NEIGHBOURS = 48
 _CURVED = 24  # samples about one that say how the surface turns
+_SMOOTH = 0.77  # cosine of the normals there, of one side of an edge
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])  # of the plastic number: an even sequence in the plane
 
 
@@ -73,15 +74,6 @@ def spread(places: Array, spacing: float) -> tuple[Array, Indices]:
     return seeds[names], numbers.astype(np.int64)
 
 
-def picked(places: Array, spacing: float) -> tuple[Indices, Indices]:
-    """Return numbers of places (n, k) about `spacing` apart, and which of them is nearest to each place."""
-    from scipy.spatial import cKDTree
-
-    chosen = _apart(places, spacing * _DISCS)
-    own: Indices = cKDTree(places[chosen]).query(places)[1].astype(np.int64)
-    return chosen, own
-
-
 def _apart(places: Array, radius: float) -> Indices:
     """Return the numbers of places of which none lies within a radius of another one, as many as fit."""
     from scipy.spatial import cKDTree
@@ -97,14 +89,17 @@ def _apart(places: Array, radius: float) -> Indices:
 
 
 def curvature(samples: Samples, reach: float) -> Array:
-    """Return the mean curvature (1/m) at samples, positive where the body is convex: the turn of the normals about."""
+    """Return both principal curvatures (n, 2) in 1/m at samples, the larger first, positive where the body is convex.
+
+    They are the turn of the normals about that turn less than over an edge.
+    """
     from scipy.spatial import cKDTree
 
     places, normals = samples.places, samples.normals
     distance, near = cKDTree(places).query(places, k=min(_CURVED, len(places)), distance_upper_bound=reach)
     there = np.isfinite(distance) & (distance > 0)
     near = np.where(there, near, 0)
-    there &= np.einsum("ikc,ic->ik", normals[near], normals) > -0.2
+    there &= np.einsum("ikc,ic->ik", normals[near], normals) > _SMOOTH
     moved = (places[near] - places[:, None]) * there[..., None]
     turned = (normals[near] - normals[:, None]) * there[..., None]
     one, other = tangents(normals)
@@ -115,9 +110,9 @@ def curvature(samples: Samples, reach: float) -> Array:
     right = np.concatenate([r, s], axis=1)
     normal = np.einsum("ika,ikb->iab", rows, rows)
     normal += 1e-6 * reach**2 * np.eye(3)
-    solution = np.linalg.solve(normal, np.einsum("ika,ik->ia", rows, right)[..., None])[..., 0]
-    mean: Array = (solution[:, 0] + solution[:, 2]) / 2
-    return mean
+    a, b, c = np.linalg.solve(normal, np.einsum("ika,ik->ia", rows, right)[..., None])[..., 0].T
+    mean, apart = (a + c) / 2, np.hypot((a - c) / 2, b)
+    return np.stack([mean + apart, mean - apart], axis=1)
 
 
 def tangents(normals: Array) -> tuple[Array, Array]:

@@ -11,7 +11,9 @@ from .polynomials import gauss
 from .rays import Grid, Quadrature
 from .surface import Surface, faces_of
 
-_CREASE = 0.77  # cosine: a sharper edge is one
+CREASE = 0.77
+"""Cosine of the angle between two faces: a sharper edge is one."""
+
 _ROUND = 0.75  # of the way to the corners' planes
 _FINE = 6  # small triangles along a cell's side
 
@@ -52,7 +54,7 @@ def corner_normals(surface: Surface) -> Array:
         there = step < size
         other = face[np.where(there, start + step, 0)]
         cosine = np.einsum("ij,ij->i", normals[face], normals[other])
-        weight = np.where(there & (np.abs(cosine) > _CREASE), areas[other] * np.sign(cosine), 0.0)
+        weight = np.where(there & (np.abs(cosine) > CREASE), areas[other] * np.sign(cosine), 0.0)
         total += weight[:, None] * normals[other]
     total /= np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
     found = np.zeros((len(order), 3))

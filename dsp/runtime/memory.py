@@ -46,7 +46,7 @@ class Memory:
         key = id(modes), top
         plan, table = self._plans.get(key, (None, -1))
         plan = plan or planned(modes, top, self._nyquist, self._has_sides)
-        rows, size = plan.shape.shape
+        size = plan.shape.shape[1]
         if not self.free:
             raise EngineFull(f"no room for another object: all {self._most} are taken")
         sheet = -1 if plan.laid is None else self._sheets.lay_out(plan.laid)
@@ -65,7 +65,9 @@ class Memory:
             "first": first,
             "size": size,
             "table": table,
-            "rows": rows,
+            "rows": plan.rows,
+            "faces": len(plan.faces),
+            "surface": table + plan.shape.size,
             "felt": plan.felt,
             "bent": plan.bent,
             "unheard": plan.heard,
@@ -86,12 +88,13 @@ class Memory:
     def _take_table(self, key: tuple[int, float], plan: Plan, first: int, sheet: int) -> int:
         """Lay out the shapes of a plan, for modes that have been taken: the first value of the table."""
         try:
-            table = self._shapes.take(plan.shape.size)
+            table = self._shapes.take(plan.shape.size + plan.faces.size)
         except EngineFull:
             self._modes.give(first)
             self._give_sheet(sheet)
             raise
-        self._bank["shape"][table : table + plan.shape.size] = plan.shape.ravel()
+        values = np.concatenate([plan.shape.ravel(), plan.faces.ravel()])
+        self._bank["shape"][table : table + values.size] = values
         self._plans[key], self._tables[table] = (plan, table), (key, 0)
         return table
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..bodies.karman import Laid
 from ..bodies.material import Array
-from ..bodies.modes import Modes
+from ..bodies.modes import Faces, Modes
+from ..engine.bodies.surface import FACE
 from ..engine.memory.capacity import MODES_PER_OBJECT
 from ..kept import Kept
 from ..resonator.click import CLICK_MODES
@@ -28,14 +29,17 @@ COLUMNS = ("frequency", "sigma", "weight", "balance")
 class Plan:
     """An object's modes as they lie in the bank.
 
-    columns: (4, size) of COLUMNS; shape: (rows, size) float32. The first `felt` modes are the body's own; up to `bent`
-    come their reliefs; the others are clicks, and from `heard` on modes that are felt alone. laid: the coupling of the
-    first of them, of a plate that has one.
+    columns: (4, size) of COLUMNS; shape: (R, size) float32, of which the first `rows` lie along the strike path;
+    faces: (F, FACE) float32, as engine/bodies/surface.py has them. The first `felt` modes are the body's own; up to
+    `bent` come their reliefs; the others are clicks, and from `heard` on modes that are felt alone. laid: the coupling
+    of the first of them, of a plate that has one.
     """
 
     modes: Modes
     columns: Array
     shape: NDArray[np.float32]
+    rows: int
+    faces: NDArray[np.float32]
     felt: int
     bent: int
     heard: int
@@ -44,7 +48,7 @@ class Plan:
 
     @property
     def bytes(self) -> int:
-        return self.columns.nbytes + self.shape.nbytes
+        return self.columns.nbytes + self.shape.nbytes + self.faces.nbytes
 
 
 _kept: Kept[tuple[int, float, float, bool], Plan] = Kept(32_000_000, lambda plan: plan.bytes)
@@ -85,7 +89,8 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
         raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
     size = max(LANES, math.ceil(count / LANES) * LANES)
     columns, shape = np.zeros((len(COLUMNS), size)), np.zeros((len(strike), size), np.float32)
-    plan = Plan(modes, columns, shape, felt, bent, heard, still, laid)
+    rows = len(strike) if modes.faces is None else modes.faces.path
+    plan = Plan(modes, columns, shape, rows, _faces(modes.faces), felt, bent, heard, still, laid)
     _fill(plan, 0, modes.frequency[order], modes.decay[order], *_weights(sides))
     plan.shape[:, :felt] = strike[:, order]
     for side, weights in enumerate(((1.0, 0.0), (_FAINT, 1 / _FAINT))):
@@ -99,6 +104,16 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     _fill(plan, heard, unheard.frequency, unheard.decay, _least(sides), 1.0)
     plan.shape[:, heard:count] = unheard.strike
     return plan
+
+
+def _faces(faces: Faces | None) -> NDArray[np.float32]:
+    """Return the triangles of a surface as the engine has them."""
+    if faces is None:
+        return np.zeros((0, FACE), np.float32)
+    middle = (faces.corners.min(axis=1) + faces.corners.max(axis=1)) / 2
+    radius = np.linalg.norm(faces.corners - middle[:, None], axis=2).max(axis=1)
+    columns = faces.rows[:, None], faces.corners.reshape(-1, 9), middle, radius[:, None]
+    return np.concatenate(columns, axis=1).astype(np.float32)
 
 
 def _fill(plan: Plan, first: int, frequency: Array | float, *others: Array | float) -> None:

@@ -98,6 +98,7 @@ class Swarm(Record):
     retuned: int  # of the object, for which `mobility` is known; -1: for none
     spread: float  # of the places, as a share of the strike path
     centre: float  # position about which they are
+    spot: Annotated[View[float], 3]  # m: the point of the surface where all of them are, if it is at one
     busy: Annotated[View[int], PLACES]  # samples of the grids that hold something
     sounds: Annotated[View[int], PLACES]  # 1: there is a force at the place in this quantum
     mobility: Annotated[View2D[float], PLACES, WIDTHS]  # 1/kg: sum of phi^2 of the modes that a pulse of a width moves

@@ -8,6 +8,7 @@ from itertools import chain
 from pathlib import Path
 
 from ...dsp.runtime.engine import Engine
+from ..osc.addresses import calls
 from ..osc.score import format_line
 from ..osc.sensor_verbs import SENSOR
 from ..osc.wire import Argument, Message
@@ -103,11 +104,13 @@ class Log:
         before."""
         args = sent.message.args
         first = next(n for n, arg in enumerate(args) if isinstance(arg, str))
-        keys = dict(zip(args[first::2], args[first + 1 :: 2], strict=True))
+        verb = calls(sent.message)[0].verb
+        assert verb
+        keys = dict(verb.pairs(args[first:]))
         if sent.by in self._names:
             keys["by"] = self._names[sent.by]
         else:
-            keys = {key: value for key, value in keys.items() if key not in ("by", "by_position")}
+            keys = {key: value for key, value in keys.items() if key not in ("by", "by_position", "by_point")}
             keys["mass"] = sent.mass
         return *args[:first], *chain.from_iterable(keys.items())
 

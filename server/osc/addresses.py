@@ -7,6 +7,7 @@ from functools import lru_cache
 
 from ...dsp.contact.accuracy import LEVELS
 from ...dsp.schema import (
+    BY_POINT,
     BY_POSITION,
     BY_RADIUS,
     CHANNELS,
@@ -17,6 +18,7 @@ from ...dsp.schema import (
     LAW,
     MAIN_GAIN,
     OWN_GAIN,
+    POINT,
     POSITION,
     RESISTANCE,
     RESTITUTION,
@@ -31,10 +33,10 @@ from ...dsp.schema import (
     Parameter as Number,
 )
 from ...dsp.wording import near
-from .arguments import Either, Note, Numbers, Refused, Verb, Word
+from .arguments import Either, Note, Numbers, Refused, Vector, Verb, Word
 from .midi_verbs import MIDI
 from .patterns import is_pattern, match
-from .points import Change
+from .points import Change, Move
 from .questions import QUESTIONS
 from .sensor_verbs import SENSORS
 from .space_verbs import LISTENING, PLACING
@@ -43,12 +45,17 @@ from .world_verbs import WORLD
 
 STRIKER = Word("striker", "a preset; the object's own for such a gesture, or for a strike, if none is given")
 
-STRIKE: tuple[Number | Word, ...] = (
+_ON = "for one with a surface, in place of its position: the point of that, in its own frame, nearest to there"
+ON_SURFACE = Vector("point", POINT, f"{_ON} (m)")
+BY_ON_SURFACE = Vector("by_point", BY_POINT, "the same of the object that strikes")
+STRIKE: tuple[Number | Word | Vector, ...] = (
     STRIKER,
     *LAW,
     RESTITUTION,
     Word("by", "an object that strikes, and rings too"),
+    ON_SURFACE,
     BY_POSITION,
+    BY_ON_SURFACE,
     BY_RADIUS,
     GAIN,
     Word("id", "names the gesture, for `/gesture/ID/...` and `/gesture/end`"),
@@ -62,9 +69,9 @@ _WORDS = {
 }
 """Keys of gestures that are not numbers."""
 
-_RESTING: tuple[Number | Word, ...] = (*LAW, BY_RADIUS, RESISTANCE, STRIKE[-1])
+_RESTING: tuple[Number | Word | Vector, ...] = (*LAW, ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])
 _SHARED = {key.name for key in STRIKE}
-KEYS: dict[str, tuple[Number | Word, ...]] = {
+KEYS: dict[str, tuple[Number | Word | Vector, ...]] = {
     name: (*_RESTING, gesture.argument, *gesture.keys)
     if gesture.what
     else (*(key for key in gesture.keys if key.name not in _SHARED), *_WORDS.get(name, ()))
@@ -140,6 +147,11 @@ _RUNNING = (
         "ends it: a bouncing striker or a disc does not come back, a rolling or sliding body halts, a hand lets go",
     ),
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
+    Move(
+        "/gesture/ID/point",
+        "steers a gesture on an object with a surface to the point of that nearest to there, or along a list of points",
+        POINT,
+    ),
 )
 
 _ENGINE = (

@@ -133,8 +133,38 @@ class Numbers:
         return f"{self.name}, up to {self.most} of {self.number.low:g} to {self.number.high:g}"
 
 
+@dataclass(frozen=True)
+class Vector:
+    """An argument that is three numbers: one after the other, a list of them, or a text such as 0.1,0,0.2."""
+
+    name: str
+    axes: tuple[Number, ...]
+    help: str = ""
+
+    def check(self, value: Argument) -> tuple[float, float, float]:
+        """Return the numbers; raise Refused if they are not three, or one is not as it should be."""
+        given = value.split(",") if isinstance(value, str) else value
+        if not isinstance(given, tuple | list) or len(given) != len(self.axes):
+            raise Refused(f"{self.name} = {shown(value)}: expected three numbers: {self}")
+        x, y, z = (check_number(axis, spelled(each)) for axis, each in zip(self.axes, given, strict=True))
+        return x, y, z
+
+    def __str__(self) -> str:
+        return f"{self.name} {' '.join(axis.name for axis in self.axes)} {self.axes[0].bounds}"
+
+
+def spelled(value: Argument) -> Argument:
+    """Return the number that a text spells, or else the value."""
+    if not isinstance(value, str):
+        return value
+    try:
+        return float(value)
+    except ValueError:
+        return value
+
+
 Parameter = Number | Word | Either | Note
-Key = Number | Word | Either | Numbers | Note
+Key = Number | Word | Either | Numbers | Note | Vector
 
 
 class Point(NamedTuple):
@@ -152,25 +182,30 @@ class Values:
 
     numbers: dict[str, float] = field(default_factory=dict)
     words: dict[str, str] = field(default_factory=dict)
+    vectors: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     others: dict[str, Argument] = field(default_factory=dict)
     defaults: dict[str, float] = field(default_factory=dict)
     many: tuple[float, ...] = ()
     """Numbers of an argument that is any number of them."""
     points: tuple[Point, ...] = ()
     """Points of an argument that may take its time."""
+    paths: tuple[tuple[Point, ...], ...] = ()
+    """The same of each number of a vector that may."""
 
     def number(self, name: str) -> float:
         """Return a number as it is given, else its default."""
         return self.numbers[name] if name in self.numbers else self.defaults[name]
 
-    def add(self, parameter: Parameter | Numbers, value: Argument) -> None:
+    def add(self, parameter: Key, value: Argument) -> None:
         """Check a value and keep it; Refused if it does not fit or was given before."""
-        if parameter.name in self.numbers or parameter.name in self.words:
+        if parameter.name in self.numbers or parameter.name in self.words or parameter.name in self.vectors:
             raise Refused(f"{parameter.name} = {shown(value)}: given twice")
         if isinstance(parameter, Numbers):
             self.many = parameter.check((value,))
         elif isinstance(parameter, Number):
             self.numbers[parameter.name] = check_number(parameter, value)
+        elif isinstance(parameter, Vector):
+            self.vectors[parameter.name] = parameter.check(value)
         elif isinstance(parameter, Note):
             self.numbers[parameter.name] = parameter.check(value)
         else:
@@ -231,7 +266,7 @@ class Verb:
         for number in self.optional:
             if rest and (not isinstance(rest[0], str) or (len(rest) % 2 and rest[0] not in self.named)):
                 values.add(number, rest.pop(0))
-        for key, value in self._pairs(rest):
+        for key, value in self.pairs(rest):
             if key in self.named:
                 values.add(self.named[key], value)
             elif key in values.others:
@@ -240,9 +275,13 @@ class Verb:
                 values.others[key] = value
         return values
 
-    def _pairs(self, rest: Sequence[Argument]) -> Iterator[tuple[str, Argument]]:
-        """Yield keys and their values; raise Refused that names one that is no key."""
-        for i in range(0, len(rest), 2):
+    def pairs(self, rest: Sequence[Argument]) -> Iterator[tuple[str, Argument]]:
+        """Yield keys and their values; raise Refused that names one that is no key.
+
+        A vector is the next three arguments, unless the next one is a list or a text.
+        """
+        i = 0
+        while i < len(rest):
             key = rest[i]
             if not isinstance(key, str):
                 raise Refused(f"{shown(key)}: expected a key; {self.usage()}")
@@ -250,7 +289,9 @@ class Verb:
                 raise Refused(f"{key}: no such key; {expected(key, self.named)}")
             if i + 1 == len(rest):
                 raise Refused(f"{key}: its value is missing")
-            yield key, rest[i + 1]
+            takes = 3 if isinstance(self.named.get(key), Vector) and not isinstance(rest[i + 1], tuple | str) else 1
+            yield key, rest[i + 1] if takes == 1 else tuple(rest[i + 1 : i + 1 + takes])
+            i += 1 + takes
 
     def usage(self) -> str:
         """Return the address and the names of its arguments, optional ones in brackets."""

@@ -2,9 +2,9 @@
 
 from ...dsp.schema import Parameter as Number
 from .addresses import KEYS, NOTE, PITCH, STRIKE, VERBS
-from .arguments import Numbers, Parameter, Verb
+from .arguments import Key, Verb
 from .midi_verbs import MIDI
-from .points import CHANGE, Change
+from .points import CHANGE, Change, Move
 from .sensor_verbs import SENSORS
 from .space_verbs import LISTENING, PLACING
 from .world_verbs import WORLD
@@ -19,7 +19,7 @@ def address_table() -> str:
     """Return every address, its arguments and its meaning, as a Markdown table."""
 
     def listed(verb: Verb) -> str:
-        if isinstance(verb, Change):
+        if isinstance(verb, Change | Move):
             return "; keys: a change's"
         shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
         whole = verb.keys if verb in (*WORLD, *MIDI, *SENSORS, *LISTENING, PLACING) else (NOTE, PITCH)
@@ -49,17 +49,17 @@ def key_table() -> str:
     return "\n".join(lines)
 
 
-def _row(key: Parameter) -> str:
+def _row(key: Key) -> str:
     """Return the row of a gesture's key, with a place for the gestures that take it."""
     return f"| {_marked(key)} | {{}} | {key.help}{_default(key)} |"
 
 
-def _marked(parameter: Parameter | Numbers) -> str:
+def _marked(parameter: Key) -> str:
     """Return a parameter in Markdown."""
     return str(parameter).replace(parameter.name, f"`{parameter.name}`", 1)
 
 
-def _default(parameter: Parameter) -> str:
+def _default(parameter: Key) -> str:
     if not isinstance(parameter, Number) or parameter.default is None:
         return ""
     return f"{'; ' * bool(parameter.help)}{parameter.default:g} if not given"

@@ -13,6 +13,7 @@ from ..osc.arguments import Refused, shown
 from ..osc.wire import Message
 from .object_call import ObjectCall
 from .objects import PlayedObject
+from .touching import place_values
 from .transaction import Sent
 
 _LAW = ("stiffness", "dissipation", "exponent")
@@ -29,11 +30,10 @@ def rest(to: ObjectCall) -> None:
     law, load = _law(to, other, support), _load(to, support)
     numbers = to.values.numbers
     values = {
+        **place_values(to, other),
         **law,
         "mass": numbers.get("mass", _mass(to, support, load)),
         "load": load,
-        "position": numbers.get("position", to.obj.preset.position),
-        "by_position": numbers.get("by_position", other.preset.position if other else 0.0),
         "gain": 1.0,
     }
     resistance = numbers.get("resistance", support.resistance if support else 0.0)

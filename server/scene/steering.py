@@ -1,17 +1,22 @@
 """The handler of messages that steer or stop gestures."""
 
+from dataclasses import replace
 from itertools import islice
 
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
+from ...dsp.schema import POINT
 from ...dsp.wording import MOST_COMPARED, some_of, suggestion
 from ..osc.addresses import Call
 from ..osc.arguments import GestureEnded, Refused, Values
-from ..osc.points import Change
+from ..osc.points import Change, Move
 from ..osc.wire import Message
 from .engine_messages import changes, send
+from .gesture_ids import GestureId
+from .touching import require_surface
 from .transaction import Transaction
 
+_ON_SURFACE = ("point", *(each.name for each in POINT))
 CHANGE_WORK = 80
 """Work of carrying out a change on one gesture or object, as in patterns.work."""
 
@@ -25,7 +30,15 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
         raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
     commands = [Command(NOW, Kind.STOP)]
-    if action != "stop":
+    if action in _ON_SURFACE:
+        _require_surfaces(transaction, ids, action, values)
+    if isinstance(call.verb, Move):
+        commands = [
+            each._replace(parameter=number.name)
+            for number, path in zip(call.verb.numbers, values.paths, strict=True)
+            for each in changes(Kind.STEER, number, replace(values, points=path))
+        ]
+    elif action != "stop":
         assert isinstance(call.verb, Change)
         commands = [each._replace(parameter=action) for each in changes(Kind.STEER, call.verb.number, values)]
     transaction.selection.charge(CHANGE_WORK * (len(ids) * len(commands) - 1), call.target)
@@ -33,6 +46,16 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
         for command in commands:
             send(transaction, message, command._replace(gesture=id.number))
+
+
+def _require_surfaces(transaction: Transaction, ids: list[GestureId], action: str, values: Values) -> None:
+    """Refuse a point of gestures on objects that have no surface."""
+    point = tuple(values.numbers[each.name] for each in POINT if each.name in values.numbers)
+    for id in ids:
+        for address, _ in id.running:
+            name = address.split("/")[2]
+            for obj in transaction.objects.at(name, transaction.time).values():
+                require_surface(name, obj, action, point)
 
 
 def _running(transaction: Transaction, target: str) -> str:

@@ -31,6 +31,7 @@ from .placing import SPACE_HANDLERS, place_object
 from .resting import rest
 from .sensing import SENSOR_HANDLERS
 from .steering import CHANGE_WORK, steer
+from .touching import gathered, given_of, place_values
 from .transaction import Sent, Transaction
 from .usual import completed
 from .world_messages import world_handlers
@@ -149,6 +150,7 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
     if "seed" in motion:
         motion["seed"] = to.seed(number)
     if gesture.swarms:
+        motion = gathered(to, motion)
         motion |= to.transaction.engine.lay_out_pulses(0.0 if gesture.swarms == DROPS else law.exponent)
     _strike(to, by, law, Command(NOW, gesture.name, gesture=number, values=motion))
 
@@ -226,7 +228,7 @@ def _roll(to: ObjectCall) -> None:
         require_rollable(radius, surface, roughness)
     number = to.start(id)
     motion = {**_own_values(to, ROLL), "speed": speed, "radius": radius or _ANY_RADIUS, "seed": to.seed(number)}
-    given = [name for name in ROLL.steerable if name in values.numbers]
+    given = given_of(ROLL, values)
     command = Command(NOW, "roll", gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
 
@@ -249,7 +251,7 @@ def _slide(to: ObjectCall) -> None:
     motion |= {"speed": values.number("speed"), "seed": to.seed(number := to.start(id))}
     if "press" in values.words:
         motion["press"] = _press_of(to, values.words["press"])
-    given = [name for name in SLIDE.steerable if name in values.numbers]
+    given = given_of(SLIDE, values)
     command = Command(NOW, "slide", gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
 
@@ -276,7 +278,7 @@ _OF_GESTURES = {"bounce": _bounce, "roll": _roll, "slide": _slide, "rest": rest}
 
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
     """Add the command of a gesture, with the values that every gesture has."""
-    numbers, transaction = to.values.numbers, to.transaction
+    transaction = to.transaction
     drops = GESTURES[str(command.kind)].swarms == DROPS
     sound = (
         None
@@ -287,9 +289,8 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
         **command.values,
         **(transaction.engine.lay_out_striker(sound) if sound else {}),
         **law._asdict(),
-        "position": numbers.get("position", to.obj.preset.position),
+        **place_values(to, by),
         "gain": GAIN.in_engine(to.values.number("gain")),
-        "by_position": numbers.get("by_position", by.preset.position) if by else 0.0,
     }
     _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
 
@@ -333,7 +334,7 @@ HANDLERS: dict[str, Handler] = {
     PLACE: _on_objects(_put),
     "/object/NAME/free": _on_objects(_free),
     "/object/NAME/note": _on_objects(_note),
-    **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), steer),
+    **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", "point", *STEERABLE)), steer),
     **SENSOR_HANDLERS,
     **SPACE_HANDLERS,
     **ENGINE_HANDLERS,

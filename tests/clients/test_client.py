@@ -148,8 +148,8 @@ def say_everything(client: Client, at: float | None) -> None:
     client.stop("x", at=at)
     for verb in VERBS.values():
         if verb.address.startswith("/gesture/") and verb.required:
-            (number,) = verb.required
-            value = 0.5 if number.low <= 0.5 <= number.high else number.low
+            value, *more = [0.5 if number.low <= 0.5 <= number.high else number.low for number in verb.required]
+            value = [value, *more] if more else value
             client.steer("x", at=at, **{verb.address.rsplit("/", 1)[1]: value})
     for verb, value in ((client.accuracy, "exact"), (client.bank, "float32"), (client.quality, 1), (client.limiter, 1)):
         verb(value, at=at)

@@ -66,13 +66,13 @@ def test_modes_follow_the_table_and_the_material_damps_them():
     assert made.unheard is not None and made.mass == table.mass
     start, end = usual_path(table)
     turned = mesh(ceramic, table=table, top=10_000.0, path_from=tuple(end), path_to=tuple(start), tilt=-5.0)
-    assert np.allclose(np.abs(turned.strike[::-1]), np.abs(made.strike), atol=1e-9)
+    assert np.allclose(np.abs(turned.along[::-1]), np.abs(made.along), atol=1e-9)
 
 
 def test_a_blow_has_a_direction():
     """Blows along the normal and across it add as vectors do."""
     ceramic, table = Presets().material("ceramic"), read_table(MUG)
-    normal, half, across = (mesh(ceramic, table=table, top=9000.0, tilt=tilt).strike for tilt in (0.0, 45.0, 90.0))
+    normal, half, across = (mesh(ceramic, table=table, top=9000.0, tilt=tilt).along for tilt in (0.0, 45.0, 90.0))
     assert np.allclose(half, (normal + across) / np.sqrt(2), atol=1e-12)
     assert np.abs(across).max() > 0.1 * np.abs(normal).max()
 

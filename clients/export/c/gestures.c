@@ -119,7 +119,7 @@ static void find_motion(carom *scene, begun *to) {
     to->motion.count = 0;
     for (const value *each = item(to->gesture, "own")->first; each; each = each->next)
         put(scene, &to->motion, each->text, given_or(to, each->text, 0.0));
-    put(scene, &to->motion, argument, given_or(to, argument, 0.0));
+    if (!is_true(to->gesture, "falls")) put(scene, &to->motion, argument, given_or(to, argument, 0.0));
     if (is_true(to->gesture, "held")) put(scene, &to->motion, "velocity", APPROACH);
     if (is_true(to->gesture, "falls")) fall(scene, to);
 }

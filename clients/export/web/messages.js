@@ -201,7 +201,7 @@ export class Messages {
     const surface = gesture.along ? this.surface(given.surface ?? "wood") : null;
     const law = this.law(given, object, striker, by, byMaterials ? radius : 0, surface);
     const motion = Object.fromEntries(gesture.own.map((key) => [key, given[key] ?? defaults[key] ?? 0]));
-    motion[gesture.argument] = value(gesture.argument);
+    if (!gesture.falls) motion[gesture.argument] = value(gesture.argument);
     if (gesture.held) motion.velocity = APPROACH;
     if (gesture.falls) this.fall(motion, value);
     const moves = motion[gesture.falls ? "velocity" : gesture.argument] > 0;

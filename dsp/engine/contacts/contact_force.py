@@ -15,9 +15,10 @@ from ...native.typed import View
 from ...numerics.legendre import FINE, MOMENTS, add_held
 from ...resonator.bank import inject, inject_fine, observe, receptance
 from ...rolling.body import share_of
-from ..bodies.objects import frequency_of, highest_of, modes_of, place, point_of, relief_of, sigma_of
+from ..bodies.objects import frequency_of, highest_of, modes_of, point_of, relief_of, sigma_of
 from ..bodies.sensing import push_sensed
 from ..bodies.strikers import begin_striker, drive_striker
+from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, modes_for, room_for_coupling
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import COUPLING, SAMPLING, Object, State
@@ -68,7 +69,7 @@ def touch(state: State, contact: Contact) -> None:
     contact.number = state.contact_count
     contact.touching = 1
     contact.forces[:] = 0.0
-    place(contact.point[0], contact.now.position, state.objects[contact.point[0].slot].rows)
+    put(state, state.objects[contact.point[0].slot], contact, contact.now.position)
     update_mode_count(state, contact)
 
 

@@ -11,9 +11,10 @@ import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
-from ...schema import FORCE, STEERABLE, gestures_steered_by
+from ...schema import FORCE, POINT, STEERABLE, gestures_steered_by
 from ..bodies.objects import place
 from ..bodies.strikers import roll_striker
+from ..bodies.surface import put
 from ..memory.order import wake
 from ..memory.quality import coarseness_of, holds_steps, must_wait
 from ..memory.records import Contact
@@ -33,8 +34,9 @@ _LAID = FORCE.glide  # s: also of a striker's weight
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 
 _GLIDES = np.array([max(each.glide for each in gestures_steered_by(name).values()) for name in STEERABLE])
-_NEAR = np.array([1e-6 if name == "position" else 0.0 for name in STEERABLE])  # as good as there
+_NEAR = np.array([1e-6 if name in ("position", "x", "y", "z") else 0.0 for name in STEERABLE])  # as good as there
 _POSITION, _BY_POSITION = STEERABLE.index("position"), STEERABLE.index("by_position")
+_POINT = STEERABLE.index(POINT[0].name)
 
 
 @noinline_kernel
@@ -72,8 +74,8 @@ def _glide(state: State, contact: Contact, obj: Object) -> None:
             continue
         left = math.exp(-QUANTUM / (_GLIDES[i] * state.rate)) if _GLIDES[i] > 0.0 else 0.0
         set_field(now, i, goal + (value - goal) * left)
-        if i == _POSITION and contact.solver == COUPLING:
-            place(contact.point[0], now.position, obj.rows)
+        if (i == _POSITION or _POINT <= i < _POINT + 3) and contact.solver == COUPLING:
+            put(state, obj, contact, now.position)
             contact.unsettled = 1
         elif i == _BY_POSITION and contact.solver == COUPLING and contact.point[1].slot >= 0:
             place(contact.point[1], now.by_position, state.objects[contact.point[1].slot].rows)

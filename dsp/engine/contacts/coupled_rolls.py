@@ -23,7 +23,8 @@ from ...contact.block import renew_block
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
-from ..bodies.objects import is_felt, place, shape_at
+from ..bodies.objects import is_felt, shape_at
+from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
 from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, State
@@ -74,15 +75,15 @@ def couple_roll(state: State, contact: Contact) -> None:
 def _mobility(state: State, contact: Contact, omega_c: float) -> tuple[float, float]:
     """Return sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's
     way."""
-    rows = state.objects[contact.point[0].slot].rows
+    obj = state.objects[contact.point[0].slot]
     mean = greatest = 0.0
     places = _PLACES if contact.travel > 0.0 else 1
     for n in range(places):
-        place(contact.point[0], n / (_PLACES - 1.0) if places > 1 else contact.now.position, rows)
+        put(state, obj, contact, n / (_PLACES - 1.0) if places > 1 else contact.now.position)
         here = _mobility_here(state, contact, omega_c)
         mean += here / places
         greatest = max(greatest, here)
-    place(contact.point[0], contact.now.position, rows)
+    put(state, obj, contact, contact.now.position)
     return mean, greatest
 
 
@@ -115,7 +116,7 @@ def lead_roll(state: State, contact: Contact) -> None:
         contact.unsettled = 1
     contact.rolled = roll.s
     if contact.travel > 0.0 and frame % _PLACED == 0:
-        place(contact.point[0], position_of(contact, 0), state.objects[contact.point[0].slot].rows)
+        put(state, state.objects[contact.point[0].slot], contact, position_of(contact, 0))
         contact.unsettled = 1
 
 

@@ -34,7 +34,7 @@ def begin_rest(state: State, contact: Contact) -> bool:
     """Lay an object on what it rests on. False if there is no room for it."""
     touch(state, contact)
     other, coupled = contact.point[1], contact.coupled
-    if other.slot >= 0:
+    if other.slot >= 0 and other.on_surface == 0:
         place(other, contact.now.by_position, state.objects[other.slot].rows)
     contact.light = 1
     if not has_room_for(state, contact):

@@ -12,10 +12,11 @@ from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driv
 from ...resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
 from ...rolling.body import fill_roll
-from ..bodies.objects import modes_of, place, shapes_of, weigh
+from ..bodies.objects import modes_of, shapes_of, weigh
 from ..bodies.sensing import push_sensed
 from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending, wind_up
-from ..memory.records import Contact, ContactPoint, Through
+from ..bodies.surface import put
+from ..memory.records import Contact, Through
 from ..memory.state import BEHIND, LEAD, QUANTUM, Object, State
 from .coupled_rolls import position_of
 
@@ -227,7 +228,7 @@ def _drivers(state: State, obj: Object, frame: int, end: int) -> tuple[int, int]
         if contact.trait.swarms > 0:
             count = _list_swarm(state, obj, contact, count)
         else:
-            _drive(state.scratch.drivers[count], contact, point, entry % 2, obj.rows, frame, end)
+            _drive(state, obj, state.scratch.drivers[count], contact, entry % 2, frame, end)
             count += 1
         driven = point.modes
         entry = point.next_roll
@@ -242,7 +243,7 @@ def _list_swarm(state: State, obj: Object, contact: Contact, count: int) -> int:
         if swarm.sounds[p] == 0:
             continue
         driver = state.scratch.drivers[count]
-        place(point, swarm.position[p], obj.rows)
+        put(state, obj, contact, swarm.position[p])
         driver.feed, driver.row = contact.roll + 1 + p, point.row
         for i in range(4):
             driver.weights[i] = contact.now.gain * point.weights[i]
@@ -252,15 +253,18 @@ def _list_swarm(state: State, obj: Object, contact: Contact, count: int) -> int:
 
 
 @kernel
-def _drive(driver: Driver, contact: Contact, point: ContactPoint, side: int, rows: int, frame: int, end: int) -> None:
+def _drive(
+    state: State, obj: Object, driver: Driver, contact: Contact, side: int, frame: int, end: int
+) -> None:  # fmt: skip
     """Tell where a roll acts on an object at a frame, and how that changes until another."""
+    point = contact.point[side]
     driver.feed = contact.roll
     for i in range(4):
         driver.drift[i] = 0.0
     if side == 0:
-        place(point, position_of(contact, frame), rows)
-        if contact.travel > 0.0 and end > frame:
-            weigh(driver.drift, position_of(contact, end) * (rows - 1) - point.row)
+        put(state, obj, contact, position_of(contact, frame))
+        if contact.travel > 0.0 and end > frame and point.on_surface == 0:
+            weigh(driver.drift, position_of(contact, end) * (obj.rows - 1) - point.row)
             for i in range(4):
                 driver.drift[i] = contact.now.gain * (driver.drift[i] - point.weights[i]) / (end - frame)
     driver.row = point.row
@@ -283,7 +287,7 @@ def add_through(state: State, obj: Object, voice: View2D[float]) -> None:
             continue
         moves = entry % 2 == 0 and contact.travel > 0.0
         for end in range(2 if moves else 1):
-            _drive(driver, contact, point, entry % 2, obj.rows, end * QUANTUM, end * QUANTUM)
+            _drive(state, obj, driver, contact, entry % 2, end * QUANTUM, end * QUANTUM)
             _know_through(state, obj, point.modes, driver.row, through)
             _weigh_taps(driver, through, taps[end])
         _hear(taps[0], taps[1 if moves else 0], state.samples[contact.roll], voice)

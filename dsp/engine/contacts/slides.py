@@ -18,8 +18,9 @@ from ...numerics.legendre import FINE
 from ...resonator.bank import Point, inject_fine, inject_line
 from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 from ...schema import SPEED
-from ..bodies.objects import modes_of, place, shapes_of
+from ..bodies.objects import modes_of, shapes_of
 from ..bodies.sensing import push_sensed
+from ..bodies.surface import has_moved, keep_spot, put
 from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact, Slide
 from ..memory.state import QUANTUM, State
@@ -77,7 +78,12 @@ def lead_slide(state: State, contact: Contact, changed: bool) -> None:
     if changed:
         contact.unsettled = 1
     moves = contact.travel > 0.0 and contact.rolls > 0.0
-    if moves or slide.along != contact.target.along or slide.position != contact.now.position:
+    if (
+        moves
+        or slide.along != contact.target.along
+        or slide.position != contact.now.position
+        or has_moved(contact, slide.spot)
+    ):
         slide.moved = 1
     slide.slip = slide.friction.drive[1]
     slide.pressed = _place_of_press(state, contact) if slide.press > 0 else -1
@@ -148,6 +154,7 @@ def _settle(state: State, contact: Contact) -> None:
     """Tell a slide's friction where it is, and how the objects give way there; their modes only if these are others."""
     slide, scratch = state.slides[contact.roll], state.scratch
     slide.along, slide.position = contact.target.along, contact.now.position
+    keep_spot(contact, slide.spot)
     for n in range(FINE):
         scratch.receptance[n] = 0.0
     for side in range(2):
@@ -156,7 +163,7 @@ def _settle(state: State, contact: Contact) -> None:
             continue
         obj = state.objects[point.slot]
         if side == 0:
-            place(point, position_of(contact, 0.5 * QUANTUM), obj.rows)
+            put(state, obj, contact, position_of(contact, 0.5 * QUANTUM))
         slide.modes[side] = min(point.modes, SLID)
         slide.row[side] = point.row
         for n in range(4):

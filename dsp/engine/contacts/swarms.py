@@ -19,8 +19,9 @@ from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import HALF, LEAST, find_force, find_moments, lay_pulse, move_on
 from ...swarm.record import BACK, BANDS, FORCES, GRID, OCTAVES, PLACES, SWARMS, WIDTHS, Knot, Swarm
 from ...swarm.times import add_knot, drop_knots, on_lattice, take_blow
-from ..bodies.objects import frequency_of, is_felt, place, shape_at
+from ..bodies.objects import frequency_of, is_felt, shape_at
 from ..bodies.strikers import roll_striker
+from ..bodies.surface import has_moved, keep_spot, put
 from ..memory.commands import NUMBERS, Event
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import BEHIND, CLOSED, QUANTUM, ROLLING, ROLLS, ROWS_OF_SWARM, Object, State
@@ -194,13 +195,14 @@ def swarm_on(state: State, index: int) -> bool:
 def _spread_out(state: State, swarm: Swarm, contact: Contact, obj: Object) -> None:
     """Place a swarm about its position, and find how its object yields there, unless that is known."""
     moved = abs(contact.now.position - swarm.centre) > _SAME
-    if not moved and swarm.retuned == obj.retuned:
+    if not moved and not has_moved(contact, swarm.spot) and swarm.retuned == obj.retuned:
         return
+    keep_spot(contact, swarm.spot)
     swarm.centre, swarm.retuned = contact.now.position, obj.retuned
     begin = min(max(swarm.centre - 0.5 * swarm.spread, 0.0), 1.0 - swarm.spread)
     for p in range(swarm.places):
         swarm.position[p] = begin + swarm.spread * (p + 0.5) / swarm.places
-        place(contact.point[0], swarm.position[p], obj.rows)
+        put(state, obj, contact, swarm.position[p])
         _find_mobility(state, obj, contact.point[0], swarm.mobility[p])
 
 

@@ -36,7 +36,7 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
     if contact.trait.rolls == 1 or contact.trait.rests == 1:
         point = contact.point[0]
         share = share_of(state.rolls[contact.roll]) if contact.trait.rolls == 1 else 1.0
-        place = _placed(state, point.row, point.weights, point.slot)
+        place = _placed(state, contact, point.row, point.weights)
         if _trace_moving(state, contact, sample, place, share, moments) >= 0:
             _publish(state)
         return
@@ -99,8 +99,7 @@ def trace_friction(
 ) -> None:
     """Keep a slide's friction between a sample and the next: its impulse and first moment (N s); where it is not whole,
     with the others in `scratch`."""
-    slot = contact.point[0].slot
-    met = _placed(state, slide.row[0], slide.weights[0], slot), contact.now.speed, 0.0
+    met = _placed(state, contact, slide.row[0], slide.weights[0]), contact.now.speed, 0.0
     entry = _entry(state, contact, sample, impulse, met)
     if entry >= 0:
         record = state.trace.entries[entry]
@@ -126,12 +125,15 @@ def trace_snap(state: State, contact: Contact, voice: Voice) -> None:
 
 
 @kernel
-def _placed(state: State, row: int, weights: View[float], slot: int) -> float:
-    """Return the position on an object's strike path at which its shapes are: a cubic is exact for lines."""
+def _placed(state: State, contact: Contact, row: int, weights: View[float]) -> float:
+    """Return the position on an object's strike path at which its shapes are: a cubic is exact for lines. At a point of
+    the surface it is the last that was asked for."""
+    if contact.point[0].on_surface == 1:
+        return contact.now.position
     x = 0.0
     for n in range(4):
         x += weights[n] * (row + n)
-    return x / (state.objects[slot].rows - 1)
+    return x / (state.objects[contact.point[0].slot].rows - 1)
 
 
 @kernel

@@ -13,6 +13,7 @@ from ...schema import GESTURES
 from ...schema_records import VALUES, Values
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
+from ..bodies.surface import put_at
 from ..contacts.contact_list import append_contact, has_place, places_left, report_end, schedule_contact
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
@@ -136,10 +137,15 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
     """Say which object is touched, and which one touches it, if one does."""
     touched, other = contact.point[0], contact.point[1]
     touched.slot, touched.serial = event.slot, event.serial
+    touched.on_surface = int(event.values.on_surface)
     other.slot, other.serial = event.by_slot, event.by_serial
     partner = state.objects[other.slot]
     if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:
-        place(other, event.values.by_position, partner.rows)
+        other.on_surface = int(event.values.by_on_surface)
+        if other.on_surface == 1 and partner.faces > 0:
+            put_at(state, partner, other, event.values.by_x, event.values.by_y, event.values.by_z)
+        else:
+            place(other, event.values.by_position, partner.rows)
     else:
         other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
 

@@ -2,7 +2,7 @@
 
 from ...native.jit import kernel
 from ...native.records import field, set_field
-from ...schema import STEERABLE
+from ...schema import POINT, STEERABLE
 from ..contacts.swarms import steer_swarm
 from ..memory.commands import (
     IN_VALUES,
@@ -15,6 +15,7 @@ from ..memory.records import Contact
 from ..memory.state import Object, State
 
 _GRAVITY, _FORCE = STEERABLE.index("gravity"), STEERABLE.index("force")
+_POSITION, _POINT = STEERABLE.index("position"), STEERABLE.index(POINT[0].name)
 _SPEED, _SWEEP = STEERABLE.index("speed"), STEERABLE.index("sweep")
 
 
@@ -61,6 +62,10 @@ def target_of(state: State, contact: Contact, parameter: int) -> float:
 def set_target(state: State, contact: Contact, parameter: int, value: float) -> None:
     """Give one parameter of a contact a new target."""
     set_field(contact.target, parameter, value)
+    if parameter == _POSITION:
+        contact.point[0].on_surface = 0
+    elif _POINT <= parameter < _POINT + 3:
+        contact.point[0].on_surface = 1
     if contact.trait.rolls == 1:
         set_field(state.rolls[contact.roll].target, parameter, value)
     elif contact.trait.falls == 1 and parameter == _GRAVITY:

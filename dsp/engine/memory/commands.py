@@ -11,8 +11,10 @@ import numpy as np
 from ...native.typed import Record, dtype_of
 from ...rolling.surface import Profile
 from ...schema import (
+    BY_POINT,
     BY_POSITION,
     GESTURES,
+    POINT,
     RESTITUTION,
     SETTINGS,
     STEERABLE,
@@ -75,7 +77,9 @@ class Layout(Record):
     first: int  # its first mode
     size: int  # how many modes, padded
     table: int  # first value of its shapes
-    rows: int  # of them
+    rows: int  # of them along the strike path
+    faces: int  # triangles of its surface
+    surface: int  # first value of these, after the shapes
     felt: int  # modes that are felt and heard
     bent: int  # modes of which slow forces are heard
     unheard: int  # the first of those that are felt alone
@@ -170,7 +174,7 @@ def _defaults(parameters: Iterable[Parameter]) -> dict[str, float]:
     return {each.name: each.in_engine(each.default) for each in parameters if each.default is not None}
 
 
-_ALWAYS = {BY_POSITION.name: 0.0, VELOCITY.name: 0.0, RESTITUTION.name: 0.0}
+_ALWAYS = {each.name: 0.0 for each in (BY_POSITION, VELOCITY, RESTITUTION, *POINT, *BY_POINT)}
 
 
 def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:

@@ -24,6 +24,7 @@ class ContactPoint(Record):
     modes: int  # of it that the contact acts on, its first
     row: int  # of the shape table, the first of four
     weights: Annotated[View[float], 4]
+    on_surface: int  # 1: at a point of the surface, 0: at a position on the strike path
     give: float  # 1/kg: sum of phi^2 where a striker began to touch
     compliance: float  # m/N: the same of phi^2/omega^2, untuned
     next_roll: int  # of the list of rolls on the object
@@ -123,6 +124,7 @@ class Slide(Record):
     moved: int  # 1: since it was settled
     along: float
     position: float
+    spot: Annotated[View[float], 3]  # m: the point of the surface, where it is at one
     sweep: float  # m/s, gliding
     slip: float  # m/s: the driver's at the quantum's beginning
     laid: float  # share of the normal force that friction feels

@@ -161,8 +161,10 @@ class Object(Record):
     stale_modes: int  # that wait for new coefficients
     retuning: int  # the first of them
     retuned: int  # times that some got them
-    table: int  # first value of its mode shapes, `rows` rows of `size` values
+    table: int  # first value of its mode shapes: `rows` rows of `size` values along the strike path, then others
     rows: int
+    faces: int  # triangles of its surface, 0: it has none
+    surface: int  # first value of these (surface.py)
     glide: float  # 1/J: rise of its tension, as a share of it, for the energy that rings
     cone: float  # kg: how far it does about a striker
     rang: float  # J: energy of its modes as last looked at, with the gains of gestures in it

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from carom.dsp.bodies.modes import Modes
+from carom.dsp.bodies.modes import Faces, Modes
 from carom.dsp.contact import contact_time
 from carom.dsp.engine.memory.commands import Handle
 from carom.dsp.engine.memory.state import QUANTUM, End
@@ -33,6 +33,7 @@ SWARM = {
 EXPONENT = {"rain": 0.0}
 
 NEW = {
+    "x": 0.3, "y": 0.2, "z": 0.1,
     "position": 0.9, "gain": 0.25, "gravity": 30.0, "irregularity": 0.8, "speed": 0.9, "mass": 0.02,
     "radius": 0.02, "roughness": 0.3, "asymmetry": 0.4, "friction": 0.05, "force": 9.0, "flat": 0.6,
     "sweep": 0.7, "patch": 0.005, "static": 0.9, "dynamic": 0.2, "stribeck": 0.3, "tangential": 1e5,
@@ -51,7 +52,10 @@ def plate(mass):
     """Return a body with modes that differ along its strike path, so that it is heard where it is touched."""
     positions = np.linspace(0, 1, 17)[:, None] * np.arange(1, 9)
     shape = np.cos(np.pi * positions) / math.sqrt(mass)
-    return Modes(np.linspace(200.0, 6_000.0, 8), np.full(8, 6.0), shape, np.full((2, 8), 1.0), 1.0)
+    corners = np.array([[[0.0, 0.0, 0.0], [0.5, 0.0, 0.1], [0.0, 0.5, 0.2]]])
+    faces = Faces(corners, np.array([17]), 17, np.zeros((17, 3)))
+    shape = np.concatenate([shape, shape[[0, 3, 7]], shape[:1] * 0])
+    return Modes(np.linspace(200.0, 6_000.0, 8), np.full(8, 6.0), shape, np.full((2, 8), 1.0), 1.0, faces=faces)
 
 
 def begin(kind):

@@ -19,7 +19,10 @@ RECORDS = {
 """The records that a command of a kind fills."""
 
 NEEDED = {
-    Kind.NEW: ("first", "size", "table", "rows", "felt", "bent", "unheard", "level", "glide", "cone", "sheet"),
+    Kind.NEW: (
+        *("first", "size", "table", "rows", "faces", "surface", "felt", "bent", "unheard", "level", "glide", "cone"),
+        "sheet",
+    ),
     "impact": ("mass", "stiffness", "dissipation", "exponent", "position"),
     "bounce": ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
     "roll": ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "radius", "seed"),
@@ -41,7 +44,10 @@ NEEDED = {
 
 every_record = pytest.mark.parametrize("kind", RECORDS, ids=str)
 
-ALL = {"velocity", "by_position", "restitution", "gain", "sound", "sound_serial", "press", "delay", "pulses"}
+ALL = {
+    *("velocity", "by_position", "restitution", "gain", "sound", "sound_serial", "press", "delay", "pulses"),
+    *("x", "y", "z", "by_x", "by_y", "by_z", "on_surface", "by_on_surface"),
+}
 """Values of any gesture that it need not be given."""
 
 

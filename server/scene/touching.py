@@ -1,0 +1,90 @@
+"""The place at which a gesture touches an object: a position on its strike path, or a point of its surface."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...dsp.schema import BY_POINT, POINT, SPREAD, Gesture, Parameter
+from ..osc.arguments import Refused, Values
+from .object_call import ObjectCall
+from .objects import PlayedObject
+
+_Point = tuple[float, ...]
+_NOWHERE = (0.0, 0.0, 0.0)
+
+
+def place_values(to: ObjectCall, by: PlayedObject | None) -> dict[str, float]:
+    """Return where a gesture touches its object, and where the one that strikes does, as values of its command.
+
+    Refused if a point is given of an object without a surface, or beside a position.
+    """
+    position, point, on_surface = _place(to, "position", "point", (to.name, to.obj))
+    found = {"position": position, "on_surface": on_surface, **_named(POINT, point)}
+    if by is None:
+        if "by_point" in to.values.vectors:
+            shown = _shown(to.values.vectors["by_point"])
+            raise Refused(f"by_point = {shown}: expected it beside an object that touches")
+        return {**found, "by_position": 0.0}
+    position, point, on_surface = _place(to, "by_position", "by_point", (_other(to), by))
+    return {**found, "by_position": position, "by_on_surface": on_surface, **_named(BY_POINT, point)}
+
+
+def gathered(to: ObjectCall, values: Mapping[str, float]) -> dict[str, float]:
+    """Return the values of a swarm of which all blows fall on one point, if it has one."""
+    if "point" not in to.values.vectors:
+        return dict(values)
+    if SPREAD.name in to.values.numbers:
+        spread = to.values.numbers[SPREAD.name]
+        raise Refused(f"spread = {spread:g}: expected none beside a point, on which all blows fall")
+    return {**values, SPREAD.name: 0.0}
+
+
+def given_of(gesture: Gesture, values: Values) -> list[str]:
+    """Return the names of the values that a message gives a gesture that goes on."""
+    given = [name for name in gesture.steerable if name in values.numbers]
+    return given + [each.name for each in POINT if "point" in values.vectors]
+
+
+def require_surface(name: str, obj: PlayedObject, key: str, point: tuple[float, ...]) -> None:
+    """Refuse a point of an object that has no surface."""
+    if obj.modes.faces is None:
+        raise Refused(
+            f"{key} = {_shown(point)}: {name} has no surface, only a strike path: expected position, or an object of "
+            "the shape mesh"
+        )
+
+
+def _place(to: ObjectCall, key: str, vector: str, touched: tuple[str, PlayedObject]) -> tuple[float, _Point, float]:
+    """Return a position, the point that it is or that is given, and 1 if one is given."""
+    name, obj = touched
+    position = to.values.numbers.get(key, obj.preset.position)
+    point = to.values.vectors.get(vector)
+    if point is None:
+        return position, _on_path(obj, position), 0.0
+    require_surface(name, obj, vector, point)
+    if key in to.values.numbers:
+        raise Refused(f"{key} = {position:g}, {vector} = {_shown(point)}: expected one of the two")
+    if travel := to.values.numbers.get("travel"):
+        raise Refused(f"travel = {travel:g}: it is along the strike path; expected none beside a point")
+    return position, point, 1.0
+
+
+def _on_path(obj: PlayedObject, position: float) -> tuple[float, ...]:
+    """Return the point (m) of a position on an object's strike path; zeros for one without a surface."""
+    faces = obj.modes.faces
+    if faces is None:
+        return _NOWHERE
+    places = np.linspace(0, 1, faces.path)
+    return tuple(float(np.interp(position, places, each)) for each in faces.line.T)
+
+
+def _named(axes: tuple[Parameter, ...], point: tuple[float, ...]) -> dict[str, float]:
+    return {each.name: value for each, value in zip(axes, point, strict=True)}
+
+
+def _other(to: ObjectCall) -> str:
+    return to.values.words.get("by", to.values.words.get("what", ""))
+
+
+def _shown(point: tuple[float, ...]) -> str:
+    return " ".join(f"{each:g}" for each in point)

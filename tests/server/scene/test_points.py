@@ -1,0 +1,176 @@
+"""Gestures at points of an object's surface, in place of positions on its strike path."""
+
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import carom
+from carom.dsp.bodies.triangles import nearest
+from carom.dsp.engine.bodies.surface import FACE, put_at
+from carom.dsp.runtime.plan import planned
+from carom.presets import Presets
+from tests.server.scene.support import refusal, say
+
+STRAIGHT = {"tilt": 0.0}
+HERE, THERE = (0.041, 0.0, 0.09), (-0.041, 0.0, 0.02)
+
+
+@pytest.fixture(scope="module")
+def modes():
+    return Presets().object("mug").replace(**STRAIGHT).modes(20_000.0)
+
+
+@pytest.fixture
+def mug(session):
+    say(session, "/object/new", "mug", "mug", "tilt", 0.0)
+    return session
+
+
+def test_each_triangle_has_its_shapes_in_three_rows_along_its_normals(modes):
+    table = Presets().object("mug").geometry["table"]
+    normal = np.einsum("pc,pcn->pn", table.normals, table.shapes)[:, : modes.frequency.size]
+    for number, face in enumerate(table.faces):
+        row = modes.faces.rows[number]
+        corners = modes.faces.corners[number]
+        order = [next(p for p in face if np.array_equal(table.points[p], each)) for each in corners]
+        assert sorted(order) == sorted(face)
+        assert np.array_equal(modes.strike[row : row + 3], normal[order])
+    # A row serves up to three triangles.
+    assert len(modes.strike) - modes.faces.path < 2 * len(table.faces)
+
+
+def test_the_engine_finds_the_nearest_point_of_the_surface(modes):
+    plan = planned(modes, 20_000.0, 24_000.0, True)
+    rng = np.random.default_rng(3)
+    # Places about the surface, in it and far from it; shares of 0 where an edge or a corner is nearest.
+    places = rng.choice(modes.faces.corners.reshape(-1, 3), 200) + rng.normal(size=(200, 3)) * 0.01
+    places[:20] *= 30
+    face, shares = nearest(modes.faces.corners, places)
+    best = np.einsum("nc,nck->nk", shares, modes.faces.corners[face])
+    state = SimpleNamespace(bank=SimpleNamespace(shape=plan.faces.ravel().astype(np.float64)))
+    obj = SimpleNamespace(faces=len(plan.faces), surface=0)
+    assert plan.faces.shape[1] == FACE
+    for place, known in zip(places, best, strict=True):
+        point = SimpleNamespace(row=-1, weights=np.full(4, np.nan))
+        put_at.py_func(state, obj, point, *place.tolist())
+        (number,) = np.flatnonzero(modes.faces.rows == point.row)
+        assert point.weights.min() >= -1e-12 and point.weights.sum() == pytest.approx(1) and point.weights[3] == 0
+        found = point.weights[:3] @ modes.faces.corners[number]
+        assert np.linalg.norm(found - place) == pytest.approx(np.linalg.norm(known - place), rel=1e-5, abs=1e-8)
+
+
+def sound_of(**keys):
+    with carom.Scene() as scene:
+        scene.new("mug", "mug", **STRAIGHT).impact(1.0, **keys)
+        return scene.render(seconds=0.1).samples
+
+
+def test_a_point_of_the_path_sounds_as_its_position(modes):
+    row = 40
+    point = tuple(modes.faces.line[row])
+    at, on = sound_of(position=row / (modes.faces.path - 1)), sound_of(point=point)
+    assert np.abs(on - at).max() < 1e-2 * np.abs(at).max()  # normals are interpolated, or their products
+    elsewhere = sound_of(point=HERE)
+    assert np.abs(on - elsewhere).max() > 0.1 * np.abs(at).max()
+
+
+def test_a_point_may_be_three_numbers_a_list_or_a_text(tmp_path):
+    sounds = [sound_of(point=HERE), sound_of(point=list(HERE)), sound_of(point=np.array(HERE))]
+    text = "0 /object/new mug mug tilt 0\n0 /object/mug/impact 1 point {} striker triangle-beater\n"
+    for form in ("0.041 0 0.09", "[0.041 0 0.09]", "0.041,0,0.09"):
+        (tmp_path / "score.txt").write_text(text.format(form))
+        sounds.append(carom.render(tmp_path / "score.txt", seconds=0.1).samples)
+    assert all(np.array_equal(each[:4000], sounds[0][:4000]) for each in sounds)
+
+
+def contact_of(session):
+    """Return the one contact that a gesture with an id has."""
+    (contact,) = [each for each in session.engine._record["contacts"] if each["gesture"]]
+    return contact
+
+
+def now_of(contact, values="now"):
+    return [float(contact[values][axis]) for axis in "xyz"]
+
+
+def row_at(modes, place):
+    return modes.faces.rows[nearest(modes.faces.corners, np.array([place]))[0][0]]
+
+
+@pytest.mark.parametrize("kind", ["press", "roll", "slide"])
+def test_a_point_is_steered_by_all_at_once_by_one_coordinate_and_along_a_list(mug, modes, kind):
+    striker = ("striker", "hand") if kind == "press" else ("striker", "steel", "radius", 0.005)
+    say(mug, f"/object/mug/{kind}", 1.0, "point", *HERE, "id", "g", *striker)
+    engine = mug.engine
+    engine.process(4800)
+    contact = contact_of(mug)
+    assert contact["point"][0]["on_surface"] == 1 and contact["point"][0]["row"] == row_at(modes, HERE)
+    say(mug, "/gesture/g/point", *THERE)
+    engine.process(9600)
+    assert now_of(contact) == pytest.approx(THERE, abs=1e-5)
+    assert contact["point"][0]["row"] == row_at(modes, now_of(contact))
+    say(mug, "/gesture/g/z", 0.09)
+    engine.process(9600)
+    assert float(contact["now"]["z"]) == pytest.approx(0.09, abs=1e-5)
+    say(mug, "/gesture/g/point", (*HERE, *THERE), "over", (0.1, 0.1))
+    engine.process(4800)  # it follows its target within 20 ms
+    assert now_of(contact, "target") == pytest.approx(HERE, abs=1e-3)
+    engine.process(14_400)
+    assert now_of(contact) == pytest.approx(THERE, abs=1e-5)
+    say(mug, "/gesture/g/position", 0.25)
+    engine.process(9600)
+    assert contact["point"][0]["on_surface"] == 0 and contact["point"][0]["row"] == int(0.25 * 64) - 1
+
+
+def test_a_gesture_that_began_on_the_path_glides_from_there(mug, modes):
+    say(mug, "/object/mug/press", 1.0, 0.5, "id", "g", "striker", "hand")
+    mug.engine.process(4800)
+    say(mug, "/gesture/g/point", *HERE)
+    mug.engine.process(64)
+    contact = contact_of(mug)
+    begun, now = modes.faces.line[32], np.array(now_of(contact))
+    assert np.linalg.norm(now - begun) < 0.3 * np.linalg.norm(np.array(HERE) - begun)
+
+
+def test_all_blows_of_a_swarm_fall_on_its_point(mug):
+    say(mug, "/object/mug/rain", 500.0, "point", *HERE, "id", "g")
+    mug.engine.process(4800)
+    contact = contact_of(mug)
+    assert mug.engine._record["swarms"][contact["swarm"]]["spread"] == 0.0
+
+
+def test_the_object_that_strikes_may_have_a_point_too(mug):
+    say(mug, "/object/new", "spoon", "spoon")
+    say(mug, "/object/mug/press", 1.0, "point", *HERE, "by", "spoon", "by_point", 0.1, 0.0, 0.0)
+    mug.engine.process(640)
+    contact = contact_of(mug)
+    faces = mug.objects["spoon"].modes.faces
+    face = nearest(faces.corners, np.array([[0.1, 0.0, 0.0]]))[0][0]
+    assert contact["point"][1]["row"] == faces.rows[face]
+
+
+@pytest.mark.parametrize(
+    ("address", "args", "said"),
+    [
+        ("pane/impact", (1.0, "point", 0.0, 0.0, 0.1), "pane has no surface, only a strike path: expected position"),
+        ("mug/impact", (1.0, 0.5, "point", 0.0, 0.0, 0.1), r"position = 0.5, point = 0 0 0.1: expected one of the two"),
+        ("mug/impact", (1.0, "point", 0.0, 0.0), r"point = .*: expected three numbers"),
+        ("mug/impact", (1.0, "point", 0.0, 0.0, 2e3), r"z = 2000: expected a number from -1000 to 1000 m"),
+        ("mug/impact", (1.0, "point", 0.0, "a", 0.0), r"y = a: expected a number"),
+        ("mug/impact", (1.0, "by_point", 0.0, 0.0, 0.0), "expected it beside an object that touches"),
+        ("mug/impact", (1.0, "by", "pane", "by_point", 0.0, 0.0, 0.0), "pane has no surface"),
+        ("mug/roll", (1.0, "point", 0.0, 0.0, 0.0, "travel", 0.1), "travel = 0.1: it is along the strike path"),
+        ("mug/rain", (9.0, "point", 0.0, 0.0, 0.0, "spread", 0.1), "spread = 0.1: expected none beside a point"),
+    ],
+)
+def test_what_does_not_fit_is_said(mug, address, args, said):
+    say(mug, "/object/new", "pane", "glass-plate")
+    assert re.search(said, refusal(mug, f"/object/{address}", *args))
+
+
+def test_a_gesture_on_an_object_without_a_surface_takes_no_point(played):
+    say(played, "/object/pane/press", 1.0, "id", "g")
+    for action, args in (("point", (0.0, 0.0, 0.0)), ("x", (0.0,))):
+        assert "pane has no surface" in refusal(played, f"/gesture/g/{action}", *args)
