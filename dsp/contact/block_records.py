@@ -33,12 +33,14 @@ class Tables(Record):
 
 
 class Net(Record):
-    """Contacts with one object that are solved together."""
+    """Contacts with one object, or with several that share contacts, that are solved together."""
 
     size: int
     lasts: int  # 1: forces that last are not all those of bodies at rest, which are in no force here
     contact: Annotated[View[int], TOGETHER]  # places among the contacts
     block: Annotated[View[int], TOGETHER]  # and among the blocks
+    objects: int
+    object: Annotated[View[int], TOGETHER + 1]  # slots of those that they touch
     gain: Annotated[View[float], TOGETHER]  # factor on the force that the object gets, and
     share: Annotated[View[float], TOGETHER]  # another one, in this sample
 

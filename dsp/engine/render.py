@@ -104,7 +104,7 @@ def _render_group(state: State) -> None:
     while frame < QUANTUM:
         for g in range(scratch.group_size):
             if frame >= state.objects[scratch.group[g]].resumes:
-                solve_blocks(state, state.objects[scratch.group[g]], frame)
+                solve_blocks(state, scratch.group[g], frame)
         # The modes answer a force in the first frame that they ring after it.
         stop = QUANTUM
         _begin_and_solve(state, frame)

@@ -1,5 +1,5 @@
-"""Rolls that feel all modes, rests on supports, and presses, solved a quantum at a time (contact/block.py) where
-nothing else acts on the object.
+"""Rolls that feel all modes, rests and presses, solved a quantum at a time (contact/block.py) where nothing else acts
+on the object, or on those that share contacts with it.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
 decided for each quantum anew: where a contact of another kind acts in it, or too many do, where a body moves over its
@@ -14,7 +14,7 @@ from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, r
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import AHEAD, KEPT
-from ...resonator.bank import Modes, Point, inject_kept, transfer_receptance
+from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
 from ...resonator.rows import lay_rows, row_weights
 from ...rolling.block_path import is_even, project_path, roll_back, roll_evenly
@@ -23,10 +23,10 @@ from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of, point_of
 from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker, press_striker
-from ..memory.records import Contact
-from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
+from ..memory.records import Contact, ContactPoint
+from ..memory.state import BEHIND, COUPLING, QUANTUM, State
 from ..output.fade import note_force
-from .contact_force import observe_points
+from .contact_force import find_transfer, observe_points
 from .contact_list import take_place, take_room_again
 from .rolls import feed_of, register_roll
 from .trace import trace_press, trace_roll
@@ -41,42 +41,87 @@ WEIGHTS = tuple(
 )
 
 _FEWEST = 8  # frames that are worth a block
+_BENT = -1  # in the place of a moment: a force that lasts
 
 
 @noinline_kernel
-def solve_blocks(state: State, obj: Object, frame: int) -> None:
-    """Solve an object's lasting contacts from a frame to the quantum's end, if they can be."""
-    obj.resumes = QUANTUM
+def solve_blocks(state: State, slot: int, frame: int) -> None:
+    """Solve the lasting contacts of an object, and of those that share contacts with it, from a frame to the quantum's
+    end, if they can be."""
+    state.objects[slot].resumes = QUANTUM
     net = state.scratch.net
-    if PARTS[state.choices.accuracy] == 0 or not _gather(state, obj, net):
+    if PARTS[state.choices.accuracy] == 0 or not _gather(state, net, slot):
         return
     parts = _look(state, net)
     if parts == 0:
         return
     for i in range(net.size):
-        _begin(state, obj, net, i, parts)
+        _begin(state, net, i, parts)
     end = _run(state, net, frame)
     for i in range(net.size):
-        _hand_on(state, obj, state.contacts[net.contact[i]], frame)
-    if end > frame:
-        obj.ahead = 1
-    # After a sample that no block follows comes another block; after one that took none twice as many samples as then.
-    obj.apart = 1 if end > frame else min(max(2 * obj.apart, 1), QUANTUM)
-    if end + obj.apart <= QUANTUM - _FEWEST:
-        obj.resumes = end + obj.apart
+        _hand_on(state, state.contacts[net.contact[i]], frame)
+    _resume(state, net, frame, end)
 
 
 @kernel
-def _gather(state: State, obj: Object, net: Net) -> bool:
-    """List an object's contacts, in the order of their places; false if one can't be solved in blocks."""
-    net.size = net.lasts = 0
-    if is_coupled(state, obj) or obj.shares_contact == 1 or state.choices.method.method > 0:
+def _resume(state: State, net: Net, frame: int, end: int) -> None:
+    """Say when the objects of a net that was solved from a frame to another are to be looked at again.
+
+    After a sample that no block follows comes another block; after one that took none twice as many samples as then.
+    """
+    apart = 0
+    for i in range(net.objects):
+        apart = max(apart, state.objects[net.object[i]].apart)
+    apart = 1 if end > frame else min(max(2 * apart, 1), QUANTUM)
+    for i in range(net.objects):
+        obj = state.objects[net.object[i]]
+        obj.apart = apart
+        if end > frame:
+            obj.ahead = 1
+        obj.resumes = end + apart if end + apart <= QUANTUM - _FEWEST else QUANTUM
+
+
+@kernel
+def _gather(state: State, net: Net, slot: int) -> bool:
+    """List the contacts of an object, and of those that share contacts with it, in the order of their places; false if
+    one can't be solved in blocks."""
+    net.size = net.lasts = net.objects = 0
+    if state.choices.method.method > 0:
         return False
-    index = obj.contact
+    _join(net, slot)
+    i = 0
+    while i < net.objects:
+        obj = state.objects[net.object[i]]
+        if is_coupled(state, obj):
+            return False
+        if obj.shares_contact == 0 and not _list(state, net, net.object[i], obj.contact):
+            return False
+        if obj.shares_contact == 1:
+            for g in range(state.scratch.group_size):
+                if not _list(state, net, net.object[i], state.objects[state.scratch.group[g]].contact):
+                    return False
+        i += 1
+    return net.size > 0
+
+
+@kernel
+def _join(net: Net, slot: int) -> None:
+    """Put an object into a net, if it is not there."""
+    for i in range(net.objects):
+        if net.object[i] == slot:
+            return
+    net.object[net.objects] = slot
+    net.objects += 1
+
+
+@kernel
+def _list(state: State, net: Net, slot: int, index: int) -> bool:
+    """Put those of a list's contacts into a net that act on an object, and their objects; false if one can't be."""
     while index >= 0:
         contact = state.contacts[index]
+        here = contact.point[0].slot == slot or contact.point[1].slot == slot
         acts = contact.touching == 1 or contact.start < state.position + QUANTUM
-        if acts and contact.asleep == 0:
+        if here and acts and contact.asleep == 0 and not _is_listed(net, index):
             if net.size == TOGETHER or not _can_be(state, contact):
                 return False
             i = net.size
@@ -86,8 +131,20 @@ def _gather(state: State, obj: Object, net: Net) -> bool:
             net.contact[i], net.block[i] = index, contact.roll
             net.size += 1
             net.lasts |= contact.trait.held
+            for side in range(2):
+                if contact.point[side].slot >= 0:
+                    _join(net, contact.point[side].slot)
         index = contact.next
-    return net.size > 0
+    return True
+
+
+@kernel
+def _is_listed(net: Net, index: int) -> bool:
+    """True if a contact is in a net."""
+    found = False
+    for i in range(net.size):
+        found |= net.contact[i] == index
+    return found
 
 
 @kernel
@@ -139,10 +196,9 @@ def _look(state: State, net: Net) -> int:
 
 
 @noinline_kernel
-def _begin(state: State, obj: Object, net: Net, i: int, parts: int) -> None:
-    """Begin a block of a contact: what it needs to know of its object."""
+def _begin(state: State, net: Net, i: int, parts: int) -> None:
+    """Begin a block of a contact: what it needs to know of its objects."""
     contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
-    modes, where = modes_of(state, obj, 0, contact.point[0].modes), point_of(state, obj, contact.point[0])
     if block.settled != contact.settled or block.parts != parts:
         block.settled, block.parts = contact.settled, parts
         for j in range(TOGETHER):
@@ -151,29 +207,34 @@ def _begin(state: State, obj: Object, net: Net, i: int, parts: int) -> None:
         other, tables = state.contacts[net.contact[j]], block.tables[j]
         if tables.settled != other.settled:
             tables.settled = other.settled
-            _settle(state, contact, tables, modes, (point_of(state, obj, other.point[0]), where), i == j)
-            _find_later(state, block, tables, modes, (point_of(state, obj, other.point[0]), where))
-            if other.trait.held == 1:
-                own = contact.coupled.period**2 / contact.m if i == j else 0.0
-                _find_missed(state, block, tables, modes, (point_of(state, obj, other.point[0]), where), own)
-    scale = 1.0 / contact.now.gain
-    place = scale * _lay(state, block, modes, where)
+            _settle(state, contact, other, block, tables)
+    scale, place = 1.0 / contact.now.gain, 0.0
+    _clear_rows(state, block)
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            obj = state.objects[point.slot]
+            place += scale * _lay(state, block, modes_of(state, obj, 0, point.modes), point_of(state, obj, point))
     take_rows(block, state.scratch.rows, scale)
     begin_block(block, contact.coupled, place)
 
 
 @kernel
-def _settle(
-    state: State, contact: Contact, tables: Tables, modes: Modes, points: tuple[Point, Point], own: bool
-) -> None:
-    """Find what a force at the first of two points does at the second, a contact's, within a sample."""
-    scratch, parts = state.scratch, state.blocks[contact.roll].parts
+def _settle(state: State, contact: Contact, other: Contact, block: Block, tables: Tables) -> None:
+    """Find what the force of another contact, or its own, does at a contact's points: within a sample and after it."""
+    own = contact.index == other.index
     if own:
-        settle_tables(tables, contact.coupled.answer, parts)
+        settle_tables(tables, contact.coupled.answer, block.parts)
     else:
-        transfer_receptance(modes, points[0], points[1], scratch.work, scratch.receptance)
-        answer_of(scratch.receptance, 1.0 / state.rate, scratch.fine)
-        settle_tables(tables, scratch.fine, parts)
+        find_transfer(state, contact, other)
+        answer_of(state.scratch.receptance, 1.0 / state.rate, state.scratch.fine)
+        settle_tables(tables, state.scratch.fine, block.parts)
+    for moment in range(moments_of(block)):
+        _lay_answers(state, block, contact, other, moment)
+        take_answers(block, tables, moment, state.scratch.rows)
+    if other.trait.held == 1:
+        place = _lay_answers(state, block, contact, other, _BENT)
+        take_missed(block, tables, state.scratch.rows, place, contact.coupled.period**2 / contact.m if own else 0.0)
 
 
 @kernel
@@ -227,11 +288,11 @@ def _lead(state: State, contact: Contact, block: Block) -> float:
 
 
 @kernel
-def _hand_on(state: State, obj: Object, contact: Contact, frame: int) -> None:
+def _hand_on(state: State, contact: Contact, frame: int) -> None:
     """Hand on the force of a contact from a frame on, as far as it is solved: to the record of contacts, to a striker
     that sounds, and with its gain to the modes."""
     fed = feed_of(state, contact)
-    if contact.ahead > frame and obj.ahead == 0:
+    if contact.ahead > frame and state.objects[contact.point[0].slot].ahead == 0:
         for n in range(QUANTUM):
             for k in range(KEPT):
                 fed[n, k] = fed[n, k] if frame <= n < contact.ahead and k < MOMENTS_AHEAD else 0.0
@@ -249,47 +310,54 @@ def _hand_on(state: State, obj: Object, contact: Contact, frame: int) -> None:
             fed[n, k] *= contact.now.gain
 
 
+@kernel
+def _clear_rows(state: State, block: Block) -> None:
+    """Empty the rows in which motions are laid out."""
+    for i in range(AHEAD * rows_of(block)):
+        state.scratch.rows[i] = 0.0
+
+
 @noinline_kernel
 def _lay(state: State, block: Block, modes: Modes, where: Point) -> float:
-    """Lay out the motion of a point without a force in `rows`, one row after the other; return where it is now (m)."""
+    """Add the motion of a point without a force to `rows`, one row after the other; return where it is now (m)."""
     scratch = state.scratch
-    for i in range(AHEAD * rows_of(block)):
-        scratch.rows[i] = 0.0
     if block.parts == 1:
         return lay_rows(modes, where, WEIGHTS[0], scratch.room, scratch.rows)
     return lay_rows(modes, where, WEIGHTS[1], scratch.room, scratch.rows)
 
 
 @kernel
-def _find_later(state: State, block: Block, tables: Tables, modes: Modes, points: tuple[Point, Point]) -> None:
-    """Find what each moment of the force at the first of two points adds to the rows of later samples of the second:
-    the motion of modes at rest that got it."""
-    size, work, moments = len(modes.y1), state.scratch.work, state.scratch.fine
-    struck = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
-    for k in range(moments_of(block)):
-        for i in range(2 * size):
-            work[i] = 0.0
-        for j in range(KEPT):
-            moments[j] = 1.0 if j == k else 0.0
-        inject_kept(struck, points[0], moments)
-        for i in range(size):
-            struck.y1[i], struck.y2[i] = modes.a1[i] * struck.y1[i] + modes.a2[i] * struck.y2[i], struck.y1[i]
-        _lay(state, block, struck, points[1])
-        take_answers(block, tables, k, state.scratch.rows)
+def _lay_answers(state: State, block: Block, contact: Contact, other: Contact, moment: int) -> float:
+    """Lay out how a contact's points move after a sample in which one moment of another's force is 1, or its own; or,
+    for _BENT, if 1 N that bent them is gone. Return where they begin (m)."""
+    place = 0.0
+    _clear_rows(state, block)
+    for side in range(2):
+        for other_side in range(2):
+            point, struck = contact.point[side], other.point[other_side]
+            meet = point.slot >= 0 and point.slot == struck.slot
+            if meet and (side == other_side or contact.index != other.index):
+                place += _lay_answer(state, block, point, struck, moment)
+    return place
 
 
 @kernel
-def _find_missed(
-    state: State, block: Block, tables: Tables, modes: Modes, points: tuple[Point, Point], own: float
-) -> None:
-    """Find what tables miss of a force that lasts at the first of two points: by modes that 1 N there bends."""
-    size, work, moments = len(modes.y1), state.scratch.work, state.scratch.fine
-    bent = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
+def _lay_answer(state: State, block: Block, point: ContactPoint, struck: ContactPoint, moment: int) -> float:
+    """Add how a point of an object moves after a force on another one to `rows`."""
+    obj, work, moments = state.objects[point.slot], state.scratch.work, state.scratch.fine
+    modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
+    size = len(modes.y1)
+    moved = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
     for i in range(2 * size):
         work[i] = 0.0
     for j in range(KEPT):
-        moments[j] = 1.0 / state.rate if j == 0 else 0.0
-    inject_kept(bent, points[0], moments)
-    settle_under(bent)
-    place = _lay(state, block, bent, points[1])
-    take_missed(block, tables, state.scratch.rows, place, own)
+        moments[j] = 1.0 if j == moment else 0.0
+    if moment == _BENT:
+        moments[0] = 1.0 / state.rate
+    inject_kept(moved, point_of(state, obj, struck), moments)
+    if moment == _BENT:
+        settle_under(moved)
+    else:
+        for i in range(size):
+            moved.y1[i], moved.y2[i] = modes.a1[i] * moved.y1[i] + modes.a2[i] * moved.y2[i], moved.y1[i]
+    return _lay(state, block, moved, point_of(state, obj, point))

@@ -13,7 +13,7 @@ from ...contact.sampled import begin_sampled, step_sampled
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import FINE, MOMENTS, add_held
-from ...resonator.bank import inject, inject_fine, observe, receptance
+from ...resonator.bank import inject, inject_fine, observe, receptance, transfer_receptance
 from ...rolling.body import share_of
 from ..bodies.objects import frequency_of, highest_of, modes_of, point_of, relief_of, sigma_of
 from ..bodies.sensing import push_sensed
@@ -282,6 +282,26 @@ def observe_points(state: State, contact: Contact) -> None:
         contact.unsettled = 0
         state.settled_count += 1
         contact.settled = state.settled_count
+
+
+@kernel
+def find_transfer(state: State, contact: Contact, other: Contact) -> None:
+    """Find how the points of a contact answer the force of another one, in `scratch.receptance`: on all objects that
+    both touch."""
+    scratch = state.scratch
+    for n in range(FINE):
+        scratch.receptance[n] = 0.0
+    for side in range(2):
+        for other_side in range(2):
+            point, struck = contact.point[side], other.point[other_side]
+            if point.slot >= 0 and point.slot == struck.slot:
+                obj = state.objects[point.slot]
+                modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
+                transfer_receptance(
+                    modes, point_of(state, obj, struck), point_of(state, obj, point), scratch.work, scratch.fine
+                )
+                for n in range(FINE):
+                    scratch.receptance[n] += scratch.fine[n]
 
 
 @kernel

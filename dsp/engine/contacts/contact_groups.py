@@ -6,12 +6,10 @@ from ...contact.coupled_step import HELD
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import FINE
-from ...resonator.bank import transfer_receptance
-from ..bodies.objects import modes_of, point_of
 from ..memory.quality import holds_steps
 from ..memory.records import Contact
 from ..memory.state import COUPLING, State
-from .contact_force import drive, gain_of, observe_points
+from .contact_force import drive, find_transfer, gain_of, observe_points
 from .coupled_rolls import lead_roll
 from .solver_choice import choose_tolerance, count_steps
 
@@ -158,18 +156,5 @@ def _find_answers(state: State, group: CoupledGroup) -> None:
 def _find_answer(state: State, group: CoupledGroup, i: int, j: int) -> None:
     """Find how the points of contact i answer the force of contact j: on all objects that both touch."""
     contact, other = state.contacts[group.member[i]], state.contacts[group.member[j]]
-    scratch = state.scratch
-    for n in range(FINE):
-        scratch.receptance[n] = 0.0
-    for side in range(2):
-        for other_side in range(2):
-            point, struck = contact.point[side], other.point[other_side]
-            if point.slot >= 0 and point.slot == struck.slot:
-                obj = state.objects[point.slot]
-                modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
-                transfer_receptance(
-                    modes, point_of(state, obj, struck), point_of(state, obj, point), scratch.work, scratch.fine
-                )
-                for n in range(FINE):
-                    scratch.receptance[n] += scratch.fine[n]
-    answer_with(group, i, j, scratch.receptance, 1.0 / state.rate, gain_of(state, other) / contact.now.gain)
+    find_transfer(state, contact, other)
+    answer_with(group, i, j, state.scratch.receptance, 1.0 / state.rate, gain_of(state, other) / contact.now.gain)

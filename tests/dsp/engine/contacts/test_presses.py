@@ -21,13 +21,17 @@ HAND = (0.03, 3e5, 2.0, 1.5)
 FORCE = 4.0
 
 
-def pressed(level="-60", hand=HAND, count=1, **kind):
-    """Return an engine, and an object on which hands press at the same place."""
+def pressed(level="-60", hand=HAND, count=1, by=None, **kind):
+    """Return an engine, and an object on which hands press at the same place, or another object, if its kind is
+    given."""
     engine = Engine(RATE)
     handle = engine.add(body(**kind), 0.05)
+    other = None if by is None else engine.add(body(**by), 0.05)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
     for number in range(count):
-        engine.send([gesture("press", handle, hand, 0.0, 7 + number, velocity=0.01, force=FORCE)])
+        engine.send(
+            [gesture("press", handle, hand, 0.0, 7 + number, other, velocity=0.01, force=FORCE, by_position=0.5)]
+        )
     return engine, handle
 
 
@@ -81,6 +85,28 @@ def test_what_rings_under_a_press_against_dop853(modal_mass, hand, level, bound)
         pushes.append(float(contact_of(engine)["push"]))
     right = reference(before, hand, start, pushes)
     assert 20 * math.log10(np.abs(found - right).max() / np.abs(right).max()) < bound
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("level", "bound"), [("-50", -50), ("-60", -60)])
+def test_an_object_that_is_pressed_on_another_in_blocks(level, bound):
+    """Both ring on after a strike, as with the solver that takes steps as fine as they have to be."""
+
+    def states(level):
+        engine, handle = pressed(level, by={"n": 16, "modal_mass": 0.03}, modal_mass=0.05)
+        engine.process(150 * QUANTUM)
+        strike(engine, handle, (0.002, 1e8, 0.2, 1.5), engine.position + 0.25, 0.1)
+        engine.process(4 * QUANTUM)
+        found = []
+        for _ in range(40):
+            engine.process(QUANTUM)
+            _, _, phi, z = modal(engine, handle, 24)
+            found.append(phi @ z)
+        assert engine.state["objects"]["ahead"][0].sum() == (0 if level == "exact" else 2)
+        return np.array(found)
+
+    right = states("exact")
+    assert 20 * math.log10(np.abs(states(level) - right).max() / np.abs(right).max()) < bound
 
 
 @pytest.mark.parametrize("level", ["-50", "-60"])

@@ -1,6 +1,7 @@
 """Objects that rest on supports and on each other, against linear algebra, closed forms and conservation of energy."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -282,3 +283,26 @@ def test_a_rest_ends_with_what_it_rests_on():
     engine.send([Command(NOW, Kind.FREE, other, value=1.0)])
     engine.process(12_000)
     assert [number for number, _ in engine.ended()] == [7]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("level", "bound"), [("-50", -50), ("-60", -60)])
+def test_three_that_rest_on_each_other_are_solved_in_blocks(level, bound):
+    """A finger on a plate on a plate on a plate, against the solver that takes steps as fine as they have to be."""
+
+    def states(level):
+        engine, found = engine_at(level), []
+        plates = [engine.add(plate(lowest=lowest)) for lowest in (180.0, 210.0, 333.0)]
+        rests = [rest(one, FELT, 2.0, 0.2, 7 + n, by=other) for n, (one, other) in enumerate(pairwise(plates))]
+        engine.send([*rests, rest(plates[2], FELT, 3.0, 0.1, 9, position=0.2)])
+        strike(engine, plates[0], SOFT, 10.25, 0.3)
+        for _ in range(60):
+            engine.process(QUANTUM)
+            found.append(np.concatenate([phi * z for _, _, phi, z in (modal(engine, each, 24) for each in plates)]))
+        ahead = engine.state["objects"]["ahead"][0]
+        assert all(ahead[each.slot] == (level != "exact") for each in plates)
+        return np.array(found).reshape(60, 3, -1).sum(axis=2)
+
+    right = states("exact")
+    wrong = np.abs(states(level) - right).max(axis=0)
+    assert np.all(20 * np.log10(wrong / np.abs(right).max(axis=0)) < bound)
