@@ -1,5 +1,5 @@
-"""The usual gestures on an object, where a message leaves values out: the sections [bounce], [roll], [slide] and
-[spin].
+"""The usual gestures on an object, where a message leaves values out: the sections [bounce], [roll], [slide], [spin]
+and those of swarms.
 
 An object has the section of a gesture that suits it. Another gesture can be played on it, too, if the message says how.
 """

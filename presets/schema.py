@@ -357,7 +357,9 @@ ADDED: Mapping[str, Addition] = {
 }
 """Sections of an object's preset, each with the class that it fills."""
 
-SUITABLE = tuple(name for name, gesture in schema.GESTURES.items() if gesture.repeats or gesture.along)
+SUITABLE = tuple(
+    name for name, gesture in schema.GESTURES.items() if gesture.repeats or gesture.along or gesture.swarms
+)
 """Gestures that suit some objects, each with a section that says how it goes; a strike and a press suit all."""
 
 MESH: Fields = {

@@ -47,7 +47,7 @@ SLIDE_PARAMETER = (
 PATTER = (
     (
         "dsp/schema.py",
-        "GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE",
+        "GESTURES = {\n    gesture.name: gesture\n    for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE",
         """PATTER = Gesture(
     "patter", "strikes it at random times, as rain does, until it is stopped",
     dataclasses.replace(VELOCITY, steerable=True),
@@ -57,7 +57,9 @@ PATTER = (
     ),
     repeats=True,
 )  # fmt: skip
-GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, PATTER""",
+GESTURES = {
+    gesture.name: gesture
+    for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, PATTER""",
     ),
     (
         "dsp/engine/contacts/patter.py",

@@ -39,7 +39,7 @@ def test_every_object_is_a_body_that_can_be_struck(name):
 def test_the_library_covers_all_shapes_and_many_materials():
     objects = [PRESETS.object(name) for name in PRESETS.names("objects")]
     assert {preset.shape for preset in objects} == set(SHAPES)
-    assert len({preset.material.name for preset in objects}) >= 8
+    assert len({preset.material.name for preset in objects if preset.material}) >= 8
     assert len(objects) >= 18
     assert len(PRESETS.names("materials")) >= 10
     assert len(PRESETS.names("strikers")) >= 8
@@ -73,7 +73,7 @@ def test_every_striker_meets_every_material(name):
     striker = PRESETS.striker(name)
     for material in [None, *map(PRESETS.material, PRESETS.names("materials"))]:
         mass, stiffness, dissipation, exponent = striker.contact(material)
-        assert 1e-4 < mass < 100 and stiffness > 0 and 0 <= dissipation <= 10 and 1 <= exponent <= 4
+        assert 1e-6 < mass < 100 and stiffness > 0 and 0 <= dissipation <= 10 and 1 <= exponent <= 4
 
 
 @pytest.mark.parametrize("name", PRESETS.names("materials"))
