@@ -156,9 +156,10 @@ class Complete:
         parts = [
             _modes(each.lines(float(own.frequency[0])), float(loudness.max()), own.mass, top) for each in self.added
         ]
-        room = MOST_MODES - sum(part.frequency.size for part in parts)
+        most, added = max(MOST_MODES, own.frequency.size), sum(part.frequency.size for part in parts)
+        room = most - added
         if room < 1:
-            raise ValueError(f"{MOST_MODES - room} modes are added: expected fewer than {MOST_MODES}")
+            raise ValueError(f"{added} modes are added: expected fewer than {most}")
         material = arguments.get("material")
         frequency = np.concatenate([own.frequency[:room], *(part.frequency for part in parts)])
         decay = np.concatenate([part.decay for part in parts])

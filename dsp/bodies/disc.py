@@ -12,7 +12,7 @@ from . import acceleration
 from .air import plate_mass
 from .dome import SHALLOW, Waves, domed
 from .heard import BAFFLES, heard, loaded
-from .karman import MOST, Sheet
+from .karman import MOST, MOST_SCATTERED, Sheet, mixing
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
 from .near import critical_frequency, near_field
@@ -59,10 +59,13 @@ def disc(
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
     require_choice("baffle", baffle, BAFFLES)
+    if nonlinear_modes:
+        _require_coupled(nonlinear_modes, split)
     areal = material.density * thickness
     rigidity = material.contact_modulus * thickness**3 / 12
     unit = math.sqrt(rigidity / areal) / (2 * math.pi * radius**2)
-    limit = min(_FURTHER * math.sqrt(top / unit), _enough(2 if split else 1))
+    most = MOST_SCATTERED if nonlinear_modes else MOST_MODES
+    limit = min(_FURTHER * math.sqrt(top / unit), _enough(2 if split else 1, most))
     every, square = _plate_waves(edge, material.poisson_ratio, limit)
     mine = np.flatnonzero(every.root < limit)
     order, root = every.order[mine], every.root[mine]
@@ -73,17 +76,17 @@ def disc(
         return waves.scale[mode] * _plate_shapes(every, steps)[:, mine[mode]]
 
     surface = Round(radius, areal, baffle, every, mine, waves.scale)
-    body = _Round(unit * root**2, mass, surface, flat, unit * limit**2)
+    body = _Round(unit * root**2, mass, surface, flat, unit * limit**2, most=most)
     stiffness = 4 * material.youngs_modulus * thickness * (dome / radius) ** 2
     parts: list[tuple[Indices, Array]] = []
     if dome:
         _require_cap(dome, radius, edge)
         body, parts = _domed(body, waves, limit, stiffness)
     if nonlinear_modes:
-        _require_coupled(nonlinear_modes, split)
         stretching = math.sqrt(material.youngs_modulus * thickness / 4) / radius
         stress = _stress_functions(limit)
-        made_of = waves, stress, math.sqrt(stiffness), stretching, parts, unit * root**2
+        mixes = mixing(material, radius, thickness, dome)
+        made_of = waves, stress, math.sqrt(stiffness), stretching, mixes, parts, unit * root**2
         body = body._replace(sheet=partial(Sheet, nonlinear_modes, thickness, *made_of))
     made = _round(material, body, Doublets(split, imperfection), top)
     if baffle != "free":
@@ -194,7 +197,7 @@ class _Round(NamedTuple):
     """A round body: its modes' frequencies without air (Hz, (k,)), and its mass (kg).
 
     radial: how many radii and modes by number (k,) -> their mass-normalised radial shapes at `_radii`, (p, k). complete
-    (Hz): of a plate, up to where these are all that there are.
+    (Hz): of a plate, up to where these are all that there are. most: of the modes that are kept.
     """
 
     frequency: Array
@@ -203,11 +206,12 @@ class _Round(NamedTuple):
     radial: Callable[[int, Indices], Array]
     complete: float | None = None
     sheet: Callable[[Indices, Array, Array, Indices, Indices], Sheet] | None = None
+    most: int = MOST_MODES
 
 
-def _enough(members: int) -> float:
-    """Return a k R below which MOST_MODES modes lie surely: there are about (k R)^2 / 8 of each member."""
-    return math.sqrt(8 * MOST_MODES / members) + 8
+def _enough(members: int, most: int = MOST_MODES) -> float:
+    """Return a k R below which so many modes lie surely: there are about (k R)^2 / 8 of each member."""
+    return math.sqrt(8 * most / members) + 8
 
 
 _RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1))
@@ -217,14 +221,14 @@ _RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1))
 def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Modes:
     order, root = body.surface.order, body.surface.root
     near = np.argsort(body.frequency, kind="stable")
-    near = near[body.frequency[near] <= _NEARLY * top][:MOST_MODES]
+    near = near[body.frequency[near] <= _NEARLY * top][: body.most]
     alone = body.frequency[near]
     if not near.size:
         audible(alone, top)  # says so
     guess = plate_mass(body.surface.areal, root[near] / body.surface.radius, alone)
     air = loaded(alone, Loads(body.surface.only(near)), guess)
     frequency, which, phase = doublets(air.frequency, order[near], *pairs)
-    keep = audible(frequency, top)
+    keep = audible(frequency, top, body.most)
     base, member = np.unique(which[keep], return_inverse=True)
 
     steps = _steps(float(root[near[base]].max()))

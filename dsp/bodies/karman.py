@@ -18,37 +18,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .dome import Waves, strains
-from .material import Array, Indices
+from .material import Array, Indices, Material
 
 MOST = 512
 """Modes of a plate that can be coupled."""
+MOST_SCATTERED = 2048
+"""Modes of a plate of which some are coupled: others exchange energy with these, up to what is heard."""
 
-_DRIVEN = 2.0  # times as many modes as are coupled are driven by them
-_MOST_DRIVEN = 1024
 _STRESSES = 0.7  # times the modes' highest wavenumber: that of the stress functions
 _FIRST_STRESSES = 3.0  # added to it
+_LEAST_WAVENUMBER = 15.0  # of few modes, whose stress has twice their orders
 _POINTS = 1.0  # radii for each unit of that wavenumber
 _LANES = 8
 _SPARE = 3  # rows more in tables that are read four rows at a time
 _HEARD_FLAT, _HEARD_DOMED = 20.0, 40.0  # the thickness over the amplitude at which coupling is heard
 _MIXED = 1e-7  # share of a flat disc's mode in a cap's that counts
 _GROWTH = 2.2  # c0 over the energy of a flat plate
+_FOURFOLD, _THREEFOLD = 0.15, 3.0  # exchange above the coupled modes: as in karman/scatter.py
+_SPAN = 0.25  # modes of a block that exchange energy with the next, over those below
 
 
 @dataclass(frozen=True, eq=False)
 class Tables:
     """A polar grid of a plate, as karman/layout.py lays it out: sizes, and values of float32 in one piece.
 
-    first, count, reach (orders,): functions of each order, those that are coupled, those that are driven; places:
-    where each table begins.
+    first, count (orders,): functions of each order, those that are coupled; places: where each table begins.
     """
 
-    coupled: int
     points: int
     angles: int
     first: Indices
     count: Indices
-    reach: Indices
     row: Indices
     stress: Indices
     strain: Indices
@@ -57,15 +57,30 @@ class Tables:
 
 
 Mask = NDArray[np.bool_]
-_SixIndices = tuple[Indices, Indices, Indices, Indices, Indices, Indices]
+_FiveIndices = tuple[Indices, Indices, Indices, Indices, Indices]
+
+
+class Ladder(NamedTuple):
+    """The modes that exchange energy with those that are not coupled, by frequency: their places among those laid out.
+
+    below: modes below the first. span: as in karman/scatter.py. start, free: of each grid the first that exchanges
+    energy, and the first that is not coupled. mixing (1/(J^2 s), 1/(J s)): as `mixing` returns it.
+    """
+
+    place: Indices
+    below: int
+    span: float
+    start: tuple[int, int]
+    free: tuple[int, int]
+    mixing: tuple[float, float]
 
 
 class Laid(NamedTuple):
-    """A plate's coupling as it is laid out: the modes (n,) in the order of the grids, and one grid of all that are
-    coupled, one of half of them.
+    """A plate's coupling as it is laid out: the modes (n,), those that are coupled in the order of the grids, then the
+    others by frequency, and one grid of all that are coupled, one of half of them.
 
-    drained (n,): the share in what the driven modes take. growth: c0 over the energy. least (J): that below which
-    coupling is not heard. highest (Hz): of the coupled modes.
+    drained (coupled,): the share in what brings the auxiliary variable to the grid's. growth: c0 over the energy. least
+    (J): that below which coupling is not heard. highest (Hz): of the coupled modes.
     """
 
     mode: Indices
@@ -76,6 +91,7 @@ class Laid(NamedTuple):
     growth: float
     least: float
     highest: float
+    ladder: Ladder
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +100,9 @@ class Sheet:
 
     flat: the waves of the flat disc of radius 1, mass-normalised; stress: those of its stress functions, more than are
     needed; rise: 2 d sqrt(E h)/R of a dome, else 0; parts: as in `dome.Mixed`, empty without one; stretching: sqrt(E
-    h/4)/R. Functions, by frequency: their numbers among the flat waves (k,), what the air shrinks them by, frequencies
-    (Hz), and the places of their modes cos and sin in the body's list, -1 for none. bending (Hz): frequencies of the
-    flat waves.
+    h/4)/R; mixing: as `mixing` returns it. Functions, by frequency: their numbers among the flat waves (k,), what the
+    air shrinks them by, frequencies (Hz), and the places of their modes cos and sin in the body's list, -1 for none.
+    bending (Hz): frequencies of the flat waves.
     """
 
     modes: int
@@ -95,6 +111,7 @@ class Sheet:
     stress: Waves
     rise: float
     stretching: float
+    mixing: tuple[float, float]
     parts: list[tuple[Indices, Array]]
     bending: Array
     function: Indices
@@ -102,40 +119,51 @@ class Sheet:
     frequency: Array
     cosine: Indices
     sine: Indices
-    kept: dict[float, Laid] = field(default_factory=dict, repr=False)
+    kept: dict[float, Laid | None] = field(default_factory=dict, repr=False)
 
     def moved(self, place: Indices) -> "Sheet":
         """Return the same plate, mode i of whose list has moved to place[i], or is gone where that is -1."""
         cosine, sine = (np.where(each >= 0, place[each], -1) for each in (self.cosine, self.sine))
         return replace(self, cosine=cosine, sine=sine, kept={})
 
-    def laid_out(self, top: float) -> Laid:
-        """Return what is coupled of the modes up to a frequency (Hz)."""
+    def laid_out(self, top: float) -> Laid | None:
+        """Return what is coupled of the modes up to a frequency (Hz), a pair at least; None where there is none."""
         if top not in self.kept:
             self.kept[top] = _lay(self, top)
         return self.kept[top]
 
 
-def _lay(sheet: Sheet, top: float) -> Laid:
+def mixing(material: Material, radius: float, thickness: float, dome: float) -> tuple[float, float]:
+    """Return how fast a plate's modes exchange energy above those that are coupled: 4 n^2 D of karman/scatter.py by
+    N E^2 (1/(J^2 s)), N the modes below, and what a dome adds by E (1/(J s))."""
+    mass = material.density * thickness * math.pi * radius**2
+    density = math.pi * radius**2 / (2 * thickness * math.sqrt(material.contact_modulus / 12 / material.density))
+    ring = math.sqrt(material.youngs_modulus / material.density) * dome / (math.pi * radius**2)  # Hz
+    unit = 4 * (1 - material.poisson_ratio**2) ** 2 * density**3
+    by_energy = 1 / (thickness**2 * mass)
+    return _FOURFOLD * unit * by_energy**2, _THREEFOLD * unit * by_energy * ring**2
+
+
+def _lay(sheet: Sheet, top: float) -> Laid | None:
     """Return the layout of `Sheet.laid_out`."""
     order = sheet.flat.order[sheet.function].astype(int)
     whole = (sheet.frequency <= top) & (sheet.cosine >= 0) & ((order == 0) | (sheet.sine >= 0))
     near = np.flatnonzero(whole)[np.argsort(sheet.frequency[whole], kind="stable")]
+    if not near.size:
+        return None
     members = np.cumsum(np.where(order[near] == 0, 1, 2))
-    driven = near[members <= min(_DRIVEN * sheet.modes, _MOST_DRIVEN)]
-    coupled, half = near[members <= sheet.modes], near[members <= sheet.modes // 2]
-    listed = driven[np.lexsort((sheet.frequency[driven], order[driven]))]
+    coupled, half = (near[members <= max(most, members[0])] for most in (sheet.modes, sheet.modes // 2))
+    listed = coupled[np.lexsort((sheet.frequency[coupled], order[coupled]))]
     plain = int((order[listed] == 0).sum())
     mode = np.concatenate([sheet.cosine[listed], sheet.sine[listed[plain:]]])
+    others = _ascending(sheet, np.setdiff1d(np.flatnonzero(sheet.frequency <= top), coupled))
+    others = others[: MOST_SCATTERED - mode.size]
     highest = sheet.frequency[coupled].max()
-    share = np.where(np.isin(listed, coupled), (sheet.frequency[listed] / highest) ** 2, 0.0)
-    grids = tuple(
-        _grid(sheet, listed, np.isin(listed, few), np.isin(listed, all_of_them))
-        for few, all_of_them in ((coupled, driven), (half, coupled))
-    )
+    share = (sheet.frequency[listed] / highest) ** 2
+    grids = tuple(_grid(sheet, listed, np.isin(listed, few)) for few in (coupled, half))
     stiffest = _stiffest(sheet)
     return Laid(
-        mode,
+        np.concatenate([mode, others]),
         listed.size,
         plain,
         (grids[0], grids[1]),
@@ -143,7 +171,27 @@ def _lay(sheet: Sheet, top: float) -> Laid:
         _GROWTH * max(1.0, stiffest),
         _least(sheet, int(coupled[0])),
         float(highest),
+        _ladder(sheet, mode, _ascending(sheet, coupled), _ascending(sheet, half).size, others.size),
     )
+
+
+def _ascending(sheet: Sheet, functions: Indices) -> Indices:
+    """Return the places in the body's list of the modes of functions, by frequency."""
+    place = np.concatenate([sheet.cosine[functions], sheet.sine[functions]])
+    order = np.argsort(np.tile(sheet.frequency[functions], 2), kind="stable")
+    return place[order[place[order] >= 0]]
+
+
+def _ladder(sheet: Sheet, mode: Indices, coupled: Indices, half: int, others: int) -> Ladder:
+    """Return the ladder of modes (n,) that are coupled, by frequency `coupled`, of so few of these where half are, and
+    of so many others that are laid out after them."""
+    number = {int(each): i for i, each in enumerate(mode)}
+    whole = np.concatenate([[number[int(each)] for each in coupled], mode.size + np.arange(others)]).astype(int)
+    ends = coupled.size, half
+    starts = [end - max(int(_SPAN * end / (1 + _SPAN)), 1) for end in ends]
+    below = min(starts)
+    start, free = ((each[0] - below, each[1] - below) for each in (starts, ends))
+    return Ladder(whole[below:], below, _SPAN, start, free, sheet.mixing)
 
 
 def _stiffest(sheet: Sheet) -> float:
@@ -217,36 +265,35 @@ def _waves(waves: Waves, r: Array) -> Array:
     return found
 
 
-def _grid(sheet: Sheet, listed: Indices, coupled: Mask, driven: Mask) -> Tables:
-    """Return the tables of a grid for functions that are listed, of which some are coupled and some driven."""
+def _grid(sheet: Sheet, listed: Indices, coupled: Mask) -> Tables:
+    """Return the tables of a grid for functions that are listed, of which some are coupled."""
     order = sheet.flat.order[sheet.function[listed]].astype(int)
-    orders = int(order[driven].max()) + 1
+    orders = int(order[coupled].max()) + 1
     each = np.arange(orders)
     first = np.searchsorted(order, each)
-    count, reach = (np.array([int(kept[order == m].sum()) for m in each]) for kept in (coupled, driven))
+    count = np.array([int(coupled[order == m].sum()) for m in each])
     members = int((np.where(order == 0, 1, 2) * coupled).sum())
-    wavenumber = 2 * math.sqrt(members)
+    wavenumber = max(2 * math.sqrt(members), _LEAST_WAVENUMBER)
     stress = _chosen(sheet.stress, _STRESSES * wavenumber + _FIRST_STRESSES)
     stresses = int(stress.order.max()) + 1
-    among = int(order[coupled].max()) + 1
     points = math.ceil(_POINTS * wavenumber / _LANES) * _LANES
-    angles = math.ceil((2 * among + stresses - 2) / 4)  # for the gradient by those that are coupled to be exact
+    angles = math.ceil((2 * orders + stresses - 2) / 4)  # for the gradient to be exact
     x, weight = np.polynomial.legendre.leggauss(points)
     r, weight = (x + 1) / 2, weight / 2
-    fields = _fields(sheet, listed[driven], r)[1:]
+    fields = _fields(sheet, listed[coupled], r)[1:]
     shapes = np.concatenate(list(fields), axis=1)
     values = _waves(stress, r)[0]
     scale = sheet.stretching / stress.root**2
     stretch = scale[:, None] * values * r * weight * (2 * math.pi / (4 * angles)) / 2
     starts = np.searchsorted(stress.order, np.arange(stresses + 1))
-    bent, strain = _bent(sheet, listed[driven], stress, orders)
+    bent, strain = _bent(sheet, listed[coupled], stress, orders)
     theta = (np.arange(angles) + 0.5) * 2 * math.pi / (4 * angles)
     pieces = {"shapes": _padded(shapes), "stretch": _padded(stretch), "bent": bent}
     for name, wave in (("cosine", np.cos), ("sine", np.sin)):
         for odd in range(2):
             pieces[f"{name}{odd}"] = wave(np.outer(theta, np.arange(odd, orders, 2)))
             pieces[f"stress_{name}{odd}"] = wave(np.outer(theta, np.arange(odd, stresses, 2)))
-    return _packed(pieces, among, points, angles, (first, count, reach, np.cumsum(reach) - reach, starts, strain))
+    return _packed(pieces, points, angles, (first, count, np.cumsum(count) - count, starts, strain))
 
 
 def _chosen(stress: Waves, limit: float) -> Waves:
@@ -279,7 +326,7 @@ def _padded(rows: Array) -> Array:
     return np.concatenate([rows, np.zeros((_SPARE, rows.shape[1]))])
 
 
-def _packed(pieces: dict[str, Array], coupled: int, points: int, angles: int, indices: _SixIndices) -> Tables:
+def _packed(pieces: dict[str, Array], points: int, angles: int, indices: _FiveIndices) -> Tables:
     """Return tables in one piece, each from a multiple of LANES on."""
     places: dict[str, int | tuple[int, int]] = {}
     values: list[Array] = []
@@ -292,4 +339,4 @@ def _packed(pieces: dict[str, Array], coupled: int, points: int, angles: int, in
     for name in ("cosine", "sine", "stress_cosine", "stress_sine"):
         places[name] = places.pop(f"{name}0"), places.pop(f"{name}1")  # type: ignore[assignment]
     packed = np.concatenate(values).astype(np.float32)
-    return Tables(coupled, points, angles, *indices, places, packed)
+    return Tables(points, angles, *indices, places, packed)

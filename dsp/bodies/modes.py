@@ -100,8 +100,8 @@ def ascending(frequency: Array) -> Indices:
     return np.argsort(np.round(np.log(np.maximum(frequency, _LEAST)), 9), kind="stable")
 
 
-def audible(frequency: Array, top: float) -> Indices:
-    """Return indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most MOST_MODES.
+def audible(frequency: Array, top: float, most: int = MOST_MODES) -> Indices:
+    """Return indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most so many.
 
     Silent if there is none.
     """
@@ -109,7 +109,7 @@ def audible(frequency: Array, top: float) -> Indices:
     heard = order[(frequency[order] >= LOWEST_FREQUENCY) & (frequency[order] <= top)]
     if not heard.size:
         raise Silent(top)
-    return heard[:MOST_MODES]
+    return heard[:most]
 
 
 def loudest(modes: Modes, count: int) -> Modes:

@@ -17,7 +17,7 @@ from .simd import ROWS, dots, put_curvatures, put_products, put_tractions
 def stretch(grid: Grid, table: View[f32], functions: int, space: Space) -> float:
     """Return V (J) without what is linear, and set `space.answer`, its gradient, by `space.place`: (3, functions).
 
-    The gradient is (2, functions): by cosines and by sines. Modes that are driven have one too, as if V knew them.
+    The gradient is (2, functions): by cosines and by sines.
     """
     for i in range(2 * functions):
         space.answer[i] = 0.0
@@ -45,7 +45,7 @@ def _line(order: int, orders: int) -> int:
 @noinline_kernel
 def _bend(grid: Grid, table: View[f32], functions: int, space: Space) -> None:
     """Find the three fields in parts: along radii for each order, then on the quarter of the circle."""
-    points, orders, angles = grid.points, grid.coupled, grid.angles
+    points, orders, angles = grid.points, grid.orders, grid.angles
     width, both = 3 * points, 2 * points
     half = orders * width
     for order in range(orders):
@@ -61,15 +61,14 @@ def _bend(grid: Grid, table: View[f32], functions: int, space: Space) -> None:
     size = angles * width
     evens = _evens(orders)
     for odd in range(2):
-        begin, depth = (evens * width, orders - evens) if odd == 1 else (0, evens)
-        columns = _columns(grid.orders, odd)
+        begin, columns = evens * width if odd == 1 else 0, _columns(orders, odd)
         put_products(
-            space.parts, odd * size, width, table, grid.cosine[odd], columns, 1, space.waves, begin, width, depth,
+            space.parts, odd * size, width, table, grid.cosine[odd], columns, 1, space.waves, begin, width, columns,
             angles, width,
         )  # fmt: skip
         put_products(
             space.parts, (2 + odd) * size, width, table, grid.sine[odd], columns, 1, space.waves, half + begin, width,
-            depth, angles, width,
+            columns, angles, width,
         )  # fmt: skip
 
 
@@ -124,20 +123,20 @@ def _curve(grid: Grid, table: View[f32], order: int, functions: int, space: Spac
     """Add the linear strains of a dome to those of one order, and to the gradient what they make; return the
     energy."""
     total, begin, end = grid.stress[grid.stresses], grid.stress[order], grid.stress[order + 1]
-    first, count, reach = grid.first[order], grid.count[order], grid.reach[order]
+    first, count = grid.first[order], grid.count[order]
     energy = 0.0
     for side in range(2 if order > 0 else 1):
         at = side * functions + first
-        place, answer = space.place[at : at + count], space.answer[at : at + reach]
+        place, answer = space.place[at : at + count], space.answer[at : at + count]
         for k in range(begin, end):
-            row = grid.bent + grid.strain[order] + (k - begin) * reach
-            bent = table[row : row + reach]
+            row = grid.bent + grid.strain[order] + (k - begin) * count
+            bent = table[row : row + count]
             linear = 0.0
             for i in range(count):
                 linear += bent[i] * place[i]
             strain = space.sums[side * total + k]
             energy += strain * (0.5 * strain + linear)
-            for i in range(reach):
+            for i in range(count):
                 answer[i] += strain * bent[i]
             space.sums[side * total + k] = strain + linear
     return energy
@@ -170,7 +169,7 @@ def _tighten(grid: Grid, table: View[f32], space: Space) -> None:
 
 @noinline_kernel
 def _answer(grid: Grid, table: View[f32], functions: int, space: Space) -> None:
-    """Add the gradient by all functions that are driven, from the products of stress and curvatures."""
+    """Add the gradient by all functions that are coupled, from the products of stress and curvatures."""
     points, orders, angles = grid.points, grid.orders, grid.angles
     width, both = 3 * points, 2 * points
     size, half = angles * width, orders * width
@@ -191,11 +190,11 @@ def _answer(grid: Grid, table: View[f32], functions: int, space: Space) -> None:
             )  # fmt: skip
     for order in range(orders):
         line, at = _line(order, orders) * width, grid.first[order]
-        shapes, reach = grid.shapes + grid.row[order] * width, grid.reach[order]
+        shapes, count = grid.shapes + grid.row[order] * width, grid.count[order]
         i = 0
-        while i < reach:
+        while i < count:
             found = dots(table, shapes + i * width, width, space.waves, line, half, width)
-            for r in range(min(ROWS, reach - i)):
+            for r in range(min(ROWS, count - i)):
                 space.answer[at + i + r] += found[r]
                 if order > 0:
                     space.answer[functions + at + i + r] += found[ROWS + r]

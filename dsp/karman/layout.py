@@ -2,6 +2,8 @@
 
 from typing import Annotated
 
+import numpy as np
+
 from ..native.typed import Record, View, View2D, dtype_of, f32
 from ..sizes import CAPACITY
 
@@ -9,8 +11,8 @@ MOST_ORDERS = 96
 """Angular orders of a grid's functions, and of its stress functions."""
 MOST_COUPLED = 512
 """Modes of a plate that are coupled."""
-MOST_DRIVEN = 1_024
-"""Modes of a plate that are coupled or driven by those that are."""
+MOST_SCATTERED = 2_048
+"""Modes of a plate that are coupled, or exchange energy with those that are."""
 SHEETS = CAPACITY.sheets
 TABLE_VALUES = CAPACITY.sheet_tables
 SPACE = 65_536
@@ -23,17 +25,15 @@ class Grid(Record):
     """A polar grid on a plate: its tables, as places in those of all grids, and sizes.
 
     Function i is a radial shape of an angular order, with a mode cos and, from order 1 on, a mode sin. Functions lie in
-    the order of these orders, and in each by frequency: the first `count` are coupled, and those up to `reach` driven.
+    the order of these orders, and in each by frequency: the first `count` are coupled.
     """
 
-    orders: int  # of functions that are driven
-    coupled: int  # of those that are coupled
+    orders: int  # of functions that are coupled
     stresses: int  # of stress functions
     points: int  # radii, a multiple of LANES
     angles: int  # of the first quarter of the circle
     first: Annotated[View[int], MOST_ORDERS]  # function of each order
     count: Annotated[View[int], MOST_ORDERS]
-    reach: Annotated[View[int], MOST_ORDERS]
     row: Annotated[View[int], MOST_ORDERS]  # of the first of them in `shapes`
     stress: Annotated[View[int], MOST_ORDERS]  # first stress function of each order; one more
     strain: Annotated[View[int], MOST_ORDERS]  # of a dome: value of `bent` where each order begins
@@ -50,11 +50,21 @@ class Grid(Record):
 class Sheet(Record):
     """A plate whose modes can be coupled, and how they are.
 
-    Its modes are the first of its object: those of cosines of all functions, then those of sines from order 1 on.
+    Its modes are the first of its object: those of cosines of all functions, then those of sines from order 1 on, which
+    are coupled, then the others.
     """
 
     functions: int
     plain: int  # the first of them, of order 0, which have no sine
+    modes: int  # coupled or not
+    rungs: int  # modes that exchange energy with those above or below them, and with which they do so
+    ladder: Annotated[View[int], MOST_SCATTERED]  # these, by frequency
+    below: float  # modes below the first of them
+    span: float  # modes of a block, which exchange energy with those of the next, over those below
+    start: Annotated[View[int], LEVELS]  # of each grid: the first that exchanges energy,
+    free: Annotated[View[int], LEVELS]  # and the first that is not coupled
+    mixing: Annotated[View[float], 2]  # their rate by the energy of a mode: 1/(J^2 s), for each mode below, and 1/(J s)
+    mixes: int  # samples from one exchange to the next
     highest: float  # Hz: of its coupled modes
     every: int  # samples from one look at the grid to the next
     growth: float  # c0 over the energy
@@ -73,16 +83,18 @@ class Sheet(Record):
     c0: float  # J
     energy: float  # J: of its modes and of what is stretched, as last looked at
     given: float  # of what modes lose: how much of it they may get back
+    mixed: int  # samples since the last exchange
+    drawn: np.uint64  # state of its random numbers
     owed: float  # J: that losses took of modes at rest where stretching holds them, and which they are still to get
     looked: int  # times that the grid was looked at since it was coupled, up to 2
-    gradient: Annotated[View2D[float], 3, 2 * MOST_DRIVEN]  # of psi by displacements: now, as last looked at, before
-    seen: Annotated[View2D[float], 2, 2 * MOST_DRIVEN]  # a mode's velocity by its last two samples
-    pushed: Annotated[View[float], 2 * MOST_DRIVEN]  # change of its last but one by a change of velocity
-    moved: Annotated[View[float], 2 * MOST_DRIVEN]  # displacement by its last
-    fades: Annotated[View2D[float], 3, 2 * MOST_DRIVEN]  # of a coupled mode: decay, 1/s; of twice its energy, what a
+    gradient: Annotated[View2D[float], 3, MOST_COUPLED]  # of psi by displacements: now, as last looked at, before
+    seen: Annotated[View2D[float], 2, MOST_SCATTERED]  # a mode's velocity by its last two samples
+    pushed: Annotated[View[float], MOST_SCATTERED]  # change of its last but one by a change of velocity
+    moved: Annotated[View[float], MOST_SCATTERED]  # displacement by its last
+    fades: Annotated[View2D[float], 3, MOST_SCATTERED]  # of a coupled mode: decay, 1/s; of twice its energy, what a
     # sample took of that of v, and of that of its last sample
-    drained: Annotated[View[float], 2 * MOST_DRIVEN]  # share in what the driven modes take
-    bends: Annotated[View2D[float], 2, 2 * MOST_DRIVEN]  # output left and right as a steady force of 1 bends a mode
+    drained: Annotated[View[float], MOST_COUPLED]  # share in what brings psi to the grid's
+    bends: Annotated[View2D[float], 2, MOST_SCATTERED]  # output left and right as a steady force of 1 bends a mode
     smoothing: Annotated[View[float], 3]  # of what is heard of bending: a two-pole recursion, and its input's factor
     bent: Annotated[View2D[float], 2, 2]  # output of bending, left and right: now and a sample ago
 
@@ -90,14 +102,15 @@ class Sheet(Record):
 class Space(Record):
     """Room in which a force is computed."""
 
-    place: Annotated[View[f32], 3 * MOST_DRIVEN + 64]  # displacements: cosines, sines, and cosines with other sign
-    answer: Annotated[View[f32], 2 * MOST_DRIVEN + 64]  # gradient of the stretching energy
+    place: Annotated[View[f32], 3 * MOST_COUPLED + 64]  # displacements: cosines, sines, and cosines with other sign
+    answer: Annotated[View[f32], 2 * MOST_COUPLED + 64]  # gradient of the stretching energy
     waves: Annotated[View[f32], SPACE]
     parts: Annotated[View[f32], SPACE]
     fields: Annotated[View[f32], SPACE]
     bends: Annotated[View[f32], SPACE]
     strains: Annotated[View[f32], SPACE]
-    sums: Annotated[View[f32], 4 * MOST_DRIVEN]
+    sums: Annotated[View[f32], 4 * MOST_COUPLED]
+    speeds: Annotated[View[float], MOST_SCATTERED]  # of modes that exchange energy
 
 
 GRID, SHEET, SPACES = dtype_of(Grid), dtype_of(Sheet), dtype_of(Space)

@@ -56,8 +56,8 @@ def prepare(sheet: Sheet, heard: Heard, rate: float) -> None:
         moved[i] = 1.0 / (omega * weight[i] * sheet.scale) if rings else 0.0
         left[i] = weight[i] * sheet.scale / omega if rings else 0.0
         right[i] = left[i] * heard.balance[i]
-        fading[i] = -0.5 * rate * math.log(-a2[i]) if rings and sheet.drained[i] > 0.0 else 0.0
-        moving[i] = 0.5 * (-1.0 / a2[i] - 1.0) if fading[i] > 0.0 else 0.0
+        fading[i] = -0.5 * rate * math.log(-a2[i]) if rings else 0.0
+        moving[i] = 0.5 * (-1.0 / a2[i] - 1.0) if rings else 0.0
         bent[i] = moving[i] / (weight[i] * sheet.scale) ** 2 if rings else 0.0
     theta = 2.0 * math.pi * min(sheet.highest / rate, 0.25)
     r = math.exp(-_DAMPING * theta)
@@ -189,7 +189,7 @@ def give_back(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
 def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float) -> None:
     """Bring psi nearer to the grid's by a share of the difference in energy, which the coupled modes pay, or get.
 
-    Modes that are driven take energy from psi alone; those that drive them lose it here, the highest most.
+    The highest pay most.
     """
     n = 2 * sheet.functions - sheet.plain
     velocity, before, pushed, drained = sheet.seen[0], sheet.seen[1], sheet.pushed, sheet.drained

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..bodies.karman import Laid, Tables
-from ..karman.layout import LEVELS, MOST_DRIVEN, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
+from ..karman.layout import LEVELS, MOST_COUPLED, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
 from .arena import Arena, EngineFull
 
 
@@ -59,25 +59,36 @@ class Sheets:
         sheet["growth"], sheet["least"] = laid.growth, laid.least
         sheet["coupled"] = sheet["level"] = 0
         sheet["scale"] = sheet["tension"] = 1.0
-        sheet["drained"][:] = 0.0
         sheet["drained"][: laid.drained.size] = laid.drained
+        self._fill_ladder(sheet, laid)
         for grid, tables in zip(sheet["grids"], laid.grids, strict=True):
             _fill_grid(grid, tables, begin)
             begin += tables.values.size
 
+    def _fill_ladder(self, sheet: np.void, laid: Laid) -> None:
+        """Write what modes exchange energy above those that are coupled."""
+        ladder = laid.ladder
+        sheet["modes"], sheet["rungs"], sheet["below"] = laid.mode.size, ladder.place.size, ladder.below
+        sheet["span"] = ladder.span
+        sheet["ladder"][: ladder.place.size] = ladder.place
+        sheet["start"], sheet["free"], sheet["mixing"] = ladder.start, ladder.free, ladder.mixing
+        sheet["mixes"], sheet["mixed"], sheet["drawn"] = max(round(self._rate / MIXES), 1), 0, 0
+
 
 LOOKS = 12.0
 """Looks at the grid in each period of the highest coupled mode, at least."""
+MIXES = 6_000.0
+"""Exchanges of energy above the coupled modes, per second."""
 MOST_EVERY = 3
 """Samples from one look at the grid to the next, at most: its gradient is extrapolated between."""
 
 
 def _fill_grid(grid: np.void, tables: Tables, begin: int) -> None:
     """Write the record of a grid whose tables begin at a value."""
-    grid["orders"], grid["coupled"] = tables.first.size, tables.coupled
+    grid["orders"] = tables.first.size
     grid["stresses"] = tables.stress.size - 1
     grid["points"], grid["angles"] = tables.points, tables.angles
-    for name in ("first", "count", "reach", "row", "stress", "strain"):
+    for name in ("first", "count", "row", "stress", "strain"):
         values = getattr(tables, name)
         grid[name][: values.size] = values
     for name, place in tables.places.items():
@@ -90,5 +101,5 @@ def _check(laid: Laid) -> None:
     for tables in laid.grids:
         width, rows = 3 * tables.points, max(tables.first.size, tables.stress.size)
         largest = max(2 * tables.first.size * width, 4 * tables.angles * width)
-        if rows > MOST_ORDERS or largest > SPACE or laid.functions > MOST_DRIVEN or len(laid.grids) != LEVELS:
+        if rows > MOST_ORDERS or largest > SPACE or laid.functions > MOST_COUPLED or len(laid.grids) != LEVELS:
             raise EngineFull(f"{laid.mode.size} coupled modes: their grid of {largest} values has no room in {SPACE}")

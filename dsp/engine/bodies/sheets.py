@@ -9,6 +9,7 @@ import math
 
 from ...karman.grid import stretch
 from ...karman.layout import Sheet
+from ...karman.scatter import scatter
 from ...karman.step import (
     Heard,
     displace,
@@ -130,15 +131,9 @@ def _coming(state: State, obj: Object) -> float:
 
 
 @kernel
-def _count(sheet: Sheet) -> int:
-    """Return how many modes of a plate are coupled, or driven by those that are."""
-    return 2 * sheet.functions - sheet.plain
-
-
-@kernel
 def rows_coupled(state: State, obj: Object) -> int:
-    """Return the number of a plate's modes up to the last that is coupled or driven, a multiple of LANES."""
-    return (_count(state.sheets[obj.sheet]) + LANES - 1) // LANES * LANES
+    """Return the number of a plate's modes that are coupled or exchange energy with those, a multiple of LANES."""
+    return (state.sheets[obj.sheet].modes + LANES - 1) // LANES * LANES
 
 
 @kernel
@@ -152,7 +147,7 @@ def _renew(state: State, obj: Object, sheet: Sheet) -> None:
     if sheet.retuned != obj.retuned or sheet.scale != scale:
         sheet.retuned, sheet.scale = obj.retuned, scale
         bank, first = state.bank, obj.first
-        last = first + _count(sheet)
+        last = first + sheet.modes
         heard = Heard(bank.a1[first:last], bank.a2[first:last], bank.weight[first:last], bank.balance[first:last])
         prepare(sheet, heard, state.rate)
 
@@ -160,7 +155,7 @@ def _renew(state: State, obj: Object, sheet: Sheet) -> None:
 @kernel
 def _couple(state: State, obj: Object, sheet: Sheet, energy: float) -> None:
     """Couple a plate's modes, unless they are far out already; energy (J): that they have or may get."""
-    count = _count(sheet)
+    count = sheet.modes
     sheet.retuned = -1
     sheet.level = sheet.turn = sheet.looked = 0
     _renew(state, obj, sheet)
@@ -190,7 +185,7 @@ def _couple(state: State, obj: Object, sheet: Sheet, energy: float) -> None:
 def kick_modes(state: State, obj: Object) -> None:
     """Move a plate's modes by its stretching, between two samples."""
     sheet, bank, space, first = state.sheets[obj.sheet], state.bank, state.space, obj.first
-    last = first + _count(sheet)
+    last = first + sheet.modes
     y1, y2 = bank.y1[first:last], bank.y2[first:last]
     every = looks_every(state, sheet.every)
     h = 1.0 / state.rate
@@ -205,6 +200,10 @@ def kick_modes(state: State, obj: Object) -> None:
     give_back(sheet, y1, y2, h)
     kick(sheet, y1, y2, h)
     sheet.turn += 1
+    sheet.mixed += 1
+    if sheet.mixed >= sheet.mixes:
+        sheet.mixed = 0
+        scatter(sheet, space, y1, y2, sheet.mixes * h)
 
 
 @kernel

@@ -64,6 +64,24 @@ def test_energy_stays_to_a_billionth_over_ten_seconds(rate, dome, amplitude):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("modes", [1, 2, 3, 5])
+def test_few_coupled_modes_keep_their_energy(modes):
+    """A single mode is coupled as the pair that it belongs to."""
+    engine = Engine(48_000)
+    handle = engine.add(lossless(plate(modes, 0.006 * (modes % 2))))
+    strike(engine, handle, BEATER, velocity=3.0, position=0.8)
+    while engine.stats.contacts_active or engine.position < 4_800:
+        engine.process(QUANTUM)
+    before = whole(engine, handle)
+    engine.process(48_000)
+    assert is_coupled(engine, handle) and abs(whole(engine, handle) / before - 1) < 1e-10
+
+
+def test_a_plate_is_linear_where_no_mode_is_low_enough():
+    assert plate(3).sheet.laid_out(20.0) is None
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("rate", "dome"), [(44_100, 0.0), (48_000, 0.01), (192_000, 0.01)])
 def test_energy_falls_at_any_time_but_by_a_strikers(rate, dome):
     """Blows at random while it rings, hard and soft: it never has more than it had and its strikers brought."""
