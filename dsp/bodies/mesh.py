@@ -157,11 +157,11 @@ def mesh(
     angle = math.radians(tilt)
     strike = np.einsum("pc,pcn->pn", math.cos(angle) * normals + math.sin(angle) * aside, shapes)
     sign = strike[np.argmax(np.abs(strike), axis=0), np.arange(strike.shape[1])]
-    order, first = table.strips
+    order = table.strips[0]
     strike = np.concatenate([strike, np.einsum("pc,pcn->pn", table.normals[order], table.shapes[order])])
     # A contact weighs four rows; the last face has one after it.
     strike = np.concatenate([strike, np.zeros((1, strike.shape[1]))])
-    faces = Faces(table.points[order[first[:, None] + np.arange(3)]], _ROWS + first, _ROWS, line)
+    faces = _faces(table, line)
     keep = audible(table.frequency, top)
     every = heard(material, table.frequency, table.resistance, (strike, sign), table.mass)
     others = table.frequency > top
@@ -170,6 +170,17 @@ def mesh(
     )
     area = float(table.areas.sum())
     return replace(made_modes, faces=faces, clicks=(acceleration.body(table.mass, table.volume, area),))
+
+
+def _faces(table: Table, line: Array) -> Faces:
+    """Return the triangles of a table, their corners in the order of the rows, behind those of the strike path."""
+    order, first = table.strips
+    corners = order[first[:, None] + np.arange(3)]
+    of = np.argmax(table.faces[:, None] == corners[:, :, None], axis=2)
+    after = np.roll(of, -1, axis=1)
+    sides = np.where(after == (of + 1) % 3, of, after)
+    edges = np.take_along_axis(table.edges, sides, axis=1)
+    return Faces(table.points[corners], _ROWS + first, _ROWS, line, table.curvature[corners], edges)
 
 
 def usual_path(table: Table) -> tuple[Array, Array]:

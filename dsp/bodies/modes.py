@@ -41,12 +41,15 @@ class Unheard(NamedTuple):
 class Faces(NamedTuple):
     """Triangles of a body's surface: corners (f, 3, 3) in m, in the body's frame; rows (f,) of Modes.strike that hold
     the shapes at the first of them, with those at the others in the next two rows. The first `path` rows lie along the
-    strike path, at the places `line` (path, 3) in m."""
+    strike path, at the places `line` (path, 3) in m. curvature (f, 3, 2): both principal ones at the corners (1/m),
+    positive where convex; edges (f, 3): 1 where the side from a corner to the next is a sharp edge."""
 
     corners: Array
     rows: Indices
     path: int
     line: Array
+    curvature: Array
+    edges: Indices
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ _REACH = 2.6  # spacings: neighbours of a corner
 _TURNED = 0.3  # cosine of the normals of neighbours
 _STEEP = 0.7  # of a neighbour's distance: how far it lies off the corner's plane
 _OFF = 0.55  # of the spacing: how far a triangle's middle may lie from the surface
+_FACES = 0.5  # cosine of a triangle's normal and those of its corners
 _FOUND = 2  # corners of a triangle that find it
 
 
@@ -181,8 +182,11 @@ def _triangles(corners: _Corners, samples: Samples, spacing: float) -> Indices:
     skin = cKDTree(np.hstack([samples.places, samples.normals * spacing]))
     beside: Flags = skin.query(np.hstack([middle, look * spacing]))[0] < _OFF * spacing
     a, b, c = corners.places[every].transpose(1, 0, 2)
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    kept: Indices = every[beside & (area > 1e-4 * spacing**2)]
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    # Of corners in a row, along a rim, Delaunay's makes slivers across it.
+    faces_so = np.abs(np.einsum("ij,ij->i", cross, look)) > _FACES * area
+    kept: Indices = every[beside & faces_so & (area > 1e-4 * spacing**2)]
     return kept
 
 

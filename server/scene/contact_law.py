@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 
+from ...dsp.bodies.curved import curvatures_at, stiffness_share
 from ...presets.kinds import SurfacePreset
 from ..osc.arguments import Refused
 from .limits import LAW, Contact
@@ -16,7 +17,8 @@ def law_of(
 
     Where an object strikes, its mass does. Unless a striker is named, the rest comes from the materials of both. The
     canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on. A
-    restitution that is given takes the striker's dissipation's place, and the other way round.
+    restitution that is given takes the striker's dissipation's place, and the other way round. At a point of a surface
+    the stiffness follows how the surface curves there.
     """
     preset, given = to.obj.preset, to.values.numbers
     law = to.transaction.laws.of(to.striker, preset.material)._asdict()
@@ -25,6 +27,7 @@ def law_of(
     if by and to.by_materials:
         law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius), strict=True), restitution=0.0)
         to.warn_of_stand_ins(by, to.values.words["by"])
+    law["stiffness"] *= bent(to)
     law.update(changes or {})
     if "dissipation" in given and "restitution" in given:
         raise Refused(
@@ -38,6 +41,17 @@ def law_of(
             lost = "restitution" if key == "dissipation" and law["restitution"] else key
             to.say(lost, law[lost])
     return Contact(**law)
+
+
+def bent(to: ObjectCall) -> float:
+    """Return the share of its stiffness on a plane that a contact has at its point: of a ball, or of a body that
+    strikes; that of another striker is as its preset says."""
+    point, faces = to.values.vectors.get("point"), to.obj.modes.faces
+    by_materials = to.by_materials or "what" in to.values.words
+    radius = to.contact_radius if by_materials else to.transaction.laws.ball_of(to.striker)
+    if point is None or faces is None or radius is None:
+        return 1.0
+    return stiffness_share(radius, curvatures_at(faces, point))
 
 
 def law_on(to: ObjectCall, by: PlayedObject | None, surface: SurfacePreset, goes_on: bool, does: str) -> Contact:

@@ -72,6 +72,11 @@ class ContactLaws:
             self._radii[striker] = self._presets.striker(striker).radius
         return self._radii[striker]
 
+    def ball_of(self, striker: str) -> float | None:
+        """Return the radius (m) of a striker whose stiffness follows from it; else None."""
+        radius, preset = self.radius_of(striker), self._presets.striker(striker)
+        return radius if preset.stiffness is None else None
+
     def sliding_of(self, striker: str) -> dict[str, float]:
         """Return a striker's parameters of sliding; raise PresetError if there is no such striker."""
         if striker not in self._sliding:

@@ -11,6 +11,7 @@ from ...dsp.wording import MOST_COMPARED
 from ...presets.supports import SUPPORTS, SupportPreset
 from ..osc.arguments import Refused, shown
 from ..osc.wire import Message
+from .contact_law import bent
 from .object_call import ObjectCall
 from .objects import PlayedObject
 from .touching import place_values
@@ -72,6 +73,8 @@ def _law(to: ObjectCall, other: PlayedObject | None, support: SupportPreset | No
     else:
         assert support
         law = support.stiffness, support.dissipation, support.exponent
+    if other or (support and support.material):
+        law = law[0] * bent(to), *law[1:]
     return {key: given.get(key, value) for key, value in zip(_LAW, law, strict=True)}
 
 

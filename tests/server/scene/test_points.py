@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import carom
+from carom.dsp.bodies.curved import EDGE_RADIUS, curvatures_at, stiffness_share
 from carom.dsp.bodies.triangles import nearest
 from carom.dsp.engine.bodies.surface import FACE, put_at
 from carom.dsp.runtime.plan import planned
@@ -70,9 +71,11 @@ def sound_of(**keys):
 def test_a_point_of_the_path_sounds_as_its_position(modes):
     row = 40
     point = tuple(modes.faces.line[row])
-    at, on = sound_of(position=row / (modes.faces.path - 1)), sound_of(point=point)
+    at, on = (
+        sound_of(stiffness=1e8, **keys) for keys in ({"position": row / (modes.faces.path - 1)}, {"point": point})
+    )
     assert np.abs(on - at).max() < 1e-2 * np.abs(at).max()  # normals are interpolated, or their products
-    elsewhere = sound_of(point=HERE)
+    elsewhere = sound_of(point=HERE, stiffness=1e8)
     assert np.abs(on - elsewhere).max() > 0.1 * np.abs(at).max()
 
 
@@ -174,3 +177,28 @@ def test_a_gesture_on_an_object_without_a_surface_takes_no_point(played):
     say(played, "/object/pane/press", 1.0, "id", "g")
     for action, args in (("point", (0.0, 0.0, 0.0)), ("x", (0.0,))):
         assert "pane has no surface" in refusal(played, f"/gesture/g/{action}", *args)
+
+
+def stiffness_of(session, *keys):
+    """Return the stiffness of a press's contact."""
+    say(session, "/object/mug/press", 0.1, *keys, "id", "g")
+    session.engine.process(640)
+    found = float(contact_of(session)["k"])
+    say(session, "/gesture/g/stop")
+    session.engine.process(48_000)
+    return found
+
+
+def test_the_surface_s_curvature_and_edges_enter_hertz_s_stiffness(mug):
+    flat = stiffness_of(mug, 0.5, "striker", "steel")
+    radius = Presets().striker("steel").radius
+    for point in ((0.0, 0.041, 0.05), (0.0, 0.037, 0.05), (0.0, 0.0411, 0.0951)):
+        wanted = stiffness_share(radius, curvatures_at(mug.objects["mug"].modes.faces, point))
+        assert stiffness_of(mug, "point", *point, "striker", "steel") == pytest.approx(flat * wanted, rel=1e-9)
+    # A stiffness that is given, or that a preset says, is what it is.
+    edge = ("point", 0.0, 0.0411, 0.0951)
+    assert stiffness_of(mug, *edge, "striker", "steel", "stiffness", 1e7) == 1e7
+    assert stiffness_of(mug, *edge, "striker", "felt") == stiffness_of(mug, 0.5, "striker", "felt")
+    say(mug, "/object/new", "pane", "glass-plate")
+    by = [stiffness_of(mug, *where, "by", "pane", "by_radius", 0.02) for where in ((0.5,), edge)]
+    assert by[1] / by[0] == pytest.approx(stiffness_share(0.02, (1 / EDGE_RADIUS, 0.0)), rel=1e-9)
