@@ -25,8 +25,8 @@ def test_two_spheres_are_hertzs(other):
 
 @pytest.mark.parametrize("ratio", [1.5, 4.0, 30.0, 1000.0])
 def test_a_sphere_on_a_cylinder_makes_an_ellipse(ratio):
-    """The approach is that of the integral of the ellipsoid's pressure: k^-2/3 as (K(e)/a) of the ellipse that both curvatures ask
-    for (A. E. H. Love, Mathematical Theory of Elasticity, 1927, 138)."""
+    """The approach is that of the integral of the ellipsoid's pressure: k^-2/3 as K(e)/a of the ellipse that both
+    curvatures ask for (A. E. H. Love, Mathematical Theory of Elasticity, 1927, 138)."""
 
     def curvatures(m):  # of a contact with axes 1 and sqrt(1 - m), over p0: their ratio
         k, e = ellipk(m), ellipe(m)
