@@ -17,8 +17,7 @@ import threadpoolctl
 
 from ... import clients, dsp, presets, server
 from ...dsp.errors import CaromError
-from ...dsp.native.code import load
-from ...dsp.runtime.callback import callback
+from ...dsp.runtime.entry import callback
 from ...server.provenance import computing
 
 _VENDOR = re.compile(rb"reference libFLAC [\w.-]+")
@@ -35,7 +34,7 @@ def versions(folders: tuple[str, ...] = ()) -> Mapping[str, str]:
         "carom": version("carom"),
         "sources": _hash(path for package in (dsp, presets, server, clients) for path in _files(_home(package))),
         "presets": _hash(path for folder in folders for path in _files(Path(folder))),
-        **computing(load(callback.__module__)),
+        **computing(callback.code),
         "blas": _blas(),
         "simd": " ".join(np.show_config(mode="dicts")["SIMD Extensions"].get("found", ())),
         "libsndfile": soundfile.__libsndfile_version__,

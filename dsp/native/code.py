@@ -35,7 +35,6 @@ def load(module: str) -> Code:
 
     NoCodeError where it is in neither, and there is no compiler.
     """
-    importlib.import_module(module)
     packaged = Store(stores.PACKAGED)
     found = _found(module, packaged, "package")
     if found:

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..native.atomics import observe, publish_at
-from .callback import callback
 from .engine import Engine
+from .entry import callback
 from .jobs import ADDED, COUNTS, ENDED, JOB, WORKING, finish, work
 
 _BYTES = 4  # of a sample

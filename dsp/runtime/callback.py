@@ -3,8 +3,6 @@
 Real time hands its address to PortAudio; offline and clock-driven rendering call the same code, so their bits agree.
 """
 
-from ctypes import c_int, c_ulong, c_void_p
-
 import numpy as np
 
 from ..engine.events.queue import look_again
@@ -14,15 +12,8 @@ from ..engine.process import process
 from ..native.jit import c_function, carray
 from ..native.system import flush_denormals, monotonic_ns, restore_denormals, thread_id
 from ..native.typed import View
+from .signature import C_LONG, OUTPUT_UNDERFLOW, SIGNATURE
 
-SIGNATURE = c_int, c_void_p, c_void_p, c_ulong, c_void_p, c_ulong, c_void_p
-"""PaStreamCallback's types: what it returns; input, output, frames, times, status flags, state."""
-
-C_LONG = 0xFFFFFFFF
-"""The bits that an unsigned long of C has on Windows: of a number of frames, no others count."""
-
-OUTPUT_UNDERFLOW = 4
-"""The status flag that says that sound was missing before this block."""
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
 _LATELY = 0.1  # s
 

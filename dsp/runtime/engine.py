@@ -19,7 +19,7 @@ from ..native.system import clock_ns
 from ..resonator.bank import NYQUIST_SHARE
 from ..schema import FORMS
 from .arena import EngineFull
-from .callback import callback
+from .entry import MODULE, callback
 from .fresh import fresh_state
 from .memory import Memory
 from .meter import Meter
@@ -50,8 +50,8 @@ class Stamp(float):
 
 def prepare() -> None:
     """Load the engine's code, or compile it, which takes long; after this, an Engine takes milliseconds."""
-    for function in (callback, observe, clock_ns):
-        load(function.__module__)
+    for module in (MODULE, observe.__module__, clock_ns.__module__):
+        load(module)
 
 
 class Engine:
@@ -74,7 +74,7 @@ class Engine:
         sensors: int = 0,
     ) -> None:
         check_sizes(channels, modes, objects, sensors)
-        load(callback.__module__)  # before the memory, which may leave no room for code that lies together
+        load(MODULE)  # before the memory, which may leave no room for code that lies together
         self.state = fresh_state(rate, channels)
         self._record = self.state[0]
         self._record["output"]["delay"] = QUANTUM if limited else 0
@@ -330,7 +330,7 @@ class Engine:
     @property
     def code(self) -> Code:
         """The machine code that runs: its key, for which kind of processor it was made, and where it came from."""
-        return load(callback.__module__)
+        return callback.code
 
     def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
         """Put an object's modes up to `top_frequency` into the bank; return its handle, and the layout that its NEW

@@ -15,7 +15,7 @@ from ..native.atomics import exchange, observe, store_release, swap
 from ..native.jit import c_function, carray
 from ..native.system import call_back
 from ..native.typed import Record, View, View2D, dtype_of
-from .callback import C_LONG, SIGNATURE
+from .signature import C_LONG, SIGNATURE
 
 FREE, RUNNING, TAKEN = range(3)
 

@@ -13,7 +13,7 @@ from ..native.atomics import load_acquire
 from ..native.jit import c_function, carray
 from ..native.system import call_back, monotonic_ns, pause_ns
 from ..native.typed import View, View2D
-from .callback import OUTPUT_UNDERFLOW
+from .signature import OUTPUT_UNDERFLOW
 
 _LONGEST_PAUSE = 20_000_000  # ns: the loop looks at least this often whether to stop
 _SLEPT = 1_000_000_000  # ns behind after which the machine is thought to have slept: no rush to catch up

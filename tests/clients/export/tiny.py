@@ -13,7 +13,7 @@ from carom.dsp.engine.memory.commands import KIND_GESTURE, KIND_NEW, KIND_PANIC,
 from carom.dsp.engine.memory.state import END_RESTED, ENDED, RING, STATE, Bank, State
 from carom.dsp.native.jit import c_function, carray, kernel, noinline_kernel, simd_kernel
 from carom.dsp.native.typed import View
-from carom.dsp.runtime.callback import SIGNATURE
+from carom.dsp.runtime.signature import SIGNATURE
 
 
 @simd_kernel

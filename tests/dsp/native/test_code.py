@@ -88,7 +88,7 @@ def test_the_key_of_code_outside_the_package_holds_what_it_takes_from_it():
 
 @pytest.mark.slow
 def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
-    for module in ("carom.dsp.lab.wall", "carom.dsp.lab.roll", "carom.dsp.bodies.plate"):
+    for module in ("carom.dsp.runtime.callback", "carom.dsp.lab.wall", "carom.dsp.lab.roll", "carom.dsp.bodies.plate"):
         importlib.import_module(module)
     held = set(sources("carom.dsp.runtime.callback"))
     kernels = {"contact.law", "contact.closed_form", "contact.coupled", "resonator.bank", "rolling.body", "native.jit"}
@@ -115,7 +115,10 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "schema_values",
         "sizes",
     }
-    assert {name for name in held if ".runtime." in name} == {"carom.dsp.runtime.callback"}
+    assert {name for name in held if ".runtime." in name} == {
+        "carom.dsp.runtime.callback",
+        "carom.dsp.runtime.signature",
+    }
 
 
 MODULE = """

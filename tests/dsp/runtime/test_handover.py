@@ -10,10 +10,10 @@ import pytest
 from carom.dsp.native.atomics import publish
 from carom.dsp.native.jit import c_function, carray
 from carom.dsp.native.system import monotonic_ns
-from carom.dsp.runtime.callback import SIGNATURE
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.handover import Handover
 from carom.dsp.runtime.pacer import keep_pace
+from carom.dsp.runtime.signature import SIGNATURE
 
 RATE = 48_000
 

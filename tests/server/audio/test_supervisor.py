@@ -12,10 +12,10 @@ import pytest
 import soundfile
 
 from carom.dsp.native.atomics import publish
-from carom.dsp.runtime.callback import SIGNATURE
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.handover import Handover
 from carom.dsp.runtime.pacer import keep_pace
+from carom.dsp.runtime.signature import SIGNATURE
 from carom.server.audio import supervisor as player_module
 from carom.server.audio.supervisor import Player, priority
 from tests.support import serving
