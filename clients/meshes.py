@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..dsp.bodies.material import Material
 from ..dsp.bodies.mesh import Table
 from ..dsp.errors import CaromError
 from ..dsp.mesh.model import MODES, POINTS, Wanted
@@ -71,7 +72,7 @@ def make(mesh: Path, out: Path, asked: Asked, presets: Presets | None = None, sa
         raise MeshNameError(f"{out}: expected a folder for presets")
     material = (presets or Presets()).material(asked.material)
     surface = Surface(*read_mesh(mesh, asked.scale))
-    data = made_table(mesh, material, asked.wanted, asked.scale, say)
+    data = _modelled(mesh, material) or made_table(mesh, material, asked.wanted, asked.scale, say)
     table = table_of(data, str(mesh))
     folder = out / "objects"
     folder.mkdir(parents=True, exist_ok=True)
@@ -80,6 +81,15 @@ def make(mesh: Path, out: Path, asked: Asked, presets: Presets | None = None, sa
         _put(folder / f"{asked.name}{SUFFIX}", data),
     ]
     return MadeMesh(table, surface, tuple(files), table.notes)
+
+
+def _modelled(mesh: Path, material: Material) -> bytes | None:
+    """Return the table of the modal model that a .glb file holds, if it does."""
+    if mesh.suffix.lower() != ".glb":
+        return None
+    from ..presets.gltf_tables import model_bytes
+
+    return model_bytes(mesh.read_bytes(), str(mesh), material)
 
 
 def preset_text(asked: Asked, mesh: str, table: Table) -> str:

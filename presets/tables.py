@@ -34,6 +34,8 @@ def table_bytes(values: dict[str, Any]) -> bytes:
     kept |= {name: np.asarray(values[name], np.float64) for name in ("frequency", "resistance")}
     kept["error"] = np.asarray(values["error"], np.float32)
     kept |= {name: np.asarray(values[name], np.float32) for name in ("points", "normals", "areas", "curvature")}
+    if values.get("decay") is not None:
+        kept["decay"] = np.asarray(values["decay"], np.float64)
     kept |= {"faces": np.asarray(values["faces"], np.int32), "edges": np.asarray(values["edges"], np.int8)}
     shapes = np.asarray(values["shapes"])
     kept["scale"] = np.abs(shapes).max(axis=(0, 1)) / _STEPS
@@ -58,12 +60,17 @@ def table_of(data: bytes, where: str) -> Table:
         values["shapes"] = values["shapes"] * scale
         values |= {name: np.ascontiguousarray(held.pop(name), np.int64) for name in _WHOLE}
         values |= {name: float(held.pop(name)) for name in _NUMBERS}
+        decay = held.pop("decay", None)
         texts = {name: json.loads(held.pop(name).tobytes()) for name in _TEXTS}
     except (KeyError, OSError, ValueError, zipfile.BadZipFile, NotImplementedError) as error:
         if isinstance(error, PresetError):
             raise
         raise PresetError(f"{where}: expected a table of modes, as `carom mesh` writes it ({error})") from None
     _require_whole(where, values)
+    if decay is not None:
+        values["decay"] = np.ascontiguousarray(decay, np.float64)
+        if decay.shape != values["frequency"].shape or not (values["decay"] > 0).all():
+            raise PresetError(f"{where}: decay: expected a number above 0 for each mode")
     for array in values.values():
         if isinstance(array, np.ndarray):
             array.flags.writeable = False

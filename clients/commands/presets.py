@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...dsp.wording import suggestion
@@ -26,6 +27,9 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "--check", action="store_true", help="check the files NAME, or all in a folder NAME, and describe each"
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument(
+        "--glb", type=Path, metavar="FILE", help="write the modal model of the object NAME, of the shape mesh, as glTF"
+    )
     parser.add_argument("--names", dest="bare", action="store_true", help="print names alone, one on each line")
     add_presets(parser)
 
@@ -35,6 +39,8 @@ def _run(arguments: argparse.Namespace) -> int:
     from ..preset_files import CheckError
 
     presets = Presets(arguments.presets)
+    if arguments.glb:
+        return _write_glb(arguments.names, presets, arguments.glb)
     if arguments.check:
         if not arguments.names:
             raise CheckError("--check: no file; expected one or more")
@@ -130,6 +136,22 @@ def _check(files: Sequence[str], presets: Presets, as_json: bool) -> int:
         elif not as_json:
             print(f"{result.file}: {result.holds}")
     return 1 if any(result.error for result in results) else 0
+
+
+def _write_glb(names: Sequence[str], presets: Presets, file: Path) -> int:
+    """Write the modal model of an object as glTF."""
+    from ...presets import PresetError
+    from ...presets.gltf import glb_of
+
+    if len(names) != 1:
+        raise PresetError(f"--glb: {len(names)} names: expected that of one object")
+    preset = presets.object(names[0])
+    table = preset.geometry.get("table")
+    if table is None or preset.material is None:
+        raise PresetError(f"{names[0]}: shape = {preset.shape}: expected an object of the shape mesh")
+    file.write_bytes(glb_of(preset.name, table, preset.material))
+    print(file)
+    return 0
 
 
 def _print(value: Any) -> None:

@@ -33,7 +33,8 @@ class Table:
     (P, 3), outward; areas (P,) in m^2; curvature (P, 2) in 1/m, the larger first; faces (F, 3), numbers of points,
     between which shapes are linear; edges (F, 3): 1 where the side from a corner to the next is a sharp edge; error
     (n,): of the frequencies as a share, NaN where it was not asked for. mass in kg, volume in m^3; density,
-    youngs_modulus and poisson_ratio are those of its material.
+    youngs_modulus and poisson_ratio are those of its material. decay (n,) in 1/s: all that each mode loses, where it is
+    known; None: as the material has it.
     """
 
     digest: str
@@ -54,6 +55,7 @@ class Table:
     poisson_ratio: float
     method: str
     notes: tuple[str, ...] = ()
+    decay: Array | None = None
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Table) and self.digest == other.digest
@@ -164,6 +166,8 @@ def mesh(
     faces = _faces(table, line)
     keep = audible(table.frequency, top)
     every = heard(material, table.frequency, table.resistance, (strike, sign), table.mass)
+    if table.decay is not None:
+        every = replace(every, decay=np.maximum(table.decay, table.resistance / 2))
     others = table.frequency > top
     made_modes = with_unheard(
         selected(every, keep), Felt(table.frequency[others], strike[:, others]), material.decay, top
@@ -197,5 +201,6 @@ def usual_path(table: Table) -> tuple[Array, Array]:
 
 def decay_times(table: Table, material: Material) -> Array:
     """Return T60 (s) of each mode of the table, with what is radiated."""
-    found: Array = math.log(1000) / (material.decay(table.frequency) + table.resistance / 2)
+    known = material.decay(table.frequency) + table.resistance / 2 if table.decay is None else table.decay
+    found: Array = math.log(1000) / known
     return found

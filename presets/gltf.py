@@ -1,0 +1,180 @@
+"""Modal models in glTF: written and read as the draft KHR_audio_rigid_bodies has them.
+
+A model is a mesh (its points are the positions of the shapes) and, at the root of the file, `modalModels` and
+`acousticMaterials`. What the draft has no place for is kept in `extras`: what each mode radiates, curvature and edges.
+Only binary files (.glb) are written and read.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..dsp.bodies.material import Material
+from ..dsp.bodies.mesh import Table
+from .schema import PresetError
+
+EXTENSION = "KHR_audio_rigid_bodies"
+
+_MAGIC, _VERSION, _JSON, _BIN = b"glTF", 2, 0x4E4F534A, 0x004E4942
+_FLOAT, _INT = 5126, 5125
+_KINDS: dict[int, Any] = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", _INT: "<u4", _FLOAT: "<f4"}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}
+_MATERIAL = {"density": "density", "youngsModulus": "youngs_modulus", "poissonRatio": "poisson_ratio"}
+
+Numbers = npt.NDArray[Any]
+
+
+class _Writer:
+    """The arrays of a file, one after the other in its buffer."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def add(self, values: Numbers, bounds: bool = False) -> int:
+        """Add an array of float32 or whole numbers, scalars or vectors; return the number of its accessor."""
+        whole = np.issubdtype(values.dtype, np.integer)
+        kept = np.ascontiguousarray(values, "<u4" if whole else "<f4")
+        width = 1 if kept.ndim == 1 else kept.shape[1]
+        kind = {each: name for name, each in _WIDTHS.items()}[width]
+        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": kept.nbytes})
+        self.data += kept.tobytes()
+        said = {
+            "bufferView": len(self.views) - 1,
+            "componentType": _INT if whole else _FLOAT,
+            "count": len(kept),
+            "type": kind,
+        }
+        if bounds:
+            said |= {"min": kept.min(axis=0).tolist(), "max": kept.max(axis=0).tolist()}
+        self.accessors.append(said)
+        return len(self.accessors) - 1
+
+
+def glb_of(name: str, table: Table, material: Material) -> bytes:
+    """Return a .glb file of a body: its surface, its modes with the decays that a material gives them, its material."""
+    file = _Writer()
+    places = {"POSITION": file.add(table.points, bounds=True), "NORMAL": file.add(table.normals)}
+    faces = file.add(table.faces.ravel())
+    modes, points = len(table.frequency), len(table.points)
+    shapes = table.shapes.transpose(2, 0, 1).reshape(modes * points, 3)
+    decay = material.decay(table.frequency) + table.resistance / 2
+    extras = {
+        "mass": table.mass,
+        "volume": table.volume,
+        "resistance": table.resistance.tolist(),
+        "areas": file.add(table.areas),
+        "curvature": file.add(table.curvature),
+        "edges": file.add(table.edges.ravel()),
+        "method": table.method,
+        "notes": list(table.notes),
+    }
+    model = {
+        "name": name,
+        "frequencies": file.add(table.frequency),
+        "decayRates": file.add(decay),
+        "positions": places["POSITION"],
+        "shapes": file.add(shapes),
+        "indices": faces,
+        "material": 0,
+        "massProperties": {"mass": table.mass},
+        "extras": {"carom": extras},
+    }
+    made_of = {key: getattr(material, own) for key, own in _MATERIAL.items()}
+    acoustic = {"name": material.name, **made_of, "alpha": material.alpha, "beta": material.beta}
+    said = {
+        "asset": {"version": "2.0", "generator": "carom"},
+        "extensionsUsed": [EXTENSION],
+        "extensions": {EXTENSION: {"modalModels": [model], "acousticMaterials": [acoustic]}},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": name, "mesh": 0, "extensions": {EXTENSION: {"modalModel": 0}}}],
+        "meshes": [{"primitives": [{"attributes": places, "indices": faces}]}],
+        "accessors": file.accessors,
+        "bufferViews": file.views,
+        "buffers": [{"byteLength": len(file.data)}],
+    }
+    text = json.dumps(said).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), _JSON) + text + struct.pack("<II", len(file.data), _BIN) + bytes(file.data)
+    return _MAGIC + struct.pack("<II", _VERSION, 12 + len(chunks)) + chunks
+
+
+def values_of(data: bytes, where: str) -> dict[str, Any] | None:
+    """Return the values of a table, with `decay` (n,) in 1/s, of the modal model that a .glb file holds; None if it
+    holds none. What only Carom writes may be missing. PresetError, which begins with `where`, says what is wrong."""
+    try:
+        said, buffer = _chunks(data)
+        models = said.get("extensions", {}).get(EXTENSION, {}).get("modalModels", [])
+        if not models:
+            return None
+        if len(models) > 1:
+            raise PresetError(f"{where}: {len(models)} modal models: expected one")
+        return _values(models[0], said, buffer)
+    except (KeyError, IndexError, TypeError, ValueError, struct.error) as error:
+        if isinstance(error, PresetError):
+            raise
+        raise PresetError(f"{where}: its modal model can't be read ({type(error).__name__}: {error})") from None
+
+
+def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
+    """Return what a .glb file says, and its buffer."""
+    if data[:4] != _MAGIC or struct.unpack_from("<I", data, 4)[0] != _VERSION:
+        raise ValueError("expected a .glb file, version 2")
+    found: dict[int, bytes] = {}
+    at = 12
+    while at + 8 <= len(data):
+        size, kind = struct.unpack_from("<II", data, at)
+        found[kind] = data[at + 8 : at + 8 + size]
+        at += 8 + size
+    said = json.loads(found[_JSON])
+    if not isinstance(said, dict):
+        raise ValueError("expected a JSON object")
+    return said, found.get(_BIN, b"")
+
+
+def _values(model: Mapping[str, Any], said: Mapping[str, Any], buffer: bytes) -> dict[str, Any]:
+    def array(number: int) -> Numbers:
+        accessor = said["accessors"][number]
+        view = said["bufferViews"][accessor["bufferView"]]
+        if "byteStride" in view or view.get("buffer", 0) != 0 or "sparse" in accessor:
+            raise ValueError("expected arrays that are whole, in the file's own buffer")
+        width, begin = _WIDTHS[accessor["type"]], view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        values = np.frombuffer(buffer, _KINDS[accessor["componentType"]], accessor["count"] * width, begin)
+        return values.reshape(-1, width) if width > 1 else values
+
+    frequency, decay = (array(model[key]).astype(np.float64) for key in ("frequencies", "decayRates"))
+    points, shapes = (array(model[key]).astype(np.float64) for key in ("positions", "shapes"))
+    if len(decay) != len(frequency) or len(shapes) != len(frequency) * len(points):
+        raise ValueError(f"{len(decay)} decay rates and {len(shapes)} shapes: expected those of {len(frequency)} modes")
+    order = np.argsort(frequency, kind="stable")
+    found: dict[str, Any] = {
+        "frequency": frequency[order],
+        "decay": decay[order],
+        "points": points,
+        "shapes": shapes.reshape(len(frequency), len(points), 3).transpose(1, 2, 0)[:, :, order],
+    }
+    if "indices" in model:
+        found["faces"] = array(model["indices"]).astype(np.int64).reshape(-1, 3)
+    mass = model.get("massProperties", {}).get("mass")
+    own = model.get("extras", {}).get("carom", {})
+    if own:
+        found |= {key: array(own[key]).astype(np.float64) for key in ("areas", "curvature")}
+        found["edges"] = array(own["edges"]).astype(np.int64).reshape(-1, 3)
+        found["resistance"] = np.array(own["resistance"], np.float64)[order]
+        found["normals"] = array(said["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]).astype(np.float64)
+        found |= {key: own[key] for key in ("volume", "method", "notes")}
+        mass = own["mass"]
+    if mass is not None:
+        found["mass"] = float(mass)
+    materials = said["extensions"][EXTENSION].get("acousticMaterials", [])
+    if "material" in model:
+        found |= {own: float(materials[model["material"]][key]) for key, own in _MATERIAL.items()}
+    return found
