@@ -90,6 +90,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, data sets, simulators,
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.extreme_groups
 	$(BIN)/python -m tests.bench.rests
+	$(BIN)/python -m tests.bench.waveforms
 	$(BIN)/python -m tests.bench.friction
 	$(BIN)/python -m tests.bench.exactness
 	$(BIN)/python -m tests.bench.soak --minutes 10

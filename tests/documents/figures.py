@@ -9,7 +9,7 @@ from typing import Any
 from carom.dsp.lab.chart import report
 from carom.dsp.lab.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
-from tests.bench import extremes, friction, fuzz, gil, hours, overload, queries, soak
+from tests.bench import extremes, friction, fuzz, gil, hours, overload, queries, soak, waveforms
 from tests.bench import fits as fitted
 from tests.documents import study
 from tests.documents.markdown import table
@@ -61,6 +61,10 @@ def endurance() -> str:
         (
             "extreme_groups", "100,000 times one to four extreme strikers at once on an object, in the engine",
             f"energy grows by {GROWTH.bound:g} of all that there is",
+        ),
+        (
+            "waveforms", "whole sounds of 12 presets and 4 strikers at -60, struck twice, against `exact`",
+            f"{waveforms.WORST:g} dB below 12 kHz, nine of ten {waveforms.NINE_OF_TEN:g} dB",
         ),
         (
             "friction", "100,000 random rubs in each way to solve friction; a bow's limits, and its map at three rates",
