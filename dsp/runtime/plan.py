@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from ..bodies.karman import Laid
 from ..bodies.material import Array
 from ..bodies.modes import Faces, Modes
-from ..engine.bodies.surface import FACE
-from ..engine.memory.capacity import MODES_PER_OBJECT
+from ..engine.memory.capacity import FACE, MODES_PER_OBJECT
 from ..kept import Kept
 from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES

@@ -2,13 +2,10 @@
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
+from ..memory.capacity import FACE
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import Object, State
 from .objects import place
-
-FACE = 14
-"""Values of a triangle in the table of mode shapes: the row of its first corner, that row's corner and the next two
-(m), the middle of the sphere about them and its radius."""
 
 _TINY = 1e-30  # m^2, m^4: a flat triangle has no inside
 _FAR = 1e30  # m^2

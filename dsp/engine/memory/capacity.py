@@ -10,6 +10,9 @@ MODES = CAPACITY.modes
 MODES_PER_OBJECT = 4_096
 SHAPE_VALUES = 96 * MODES
 """Values in the table of mode shapes: 96 positions for every mode, shared as objects need them."""
+FACE = 14
+"""Values of a surface's triangle beside mode shapes: the row of its first corner, that row's corner and the next two
+(m), the middle of the sphere about them and its radius."""
 USUAL_OBJECTS = min(512, OBJECTS)
 """Room for objects where nothing else is asked for."""
 USUAL_MODES = min(131_072, MODES)

@@ -9,7 +9,8 @@ import pytest
 import carom
 from carom.dsp.bodies.curved import EDGE_RADIUS, curvatures_at, stiffness_share
 from carom.dsp.bodies.triangles import nearest
-from carom.dsp.engine.bodies.surface import FACE, put_at
+from carom.dsp.engine.bodies.surface import put_at
+from carom.dsp.engine.memory.capacity import FACE
 from carom.dsp.runtime.plan import planned
 from carom.presets import Presets
 from tests.server.scene.support import refusal, say
