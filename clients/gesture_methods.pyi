@@ -182,6 +182,19 @@ class StepKeys(Keys, total=False):
     spread: SupportsFloat
     seed: SupportsFloat
 
+class ShatterKeys(Keys, total=False):
+    """Keys of shatter."""
+
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
+    pieces: SupportsFloat
+    height: SupportsFloat
+    spread: SupportsFloat
+    seed: SupportsFloat
+    onto: str
+
 class Gestures:
     """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
 
@@ -312,6 +325,17 @@ class Gestures:
         """Begin a gesture that treads on the object once, from heel to toe: crackles as the weight comes and goes,
         each as a blow of the striker."""
 
+    def shatter(
+        self,
+        name: str,
+        velocity: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[ShatterKeys],
+    ) -> None:
+        """Begin a gesture that breaks the object: it cracks and falls silent; its pieces, each as the striker,
+        bounce until they lie still."""
+
 class ObjectMethods:
     """Methods on an object: those of its scene on objects, without the name."""
 
@@ -429,6 +453,16 @@ class ObjectMethods:
     ) -> None:
         """Begin a gesture that treads on the object once, from heel to toe: crackles as the weight comes and goes,
         each as a blow of the striker."""
+
+    def shatter(
+        self,
+        velocity: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[ShatterKeys],
+    ) -> None:
+        """Begin a gesture that breaks the object: it cracks and falls silent; its pieces, each as the striker,
+        bounce until they lie still."""
 
     def note(
         self,

@@ -95,6 +95,8 @@ class Gesture:
     """The law of its blows, DROPS, SPEEDS, ENERGIES or FALLS, if it is many small ones at random times; else 0."""
     treads: bool = False
     """True if its blows come as the force of a foot comes and goes, after which it is over."""
+    breaks: bool = False
+    """True if the object breaks, and its pieces fall on what lies below."""
 
     @property
     def along(self) -> bool:
@@ -386,13 +388,26 @@ STEP = Gesture(
     ),
     swarms=ENERGIES, treads=True,
 )  # fmt: skip
+MOST_PIECES = 256
+SHATTER = Gesture(
+    "shatter", "breaks it: it cracks and falls silent; its pieces, each as the striker, bounce until they lie still",
+    dataclasses.replace(VELOCITY, help="at which it hits what breaks it; 0 does nothing"),
+    (
+        Parameter("pieces", 1, MOST_PIECES, "", "into which it breaks", default=60.0, whole=True),
+        dataclasses.replace(HEIGHT, help="from which the pieces fall", default=0.0),
+        SPREAD,
+        SEED,
+    ),
+    fixed=("x", "y", "z"), swarms=ENERGIES, breaks=True, meets=0.2,  # of a piece on its edge, as of a disc
+)  # fmt: skip
 GESTURES = {
     gesture.name: gesture
-    for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, REST, RAIN, SHAKE, CRUMPLE, POUR, STEP)
+    for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, REST, RAIN, SHAKE, CRUMPLE, POUR, STEP, SHATTER)
 }
 
 TRAIT_NAMES = (
-    "single", "repeats", "falls", "held", "rolls", "slips", "rests", "along", "lasts", "meets", "swarms", "treads"
+    "single", "repeats", "falls", "held", "rolls", "slips", "rests", "along", "lasts", "meets", "swarms", "treads",
+    "breaks",
 )  # fmt: skip
 """Traits of gestures that kernels ask for: 1 or 0, but for `meets` and `swarms`."""
 

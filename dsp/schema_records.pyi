@@ -68,6 +68,8 @@ class Values(Record):
     press: float
     delay: float  # s
     pulses: float
+    whole: float  # kg
+    stage: float
     gravity: float  # m/s^2
     irregularity: float
     seed: float
@@ -104,6 +106,7 @@ class Values(Record):
     memory: float  # s
     height: float  # m
     crackles: float  # 1/N
+    pieces: float
 
 class Settings(Record):
     """The settings of an object."""
@@ -137,6 +140,7 @@ class Traits(Record):
     meets: float
     swarms: int
     treads: int
+    breaks: int
 
 class Counters(Record):
     """The counters as the engine holds them: see `Stats`."""

@@ -12,6 +12,10 @@ _PRESSED = Parameter(
     "press", 0, np.inf, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
 )  # fmt: skip
 _PULSES = Parameter("pulses", 0, np.inf, "", "number of the table of a swarm's pulses", default=0.0)
+_WHOLE = Parameter("whole", 0.0, np.inf, "kg", "mass of what breaks", default=0.0)
+_STAGE = Parameter(
+    "stage", 0, 2, "", "of what breaks: 0 its cracks, 1 its pieces on an object, 2 on nothing", default=0.0
+)  # fmt: skip
 _DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning to the first contact", default=0.0)
 
 _ON_SURFACE = (
@@ -23,6 +27,7 @@ SHARED = {
     each.name: each
     for each in (
         VELOCITY, *STRIKE, *POINT, BY_POSITION, *BY_POINT, *_ON_SURFACE, *_SOUND, _PRESSED, _DELAY, _PULSES,
+        _WHOLE, _STAGE,
     )
 }  # fmt: skip
 """Parameters that every gesture has, by name."""

@@ -38,6 +38,7 @@ _WATER = 1000.0 * math.pi / 6.0  # kg/m^3: mass over the diameter's cube
 _FASTEST, _SLOWING, _SLOWED = 9.65, 10.3, 600.0  # m/s, m/s, 1/m
 _NEARLY = _SLOWING / _FASTEST * math.exp(-_SLOWED * SMALLEST_DROP)
 _DROP_TIME = 0.34
+_SLOWEST = 1e-9  # m/s
 _LN2 = math.log(2.0)
 _FLAT = 1e-9  # of 1 - b: the power law is as good as even by ratios
 
@@ -53,15 +54,23 @@ def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, 
         diameter = _draw_drop(knot.scale, u, uniform(seed, i, OTHER), uniform(seed, i, VARIETY))
         v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
         scale = _DROP_TIME * diameter / v
-        mass, loss = _WATER * diameter * diameter * diameter, 0.0
-    else:
-        s = exp(knot.variety * (2.0 * uniform(seed, i, VARIETY) - 1.0)) if knot.variety > 0.0 else 1.0
-        mass, stiffness = swarm.m * s * s * s, swarm.k * math.sqrt(s)
-        v = _draw_speed(swarm.law, knot, mass, u)
-        scale = exp((log(mass / stiffness) + (1.0 - swarm.a) * log(v)) / (swarm.a + 1.0))
-        w = swarm.w if swarm.w > 0.0 else swarm.mu * v
-        loss = min(w / (1.0 + w), MOST_LOSS)
-    return place, v, mass, loss, scale * exp(known_of(table.width, loss)), scale * known_of(table.middle, loss)
+        mass = _WATER * diameter * diameter * diameter
+        return place, v, mass, 0.0, scale * exp(known_of(table.width, 0.0)), scale * known_of(table.middle, 0.0)
+    s = exp(knot.variety * (2.0 * uniform(seed, i, VARIETY) - 1.0)) if knot.variety > 0.0 else 1.0
+    mass = swarm.m * s * s * s
+    v = max(min(_draw_speed(swarm.law, knot, mass, u), math.sqrt(2.0 * swarm.store / mass)), _SLOWEST)
+    loss, width, middle = pulse_of(swarm, table, mass, math.sqrt(s), v)
+    return place, v, mass, loss, width, middle
+
+
+@kernel
+def pulse_of(swarm: Swarm, table: PulseTable, mass: float, stiffer: float, v: float) -> tuple[float, float, float]:
+    """Return the loss w/(1 + w), width and middle (s) of a grain's pulse at a speed (m/s); stiffer: than the usual one,
+    by that factor."""
+    scale = exp((log(mass / (swarm.k * stiffer)) + (1.0 - swarm.a) * log(v)) / (swarm.a + 1.0))
+    w = swarm.w if swarm.w > 0.0 else swarm.mu * v
+    loss = min(w / (1.0 + w), MOST_LOSS)
+    return loss, scale * exp(known_of(table.width, loss)), scale * known_of(table.middle, loss)
 
 
 @kernel

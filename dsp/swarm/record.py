@@ -5,12 +5,15 @@ from typing import Annotated
 import numpy as np
 
 from ..native.typed import Record, View, View2D, dtype_of, f32
+from ..schema import MOST_PIECES
 from ..sizes import CAPACITY
 
 SWARMS = 16
 """Swarms that can go on at once."""
 PLACES = 8
 """Places on an object at which the blows of a swarm fall."""
+SIZES = 12
+"""Sizes of grains that sound each by itself, where they differ."""
 KNOTS = 16
 """Changes of a swarm that are kept until its blows have come so far."""
 PULSES = 4
@@ -109,6 +112,18 @@ class Swarm(Record):
     w: float  # mu v, where a restitution was given; else 0
     grid: Annotated[View2D[f32], PLACES, GRID]
     force: Annotated[View2D[float], PLACES + 1, FORCES]  # N s: by one number a frame, and of all places
+    sized: int  # 1: its grains sound by their sizes
+    smallest: float  # ln of the smallest of these, in the usual grain's
+    finer: float  # sizes per unit of ln
+    size_grid: Annotated[View2D[f32], SIZES, GRID]
+    size_busy: Annotated[View[int], SIZES]
+    voice: Annotated[View[int], SIZES]  # that sounds, -1: none yet
+    store: float  # J: that its blows may still spend
+    pieces: int  # that fall; 0: it is of another kind
+    mass_of: Annotated[View[float], MOST_PIECES]  # kg
+    speed_of: Annotated[View[float], MOST_PIECES]  # m/s, at which each lands next
+    next_of: Annotated[View[float], MOST_PIECES]  # s, when it does; inf: it lies still
+    bounced: Annotated[View[int], MOST_PIECES]
     spare: float  # blows that may be contacts of their own now
     spared: float  # s: when that was
     blows: int  # so far

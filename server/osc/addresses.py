@@ -64,9 +64,10 @@ STRIKE: tuple[Number | Word | Vector, ...] = (
 
 _SURFACE = Word("surface", "a preset; the object's own for such a gesture, or wood, if none is given")
 _PRESS = Word("press", "the id of a press on the object: its friction feels that force, in place of its own")
+_ONTO = Word("onto", "the object on which its pieces fall; nothing that sounds, if it is not given")
 _WORDS = {
     name: (_SURFACE, *((_PRESS,) if gesture.slips else ())) for name, gesture in GESTURES.items() if gesture.along
-}
+} | {name: (_ONTO,) for name, gesture in GESTURES.items() if gesture.breaks}
 """Keys of gestures that are not numbers."""
 
 _RESTING: tuple[Number | Word | Vector, ...] = (*LAW, ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])

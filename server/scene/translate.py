@@ -30,6 +30,7 @@ from .objects import PlayedObject
 from .placing import SPACE_HANDLERS, place_object
 from .resting import rest
 from .sensing import SENSOR_HANDLERS
+from .shattering import shatter
 from .steering import CHANGE_WORK, steer
 from .touching import gathered, given_of, place_values
 from .transaction import Sent, Transaction
@@ -272,7 +273,7 @@ def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
     }
 
 
-_OF_GESTURES = {"bounce": _bounce, "roll": _roll, "slide": _slide, "rest": rest}
+_OF_GESTURES = {"bounce": _bounce, "roll": _roll, "slide": _slide, "rest": rest, "shatter": shatter}
 """Handlers of gestures whose law, velocity or surface takes more than their values."""
 
 

@@ -129,6 +129,7 @@ def say_everything(client: Client, at: float | None) -> None:
     client.crumple("a", 0.5, at=at)
     client.pour("a", 100, at=at)
     client.step("a", 700, at=at)
+    client.shatter("a", 2, at=at)
     client.rest("a", "felt", at=at)
     client.note("a", "C#4", 100, at=at)
     client.damp("a", 0.1, at=at)

@@ -34,6 +34,7 @@ MEANINGS = {
     ("object", "crumple"): "how it is crushed",
     ("object", "pour"): "how many of a striker are poured on it",
     ("object", "step"): "how somebody treads on it",
+    ("object", "shatter"): "how it breaks; `striker` is a piece",
     ("object", "partials"): "measured partials beside the shape's modes",
     ("object", "noise"): "bands of modes that are too dense to be told apart",
     ("object", "cavity"): "the air in a hollow body (Helmholtz resonator)",

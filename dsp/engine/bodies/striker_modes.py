@@ -3,7 +3,7 @@
 import math
 
 from ...native.jit import kernel
-from ...resonator.bank import Modes
+from ...resonator.bank import NYQUIST_SHARE, Modes
 from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode
 from ...resonator.simd import LANES
@@ -45,6 +45,24 @@ def resize(state: State, voice: Voice, contact: Contact) -> None:
             modes_of_voice(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
             striker.weight[0] * ratio,
         )  # fmt: skip
+
+
+@kernel
+def rescale(state: State, voice: Voice, contact: Contact, ratio: float) -> None:
+    """Retune a new voice to a grain of the striker's form that is larger by a ratio: frequencies and decays go as its
+    inverse, and so does what it is heard by a force."""
+    striker, modes = state.strikers[contact.sound], modes_of_voice(voice)
+    for i in range(striker.size):
+        frequency, sigma = striker.frequency[i] / ratio, striker.sigma[i] / ratio
+        weight = striker.weight[i] * ratio
+        if i < striker.clicks:
+            if i == 0:
+                set_click(modes, i, frequency, sigma, state.rate, weight)
+        elif 0.0 < frequency < 0.5 * NYQUIST_SHARE * state.rate:
+            turned = complex(-sigma / (2.0 * math.pi * frequency), 1.0)
+            set_mode(modes, i, frequency, sigma, state.rate, weight * turned)
+        else:
+            set_mode(modes, i, 0.0, 0.0, state.rate, 0.0j)
 
 
 @kernel

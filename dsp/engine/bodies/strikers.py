@@ -18,12 +18,13 @@ from ...numerics.legendre import FALL, MOMENTS, RISE
 from ...numerics.random import STEP, mixed
 from ...resonator.bank import Modes, Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
 from ...resonator.simd import LANES
+from ...swarm.record import SIZES
 from ..memory.quality import silence_of
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, ROLLING, Object, State
 from ..memory.striker_state import VOICES, Striker, Voice
 from ..output.fade import fade_length, going_on, left_of, pace_of, tilt_of
-from .striker_modes import become, modes_of_voice, resize
+from .striker_modes import become, modes_of_voice, rescale, resize
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
 _FINE = 2.0**40  # steps per m/s in which a velocity is told from another
@@ -69,6 +70,28 @@ def press_striker(state: State, contact: Contact) -> None:
         _take_voice(state, contact, False)
         if contact.voice >= 0:
             state.voices[contact.voice].driven = 1
+
+
+@noinline_kernel
+def sound_grains(state: State, contact: Contact, size: int, ratio: float, row: int) -> None:
+    """Drive the voice of a swarm's grains of one size, by a row of forces, if it has one or one is free; ratio: to the
+    striker's own size."""
+    if not _sounds(state, contact):
+        return
+    swarm, owner = state.swarms[contact.swarm], contact.number * SIZES + size + 1
+    if swarm.voice[size] < 0 or state.voices[swarm.voice[size]].owner != owner:
+        kept, contact.voice = contact.voice, -1
+        _take_voice(state, contact, False)
+        taken, contact.voice = contact.voice, kept
+        if taken < 0:
+            return
+        swarm.voice[size] = taken
+        state.voices[taken].contact, state.voices[taken].owner = -1, owner
+        rescale(state, state.voices[taken], contact, ratio)
+    voice = state.voices[swarm.voice[size]]
+    voice.driven, voice.roll = 1, row
+    mass = contact.m / contact.trait.meets * ratio * ratio * ratio
+    voice.share[0] = contact.now.gain * state.objects[voice.slot].level / mass
 
 
 @kernel
@@ -127,6 +150,7 @@ def _take_voice(state: State, contact: Contact, needed: bool) -> None:
     voice.next = obj.voice
     obj.voice = index
     voice.contact = contact.index
+    voice.owner = 0
     contact.voice = index
     voice.roll = -1
     voice.driven = 0
@@ -318,5 +342,6 @@ def _free(state: State, obj: Object, before: int, index: int) -> None:
         state.voices[before].next = voice.next
     if voice.contact >= 0:
         state.contacts[voice.contact].voice = -1
+    voice.owner = 0
     state.voices_active -= 1
     state.free_voice[VOICES - 1 - state.voices_active] = index

@@ -14,13 +14,25 @@ from ...native.typed import View
 from ...numerics.constants import STANDARD_GRAVITY
 from ...resonator.fed import REACH
 from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
-from ...swarm.blows import NARROWEST, ROLL_OFF, draw_blow, known_of, yielding
+from ...swarm.blows import NARROWEST, ROLL_OFF, draw_blow, known_of, pulse_of, yielding
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import HALF, LEAST, find_force, find_moments, lay_pulse, move_on
-from ...swarm.record import BACK, BANDS, FORCES, GRID, OCTAVES, PLACES, SWARMS, WIDTHS, Knot, Swarm
-from ...swarm.times import add_knot, drop_knots, on_lattice, take_blow
+from ...swarm.pieces import (
+    BOUNCES,
+    CRACK,
+    CRACKING,
+    CRACKS,
+    JUNCTIONS,
+    STRONGEST,
+    bounce_piece,
+    break_up,
+    number_of,
+    size_of,
+)
+from ...swarm.record import BACK, BANDS, FORCES, GRID, OCTAVES, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
+from ...swarm.times import PLACE, SIZE, add_knot, drop_knots, on_lattice, take_blow, uniform
 from ..bodies.objects import frequency_of, is_felt, shape_at
-from ..bodies.strikers import roll_striker
+from ..bodies.strikers import roll_striker, sound_grains
 from ..bodies.surface import has_moved, keep_spot, put
 from ..memory.commands import NUMBERS, Event
 from ..memory.records import Contact, ContactPoint
@@ -85,13 +97,39 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     if contact.trait.treads == 1:
         swarm.duration = values.duration
         contact.until = contact.gone_at = contact.origin + swarm.duration * state.rate
+    swarm.pieces, swarm.store = 0, math.inf
+    swarm.sized = int(contact.sound >= 0 and values.variety > 0.0)
+    swarm.smallest, swarm.finer = -math.log(2.0), (SIZES - 1) / (2.0 * math.log(2.0))
+    for c in range(SIZES):
+        swarm.size_busy[c], swarm.voice[c] = 0, -1
+        for n in range(GRID):
+            swarm.size_grid[c, n] = 0.0
+    if contact.trait.breaks == 1:
+        _break(state, contact, event)
     _add_knot(swarm, contact, 0.0)
+
+
+@kernel
+def _break(state: State, contact: Contact, event: Event) -> None:
+    """Begin the cracks of what breaks, or the fall of its pieces."""
+    values, swarm = event.values, state.swarms[contact.swarm]
+    if values.stage > 0.0:
+        swarm.places = swarm.places if values.stage == 1.0 else 0
+        break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height)
+        swarm.smallest += math.log(contact.trait.meets) / 3.0
+        swarm.sized = int(contact.sound >= 0)
+        return
+    swarm.store = CRACKS * 0.5 * values.whole * values.velocity * values.velocity
+    swarm.m *= CRACK
+    contact.until = contact.gone_at = contact.origin + CRACKING * state.rate
+    contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 4.0
+    contact.target.rate = 2.0 * JUNCTIONS * values.pieces / CRACKING
 
 
 @kernel
 def has_run_out(contact: Contact) -> bool:
     """True if a swarm that lasts for a time of its own has not been stopped before."""
-    return contact.trait.treads == 1 and contact.until >= contact.gone_at
+    return contact.trait.treads + contact.trait.breaks > 0 and contact.until >= contact.gone_at
 
 
 @kernel
@@ -124,6 +162,10 @@ def _asked_of(swarm: Swarm, contact: Contact, time: float) -> tuple[float, float
         return asked.rate, 0.0, asked.speed
     if swarm.law == FALLS:
         return asked.rate, 0.0, math.sqrt(2.0 * STANDARD_GRAVITY * asked.height)
+    if contact.trait.breaks == 1:
+        if swarm.pieces > 0 or time >= CRACKING:
+            return 0.0, 0.0, 0.0
+        return asked.rate * (1.0 - time / CRACKING), -asked.rate / CRACKING, asked.energy
     if swarm.duration > 0.0:
         rate, slope = course_at(swarm, time)
         whole = min(CHANGE * asked.force * asked.crackles, MOST_BLOWS / FASTEST * swarm.duration)
@@ -144,6 +186,8 @@ def _follow_course(swarm: Swarm, contact: Contact, until: float) -> None:
 def steer_swarm(state: State, contact: Contact, time: float) -> None:
     """Give a swarm's blows from a time (samples) on the law that is asked for now."""
     swarm = state.swarms[contact.swarm]
+    if contact.trait.breaks == 1:
+        return
     since = max((max(time, float(state.position)) - contact.origin) / state.rate, 0.0)
     _follow_course(swarm, contact, since)
     _add_knot(swarm, contact, since)
@@ -174,12 +218,17 @@ def swarm_on(state: State, index: int) -> bool:
     swarm, obj = state.swarms[contact.swarm], state.objects[contact.point[0].slot]
     update_mode_count(state, contact)
     begin = max((state.position - contact.origin) / state.rate, 0.0)
-    _follow_ramp(swarm, contact, begin, QUANTUM / state.rate)
+    if contact.trait.breaks == 0:
+        _follow_ramp(swarm, contact, begin, QUANTUM / state.rate)
     _spread_out(state, swarm, contact, obj)
     until = (state.position + QUANTUM + LOOK - swarm.lead - contact.origin) / state.rate
     if contact.until < math.inf:
         until = min(until, on_lattice((contact.until - contact.origin) / state.rate))
-    _draw_blows(state, contact, swarm, until)
+    swarm.impulse = 0.0
+    if swarm.pieces > 0:
+        _drop_pieces(state, contact, swarm, until)
+    else:
+        _draw_blows(state, contact, swarm, until)
     drop_knots(swarm, until)
     _make_force(state, contact, swarm)
     obj.live = max(obj.live, contact.point[0].modes)
@@ -187,7 +236,10 @@ def swarm_on(state: State, index: int) -> bool:
     obj.driven_gain = max(obj.driven_gain, contact.now.gain)
     contact.point[0].next_roll = obj.rolls_head
     obj.rolls_head = 2 * index
-    roll_striker(state, contact)
+    if swarm.sized == 1:
+        _sound_sizes(state, contact, swarm)
+    else:
+        roll_striker(state, contact)
     return state.position > contact.until + swarm.lead + GRID
 
 
@@ -230,26 +282,79 @@ def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: Vie
 @noinline_kernel
 def _draw_blows(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
     """Lay a swarm's blows up to a time (s from its beginning) onto its grids."""
-    table, rate = state.pulses.tables[swarm.table], state.rate
-    here = contact.origin - state.position + swarm.lead
-    widest = LEAST * 2.0**OCTAVES / rate
-    swarm.impulse = 0.0
+    table = state.pulses.tables[swarm.table]
     for _ in range(_MOST):
         if not take_blow(swarm, until):
             break
         where, v, mass, loss, width, middle = draw_blow(swarm, swarm.knots[0], table)
+        swarm.store -= 0.5 * mass * v * v
+        _lay_blow(state, contact, swarm, (swarm.time, swarm.index - 1, where), (v, mass, loss, width, middle))
+
+
+@noinline_kernel
+def _drop_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
+    """Lay the blows of pieces that land up to a time (s from the beginning); where all lie still, the swarm is over."""
+    table = state.pulses.tables[swarm.table]
+    left = False
+    for p in range(swarm.pieces):
+        for _ in range(BOUNCES):
+            if not swarm.next_of[p] < until:
+                break
+            number, mass, v = number_of(swarm, p), contact.trait.meets * swarm.mass_of[p], swarm.speed_of[p]
+            where = int(uniform(swarm.random, number, PLACE) * swarm.places)
+            loss, width, middle = pulse_of(swarm, table, mass, math.exp(0.5 * size_of(swarm, mass)), v)
+            _lay_blow(state, contact, swarm, (swarm.next_of[p], number, where), (v, mass, loss, width, middle))
+            bounce_piece(swarm, p, known_of(table.momentum, loss) - 1.0)
+        left = left or swarm.next_of[p] < math.inf
+    if not left and contact.until == math.inf:
+        contact.until = contact.gone_at = float(state.position + QUANTUM)
+
+
+@kernel
+def _lay_blow(
+    state: State, contact: Contact, swarm: Swarm, at: tuple[float, int, int],
+    blow: tuple[float, float, float, float, float],
+) -> None:  # fmt: skip
+    """Lay a blow onto the grids, or make it a contact of its own; at: its time (s from the beginning), its number for
+    random numbers, and its place; blow: speed, mass, loss, width and middle."""
+    time, number, where = at
+    v, mass, loss, width, middle = blow
+    table, rate = state.pulses.tables[swarm.table], state.rate
+    ratio, shorter, asked = 1.0, width, 0.0
+    if swarm.places > 0:
         ratio, shorter, asked = yielding(swarm, where, mass, width)
-        swarm.energy += 0.5 * mass * v * v
-        if asked > HEAVY and _may_be_contact(state, swarm):
-            _become_contact(state, contact, swarm.position[where], v, mass)
-            continue
-        state.stats.impacts += 1
-        held = min(shorter, widest)
-        at = here + (swarm.time + middle * held / width) * rate + _EARLY
-        momentum = known_of(table.momentum, loss) * ratio * mass * v
-        end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], at, held * rate, loss, momentum)
+    swarm.energy += 0.5 * mass * v * v
+    if asked > HEAVY and swarm.pieces == 0 and _may_be_contact(state, swarm):
+        _become_contact(state, contact, swarm.position[where], v, mass)
+        return
+    state.stats.impacts += 1
+    held = min(shorter, LEAST * 2.0**OCTAVES / rate)
+    begun = contact.origin - state.position + swarm.lead + (time + middle * held / width) * rate + _EARLY
+    momentum = known_of(table.momentum, loss) * ratio * mass * v
+    if swarm.places > 0:
+        end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], begun, held * rate, loss, momentum)
         swarm.busy[where] = max(swarm.busy[where], end)
-        swarm.impulse += momentum
+    if swarm.sized == 1:
+        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + uniform(swarm.random, number, SIZE)
+        c = min(max(int(at_size), 0), SIZES - 1)
+        alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass  # it moves as fast as it would
+        end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], begun, held * rate, loss, alike * momentum)
+        swarm.size_busy[c] = max(swarm.size_busy[c], end)
+    swarm.impulse += momentum
+
+
+@kernel
+def _sound_sizes(state: State, contact: Contact, swarm: Swarm) -> None:
+    """Drive the voices of a swarm's grains, size by size."""
+    force = swarm.force[0]
+    for c in range(SIZES):
+        if swarm.size_busy[c] > 0:
+            find_force(swarm.size_grid[c], force)
+            move_on(swarm.size_grid[c], QUANTUM)
+            swarm.size_busy[c] -= QUANTUM
+            row = contact.roll + 1 + PLACES + c
+            find_moments(force, state.feeds[row, BEHIND:], state.scratch.work)
+            sound_grains(state, contact, c, math.exp(swarm.smallest + c / swarm.finer), row)
 
 
 @kernel

@@ -23,7 +23,7 @@ from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits
 from ...sizes import CAPACITY
 from ...spectral.layout import PHASES, REGION, Spectral
-from ...swarm.record import PLACES, SWARMS, Pulses, Swarm
+from ...swarm.record import PLACES, SIZES, SWARMS, Pulses, Swarm
 from .capacity import MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
 from .clock import Clock
 from .commands import Budget, Event, Method
@@ -41,8 +41,8 @@ CONTACTS = CAPACITY.contacts
 EVENTS = CAPACITY.events
 RING = CAPACITY.ring
 ROLLS = CAPACITY.rolls
-ROWS_OF_SWARM = PLACES + 1
-"""Rows of forces that a swarm has, after those of rolls: of all of its places together, and of each."""
+ROWS_OF_SWARM = 1 + PLACES + SIZES
+"""Rows of forces that a swarm has, after those of rolls: of all of its places together, of each, and of each size."""
 DRIVEN = ROLLS + SWARMS * ROWS_OF_SWARM
 """Forces that go on, of rolls and of swarms."""
 COUPLED_SHEETS = 8

@@ -50,6 +50,7 @@ class Voice(_Bank):
     slot: int  # of the object struck
     next: int  # of the object's list of voices, -1: none
     contact: int  # that drives it, -1: none any more
+    owner: int  # number of the swarm's contact and size whose grains it is, 0: none
     roll: int  # that drives it in this quantum, -1: none
     driven: int  # 1: a force acted on it in this quantum
     loudness: float  # sum of squares of the last quantum

@@ -25,6 +25,7 @@ def swarm(law=SPEEDS, seed=1, rate=1000.0, **keys):
     """Return a swarm with one knot."""
     record = np.zeros(1, SWARM)[0]
     record["law"], record["random"], record["places"], record["memory"] = law, seed, 8, 1.0
+    record["store"] = math.inf
     record["m"], record["k"], record["a"] = 1e-3, 1e9, 1.5
     knot = knot_at(record, 0.0)
     knot["rate"], knot["memory"] = rate, 1.0

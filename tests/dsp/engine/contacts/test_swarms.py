@@ -153,6 +153,33 @@ def test_a_step_crackles_as_the_force_of_a_foot_changes():
     assert np.diff([0, *counts]) == pytest.approx(expected, rel=0.06)
 
 
+SHATTER = {"velocity": 3.0, "pieces": 80.0, "whole": 0.1, "height": 0.1, "seed": 7, "spread": 0.0}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", [0.0, 1.0])
+def test_what_breaks_does_so_alike_at_any_sampling_rate_and_spends_no_more_than_it_has(stage):
+    """Cracks have a quarter of the energy of what hits; pieces land with as much at most and that of their fall."""
+    found, bands = [], []
+    for rate in (44_100.0, 48_000.0, 96_000.0):
+        sound, engine = swarmed("shatter", {**SHATTER, "stage": stage}, rate, 2.5)
+        assert engine.ended() == [(7, End.RESTED)] and not engine.state[0]["swarms"]["used"].any()
+        swarm = engine.state[0]["swarms"][0]
+        found.append((*drawn(engine), engine.stats.impacts, *swarm["next_of"], *swarm["mass_of"]))
+        bands.append(third_octaves(sound, rate))
+    assert found[1] == found[0] == found[2]
+    hit = 0.25 * 0.5 * 0.1 * 3.0**2
+    assert found[0][3] <= hit * (1 + 1e-9) if stage == 0.0 else found[0][3] > 0.0
+    assert found[0][4] > (100 if stage == 0.0 else 160)
+    assert np.abs(np.array(bands) - bands[0]).max() < 0.2
+
+
+def test_pieces_take_no_more_energy_to_an_object_than_they_bring():
+    modes = plate(40, 1e-3, t60=100.0)
+    _, engine = swarmed("shatter", {**SHATTER, "stage": 1.0}, modes=modes, seconds=1.5)
+    assert 0.0 < energy_of(engine) < drawn(engine)[3]
+
+
 def test_a_swarm_pauses_at_a_rate_of_0_and_goes_on():
     events = [steer(7, "rate", 0.0, 0.2), steer(7, "rate", 2000.0, 0.6)]
     _, engine = swarmed("shake", SHAKE, seconds=0.55, events=events)

@@ -38,6 +38,7 @@ NEEDED = {
     "crumple": ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "seed"),
     "pour": ("mass", "stiffness", "dissipation", "exponent", "position", "rate", "seed"),
     "step": ("mass", "stiffness", "dissipation", "exponent", "position", "force", "seed"),
+    "shatter": ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
     Kind.METHOD: ("method", "correction", "oversampling"),
 }
 """The values that have no default."""
@@ -45,7 +46,19 @@ NEEDED = {
 every_record = pytest.mark.parametrize("kind", RECORDS, ids=str)
 
 ALL = {
-    *("velocity", "by_position", "restitution", "gain", "sound", "sound_serial", "press", "delay", "pulses"),
+    *(
+        "velocity",
+        "by_position",
+        "restitution",
+        "gain",
+        "sound",
+        "sound_serial",
+        "press",
+        "delay",
+        "pulses",
+        "whole",
+        "stage",
+    ),
     *("x", "y", "z", "by_x", "by_y", "by_z", "on_surface", "by_on_surface"),
 }
 """Values of any gesture that it need not be given."""

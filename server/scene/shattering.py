@@ -1,0 +1,63 @@
+"""Objects that break: each cracks and falls silent, and its pieces fall on another, or on nothing that sounds."""
+
+from ...dsp.engine.memory.commands import Command, Kind
+from ...dsp.runtime.engine import NOW
+from ...dsp.schema import GAIN, HEIGHT
+from ..osc.arguments import Refused, shown
+from .contact_law import law_of
+from .limits import require_short
+from .object_call import ObjectCall
+from .objects import PlayedObject
+from .transaction import Sent
+
+
+def shatter(to: ObjectCall) -> None:
+    """Break an object: its cracks are a gesture without an id, its pieces have that of the message."""
+    values, engine = to.values, to.transaction.engine
+    velocity = values.number("velocity")
+    if "by" in values.words:
+        raise Refused(f"by = {values.words['by']}: nothing but the speed breaks {to.name}; expected a striker")
+    if "point" in values.vectors:
+        raise Refused("point: cracks and pieces are all over; expected position and spread")
+    if velocity == 0.0:
+        to.end_at_once()
+        return
+    law, onto = law_of(to, None), _onto(to)
+    require_short(velocity, law)
+    number = to.start(to.id(to.transaction.gestures.made_for))
+    motion = {
+        **law._asdict(),
+        **engine.lay_out_pulses(law.exponent),
+        "velocity": velocity,
+        "whole": to.obj.modes.mass,
+        "pieces": values.number("pieces"),
+        "height": values.number(HEIGHT.name),
+        "position": values.numbers.get("position", 0.5),
+        "spread": values.number("spread"),
+        "gain": GAIN.in_engine(values.number("gain")),
+        "seed": to.seed(number),
+    }
+    sound = None if to.is_point_mass else to.transaction.laws.sound_of(to.striker)
+    pieces = {**motion, **(engine.lay_out_striker(sound) if sound else {}), "stage": 1.0 if onto else 2.0}
+    _add(to, to.obj, Command(NOW, "shatter", values=motion))
+    _add(to, onto or to.obj, Command(NOW, "shatter", gesture=number, values=pieces))
+    _add(to, to.obj, Command(NOW, Kind.SET, value=1.0, parameter="damp"))
+
+
+def _onto(to: ObjectCall) -> PlayedObject | None:
+    """Return the object on which the pieces fall, if the message names one."""
+    if "onto" not in to.values.words:
+        return None
+    name = to.values.words["onto"]
+    found = to.object_named(name)
+    if found is None:
+        raise Refused(f"onto = {shown(name)}: expected another object that is there")
+    return found
+
+
+def _add(to: ObjectCall, obj: PlayedObject, command: Command) -> None:
+    """Add a command to an object, for when that is there."""
+    transaction = to.transaction
+    time = max(transaction.time, transaction.objects.start_of(obj, transaction.time))
+    sent = Sent(to.canonical, obj.handle.serial, 0, command.values.get("mass", 0.0))
+    transaction.add(command._replace(time=time, handle=obj.handle), sent)
