@@ -307,7 +307,8 @@ def _meant(address: str) -> list[str]:
     if not 1 <= len(given) <= 3:
         return []
     whole = [verb for verb in VERBS if _are_near(given, verb.split("/")[1:])]
-    acting = [verb for verb in _TARGETED.values() if near(given[-1], [verb.action])]
+    exact = [verb for verb in _TARGETED.values() if verb.action == given[-1]]
+    acting = exact or [verb for verb in _TARGETED.values() if near(given[-1], [verb.action])]
     there = [verb for verb in acting if len(given) > 1 and near(given[0], [verb.address.split("/")[1]])]
     if len(given) == 3 and any(given[0] == container for container, _ in _TARGETED):  # it was not misspelt
         acting = [verb for verb in acting if verb.action == given[-1]]

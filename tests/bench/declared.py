@@ -10,7 +10,7 @@ from carom.presets.schema import SHAPES as OBJECT_SHAPES
 from carom.presets.values import Choice, Quantity, Whole
 from carom.server.bridge.shapes import SHAPES as BODY_SHAPES
 from carom.server.osc.addresses import VERBS
-from carom.server.osc.arguments import Either, Key, Note, Number, Numbers, Word
+from carom.server.osc.arguments import Either, Key, Note, Number, Numbers, Vector, Word
 from carom.server.osc.wire import Argument, Message
 
 PRESETS = Presets()
@@ -57,6 +57,8 @@ def argument(chance: random.Random, key: Key) -> Argument:
     if isinstance(key, Number):
         low, high = key.useful if key.useful and chance.random() < 0.7 else (key.low, key.high)
         return float(round(between(chance, low, high))) if key.whole else between(chance, low, high)
+    if isinstance(key, Vector):
+        return tuple(argument(chance, axis) for axis in key.axes)
     assert isinstance(key, Word)
     if key.name in KINDS:
         return chance.choice(sorted(PRESETS.names(KINDS[key.name])))

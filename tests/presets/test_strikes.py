@@ -22,13 +22,14 @@ def test_a_default_strike_meets_no_node_of_the_first_modes(name):
     """Each moves there by a good part of what it moves elsewhere on the path, and the path lies on no nodal line."""
     preset = PRESETS.object(name)
     modes = preset.modes(20_000)
-    own = (np.ptp(modes.strike, axis=0) > 0) | (len(modes.strike) == 1)  # what is added moves alike everywhere
-    loud = np.hypot(*modes.pressure) * np.abs(modes.strike).max(axis=0)
+    shapes = modes.along
+    own = (np.ptp(shapes, axis=0) > 0) | (len(shapes) == 1)  # what is added moves alike everywhere
+    loud = np.hypot(*modes.pressure) * np.abs(shapes).max(axis=0)
     first = np.flatnonzero(own & (modes.frequency >= LOWEST))[:FIRST]
     first = first[loud[first] > HEARD * loud.max()]
-    path = np.abs(modes.strike[:, first])
+    path = np.abs(shapes[:, first])
     places = np.linspace(0, 1, len(path))
-    there = np.abs([np.interp(preset.position, places, column) for column in modes.strike[:, first].T])
+    there = np.abs([np.interp(preset.position, places, column) for column in shapes[:, first].T])
     if len(path) == 1:
         there = path[0]
     assert np.all(there > SHARE * path.max(axis=0))

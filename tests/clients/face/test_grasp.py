@@ -70,8 +70,9 @@ def linear_decays(world, free=False):
 
 def at(modes, position):
     """Return the shapes of modes at a position on the strike path."""
-    place = position * (len(modes.strike) - 1)
-    return np.array([np.interp(place, np.arange(len(modes.strike)), shape) for shape in modes.strike.T])
+    shapes = modes.along
+    place = position * (len(shapes) - 1)
+    return np.array([np.interp(place, np.arange(len(shapes)), shape) for shape in shapes.T])
 
 
 @pytest.fixture(scope="module")
