@@ -267,6 +267,7 @@ SHAPES: Mapping[str, Shape] = {
             "dome": Quantity(0, 1, "m"),
             "nonlinear_modes": Whole(0, MOST_COUPLED),
             "edge": Choice(DISC_EDGES),
+            "felt": Quantity(0, 0.2, "m"),
             **ROUND,
             "baffle": BAFFLE,
         },

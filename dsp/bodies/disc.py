@@ -11,6 +11,7 @@ import numpy as np
 from . import acceleration
 from .air import plate_mass
 from .dome import SHALLOW, Waves, domed
+from .felts import felt_losses
 from .heard import BAFFLES, heard, loaded
 from .karman import MOST, MOST_SCATTERED, Sheet, mixing
 from .material import Array, Material
@@ -42,6 +43,7 @@ def disc(
     dome: float = 0.0,
     nonlinear_modes: int = 0,
     edge: str = "free",
+    felt: float = 0.0,
     split: float = 0.0,
     imperfection: float = 20.0,
     baffle: str = "free",
@@ -50,17 +52,19 @@ def disc(
 
     radius and thickness in m; dome (m): the rise of the centre over the edge, which is free, as of a shallow parabolic
     cap (dome.py), on which the air acts as on the flat disc at the cap's frequencies; nonlinear_modes: how many of the
-    lowest modes are coupled by the plate's stretching (karman.py), which no edge holds in its plane; top in Hz; the
-    strike path is a diameter, from edge (0) over the centre (0.5) to edge (1); split and imperfection as in
-    `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2)
-    sqrt(D/(rho h)), lambda the roots of the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration
-    of Plates, NASA SP-160, 1969), lowered by the air.
+    lowest modes are coupled by the plate's stretching (karman.py), which no edge holds in its plane; felt (m): the
+    radius of felts at the centre (felts.py), 0 for none; top in Hz; the strike path is a diameter, from edge (0) over
+    the centre (0.5) to edge (1); split and imperfection as in `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError
+    names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of the edge's two conditions
+    on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969), lowered by the air.
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
     require_choice("baffle", baffle, BAFFLES)
     if nonlinear_modes:
         _require_coupled(nonlinear_modes, split)
+    if not 0 <= felt <= radius:
+        raise ValueError(f"felt = {felt}: expected 0 to {radius:g}, the radius")
     areal = material.density * thickness
     rigidity = material.contact_modulus * thickness**3 / 12
     unit = math.sqrt(rigidity / areal) / (2 * math.pi * radius**2)
@@ -76,7 +80,7 @@ def disc(
         return waves.scale[mode] * _plate_shapes(every, steps)[:, mine[mode]]
 
     surface = Round(radius, areal, baffle, every, mine, waves.scale)
-    body = _Round(unit * root**2, mass, surface, flat, unit * limit**2, most=most)
+    body = _Round(unit * root**2, mass, surface, flat, unit * limit**2, most=most, felt=felt / radius)
     stiffness = 4 * material.youngs_modulus * thickness * (dome / radius) ** 2
     parts: list[tuple[Indices, Array]] = []
     if dome:
@@ -197,7 +201,8 @@ class _Round(NamedTuple):
     """A round body: its modes' frequencies without air (Hz, (k,)), and its mass (kg).
 
     radial: how many radii and modes by number (k,) -> their mass-normalised radial shapes at `_radii`, (p, k). complete
-    (Hz): of a plate, up to where these are all that there are. most: of the modes that are kept.
+    (Hz): of a plate, up to where these are all that there are. most: of the modes that are kept. felt: radius of
+    felts at the centre over the body's.
     """
 
     frequency: Array
@@ -207,6 +212,7 @@ class _Round(NamedTuple):
     complete: float | None = None
     sheet: Callable[[Indices, Array, Array, Indices, Indices], Sheet] | None = None
     most: int = MOST_MODES
+    felt: float = 0.0
 
 
 def _enough(members: int, most: int = MOST_MODES) -> float:
@@ -238,6 +244,9 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
     sign = along[-1] * np.cos(angle * each - phase[keep])
     shapes = _across(along[:-1], each, phase[keep])
     made = heard(material, frequency[keep], air.resistance[base][member], (shapes, sign), body.mass)
+    if body.felt > 0:
+        lost = felt_losses(body.felt, made.frequency, each, _radii(steps)[:-1], along[:-1])
+        made = replace(made, decay=made.decay + lost)
     if body.sheet is not None:
         cosine, sine = _members(order[near], which, keep)
         made = replace(made, sheet=body.sheet(near, air.shrinking, air.frequency, cosine, sine))

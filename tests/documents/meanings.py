@@ -152,6 +152,7 @@ MEANINGS = {
     ("plate", "path_from"): "beginning of the strike path, as shares of the sides",
     ("plate", "path_to"): "end of the strike path",
     ("disc", "dome"): "rise of the centre over the edge, which is free: up to a quarter of the radius; 0 if not given",
+    ("disc", "felt"): "radius of felts that hold it at its centre, as on a cymbal's stand; 0 if not given",
     ("disc", "nonlinear_modes"): "how many of the lowest modes stretching couples where the plate swings far; 0 if not "
     "given; needs a `split`",
     ("disc", "edge"): "",
