@@ -8,7 +8,7 @@ energy of a mode, n modes per Hz, thickness h, mass M, Poisson's ratio nu,
 
 f_R is the frequency at which a dome's ring stretches, 0 of a flat plate. Where Humbert's E is local, <E> is the mean
 over all modes up to there: long waves bend short ones. Both numbers are from plates of 250 coupled modes beside the
-same with 510 (tests/bench/cascade.py).
+same with 510.
 
 It is made of turns. At each exchange the modes lie in blocks, each of a share `span` of the modes below it, in turn a
 lower and an upper one. Two velocities at a time, one of either, turn by an angle a: cos(a) v + sin(a) u and cos(a) u -
