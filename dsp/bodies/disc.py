@@ -211,13 +211,13 @@ class _Round(NamedTuple):
     radial: Callable[[int, Indices], Array]
     complete: float | None = None
     sheet: Callable[[Indices, Array, Array, Indices, Indices], Sheet] | None = None
-    most: int = MOST_MODES
+    most: int | None = None
     felt: float = 0.0
 
 
-def _enough(members: int, most: int = MOST_MODES) -> float:
+def _enough(members: int, most: int | None = None) -> float:
     """Return a k R below which so many modes lie surely: there are about (k R)^2 / 8 of each member."""
-    return math.sqrt(8 * most / members) + 8
+    return math.sqrt(8 * (most or MOST_MODES) / members) + 8
 
 
 _RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1))
@@ -227,7 +227,7 @@ _RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1))
 def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Modes:
     order, root = body.surface.order, body.surface.root
     near = np.argsort(body.frequency, kind="stable")
-    near = near[body.frequency[near] <= _NEARLY * top][: body.most]
+    near = near[body.frequency[near] <= _NEARLY * top][: body.most or MOST_MODES]
     alone = body.frequency[near]
     if not near.size:
         audible(alone, top)  # says so

@@ -103,8 +103,9 @@ def ascending(frequency: Array) -> Indices:
     return np.argsort(np.round(np.log(np.maximum(frequency, _LEAST)), 9), kind="stable")
 
 
-def audible(frequency: Array, top: float, most: int = MOST_MODES) -> Indices:
-    """Return indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most so many.
+def audible(frequency: Array, top: float, most: int | None = None) -> Indices:
+    """Return indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most `most`, MOST_MODES
+    if not given.
 
     Silent if there is none.
     """
@@ -112,7 +113,7 @@ def audible(frequency: Array, top: float, most: int = MOST_MODES) -> Indices:
     heard = order[(frequency[order] >= LOWEST_FREQUENCY) & (frequency[order] <= top)]
     if not heard.size:
         raise Silent(top)
-    return heard[:most]
+    return heard[: most or MOST_MODES]
 
 
 def loudest(modes: Modes, count: int) -> Modes:
