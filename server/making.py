@@ -1,6 +1,6 @@
-"""Makes the objects and bodies that packets ask for, in a thread of its own.
+"""Makes the objects, bodies and tables of pulses that packets ask for, in a thread of its own.
 
-A gong takes 0.1 s, in which others want answers.
+A gong takes 0.1 s, a table a second, in which others want answers.
 """
 
 import math
@@ -8,14 +8,15 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from ..dsp.engine.memory.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
+from ..dsp.swarm.tables import pulse_table
 from ..presets import PresetError, Presets
 from .bridge.wire import BODY, new_body
 from .new_object import NEW, new_object
-from .new_pulses import new_pulses, wants_pulses
 from .osc.addresses import Call
 from .osc.arguments import Refused
 from .tidying import PERIOD, tidy
@@ -38,26 +39,33 @@ _LONGEST_END = 1.0  # s that the end of the server waits for an object that is b
 
 def makes(call: Call) -> bool:
     """True if a call asks for something to be made."""
-    return call.verb is not None and (call.verb.address in _MAKERS or wants_pulses(call))
+    return call.verb is not None and call.verb.address in _MAKERS
 
 
 class Making:
-    """The objects and bodies that the calls of a packet ask for. Once it is done, `made` has each, or the error that it
-    met, by the identity of its call."""
+    """The objects and bodies that the calls of a packet ask for, and tables of pulses. Once it is done, `made` has each
+    object and body, or the error that it met, by the identity of its call."""
 
-    def __init__(self, calls: Sequence[Call]) -> None:
+    def __init__(self, calls: Sequence[Call], exponents: Sequence[float] = ()) -> None:
+        """Prepare to make what calls ask for, and the tables of some exponents, as `pulse_table` takes them."""
         self.made: dict[int, Made] = {}
         self.bytes = 0
         """Bytes of mode shapes of those that were made."""
         self._left = deque(enumerate(calls))
+        self._exponents = deque(exponents)
 
     @property
     def done(self) -> bool:
         """True if all are made."""
-        return not self._left
+        return not (self._left or self._exponents)
 
     def make_next(self, presets: Presets, top: float) -> None:
         """Make the next one, with modes up to `top` (Hz)."""
+        if self._exponents:
+            with suppress(Exception):  # it is met again by who carries the call out
+                pulse_table(self._exponents[0])
+            self._exponents.popleft()
+            return
         place, call = self._left[0]
         made: Made
         if place >= OBJECTS or self.bytes > _MOST_BYTES:
@@ -74,7 +82,7 @@ def _made(call: Call, presets: Presets, top: float) -> "Made":
     """Make what a call asks for, or return the error: whoever carries the call out meets it again."""
     assert call.verb
     try:
-        return _MAKERS.get(call.verb.address, new_pulses)(call, presets, top)
+        return _MAKERS[call.verb.address](call, presets, top)
     except (Refused, PresetError) as error:
         return error.with_traceback(None)  # whose frames hold those who keep the error: a circle
     except Exception as error:  # a fault, which is told with its place
@@ -87,7 +95,7 @@ def _until(due: float) -> float | None:
 
 
 class Maker:
-    """A thread that makes objects and bodies, one after the other; packets take turns. `close` it."""
+    """A thread that makes what packets ask for, one after the other; packets take turns. `close` it."""
 
     def __init__(self, presets: Presets, top: float, finished: Callable[[], object]) -> None:
         """Start idle. top: Hz, of the modes. finished: called in the thread whenever all that a packet asks for is

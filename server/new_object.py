@@ -29,7 +29,10 @@ def new_object(call: Call, presets: Presets, top: float) -> NewObject:
     """
     values = VERBS[NEW].parse(call.message.args)
     preset = changed(presets, values)
-    return NewObject(preset, preset.modes(top))
+    modes = preset.modes(top)
+    if modes.sheet:
+        modes.sheet.laid_out(top)  # which is kept, and may take longer than the modes
+    return NewObject(preset, modes)
 
 
 def changed(presets: Presets, values: Values) -> ObjectPreset:

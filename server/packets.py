@@ -41,6 +41,8 @@ class Packet:
     """Objects and bodies that are made, by the identity of their calls."""
     kept: list[Call] = field(default_factory=list)
     """All its calls: `made` goes by their identities, which no others may take while it is carried out."""
+    tables: set[float] = field(default_factory=set)
+    """Exponents of the tables of pulses that were made for it."""
     begun: bool = False
     """True if a part of it was carried out."""
 

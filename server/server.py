@@ -34,6 +34,7 @@ from .recording import Recording
 from .scene.gesture_ids import Ended
 from .scene.scale import USUAL_SCALE, Scale
 from .scene.session import Session, fail
+from .scene.transaction import NotMade
 from .scene.translate import sync
 from .status import Status, version
 from .subscribers import Subscribers
@@ -189,19 +190,25 @@ class Server:
     def _carry_out(self, packet: Packet) -> None:
         """Carry out a packet bundle by bundle. After a turn the rest waits until others had theirs."""
         if packet.making:
-            packet.made, packet.making = self._maker.take(packet.making), None
+            packet.made, packet.making = {**packet.made, **self._maker.take(packet.making)}, None
         end = time.monotonic() + TURN
         while not packet.done:
             if packet.rest:
                 packet.rest.popleft()()
             else:
-                self._perform(*packet.bundles.popleft(), packet)
+                self._perform(*packet.bundles[0], packet)
+                if packet.making:
+                    return
+                packet.bundles.popleft()
             if time.monotonic() > end and not packet.done:
                 self._waiting.put_off(packet)
                 return
 
     def _perform(self, bundle: Bundle, asked: list[Call], packet: Packet) -> None:
-        """Carry out the messages of a bundle about the sound; its replies, and those about the server, come next."""
+        """Carry out the messages of a bundle about the sound; its replies, and those about the server, come next.
+
+        Where a table of pulses is to be made for it, it waits.
+        """
         source = packet.source
         try:
             when = time_of(bundle.time, self.engine)
@@ -211,7 +218,13 @@ class Server:
         scored = [call for call in asked if call.verb is None or call.verb.scored]
         if scored:  # a question that is answered amid a bundle leaves the session as it is
             pause = every_turn(partial(self._hear, source))
-            replies = self._session.perform_calls(scored, when, source, packet.made, packet.selection, pause)
+            try:
+                replies = self._session.perform_calls(
+                    scored, when, source, packet.made, packet.selection, pause, packet.tables
+                )
+            except NotMade as missing:
+                self._waiting.make_table(packet, missing.exponent)
+                return
             packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
         for call in scored:
             self._governor.note_request(call.message)

@@ -1,4 +1,4 @@
-"""Packets that wait for objects or bodies to be made, while others are carried out.
+"""Packets that wait for objects, bodies or tables to be made, while others are carried out.
 
 The packets of a client are carried out in their order: later ones wait behind one that makes an object. So do packets
 of others that name such an object, or tell the simulation of which a body is made: each message of a shell script comes
@@ -98,6 +98,15 @@ class Waiting:
             packet.making = Making(new)
             self._maker.make(packet.making)
         return True
+
+    def make_table(self, packet: Packet, exponent: float) -> None:
+        """Put a packet off until the table of an exponent's pulses is made for it."""
+        line = self._lines.setdefault(packet.source, _Line())
+        line.first, line.names, packet.begun = packet, _made_names(packet.calls), False
+        packet.tables.add(exponent)
+        packet.making = Making([], [exponent])
+        self._network.pause(packet.source)
+        self._maker.make(packet.making)
 
     def put_off(self, packet: Packet) -> None:
         """Put a packet that is carried out in part off until others had their turns."""

@@ -361,6 +361,10 @@ class Engine:
         """
         return self._strikers.lay_out(sound)
 
+    def lacks_pulses(self, exponent: float) -> bool:
+        """True if `lay_out_pulses` has to make a table first, which takes a second."""
+        return self._pulses.lacks(exponent)
+
     def lay_out_pulses(self, exponent: float) -> dict[str, float]:
         """Make the table of the pulses of a contact law's exponent, 0 for drops, unless there is one.
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..swarm.record import PULSES, TABLE
-from ..swarm.tables import pulse_table
+from ..swarm.tables import is_made, pulse_table
 from .arena import EngineFull
 
 DROPS = 0.0
@@ -11,7 +11,7 @@ DROPS = 0.0
 
 
 class PulseTables:
-    """The tables in a record of STATE. Each is made when it is first asked for, within some seconds, and stays."""
+    """The tables in a record of STATE. Each is made when it is first asked for, within a second, and stays."""
 
     def __init__(self, record: np.void) -> None:
         self._record = record["pulses"]
@@ -23,6 +23,10 @@ class PulseTables:
         if exponent not in self._numbers:
             self._numbers[exponent] = self._write(exponent)
         return {"pulses": self._numbers[exponent]}
+
+    def lacks(self, exponent: float) -> bool:
+        """True if there is room for the table of an exponent, which is not made."""
+        return exponent not in self._numbers and len(self._numbers) < PULSES and not is_made(exponent)
 
     def _write(self, exponent: float) -> int:
         place = len(self._numbers)

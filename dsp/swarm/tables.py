@@ -112,6 +112,11 @@ def pulse_table(exponent: float) -> Table:
     return found
 
 
+def is_made(exponent: float) -> bool:
+    """True if `pulse_table` has a table at once."""
+    return _kept.get(exponent) is not None
+
+
 def _pulse_table(exponent: float) -> Table:
     if exponent == 0.0:
         forms = [drop_form()] * 2

@@ -1,6 +1,6 @@
 """A session: messages in, engine commands out, alike for a live server and a score."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -60,11 +60,12 @@ class Session:
     def perform_calls(
         self, calls: Sequence[Call], time: float, source: Any = None,
         made: "Mapping[int, Made]" = MappingProxyType({}), selection: Selection | None = None,
-        pause: Callable[[], object] = lambda: None,
+        pause: Callable[[], object] = lambda: None, tables: Collection[float] | None = None,
     ) -> list[Message]:  # fmt: skip
         """Perform messages whose patterns are expanded, else as `perform`. made: objects, or the errors that they met,
         by the identity of the calls that ask for them; others are made here. selection: of the packet, if these are not
-        all of its calls. pause: as a transaction's."""
+        all of its calls. pause, tables: as a transaction's;
+        NotMade as `Transaction.pulses` raises it: nothing is carried out then."""
         self.gestures.collect()
         self.objects.forget_gone()
         transaction = Transaction(
@@ -82,6 +83,7 @@ class Session:
             made,
             selection=selection or Selection(),
             pause=pause,
+            tables=tables,
         )
         accepted: list[str] = []
         try:

@@ -27,7 +27,7 @@ def shatter(to: ObjectCall) -> None:
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {
         **law._asdict(),
-        **engine.lay_out_pulses(law.exponent),
+        **to.transaction.pulses(law.exponent),
         "velocity": velocity,
         "whole": to.obj.modes.mass,
         "pieces": values.number("pieces"),

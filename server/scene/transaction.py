@@ -21,16 +21,24 @@ from .scale import Scale
 if TYPE_CHECKING:
     from ..bridge.bodies import Body
     from ..bridge.wire import TellsWorld
-    from ..new_pulses import NewPulses
     from .sensors import SensorTable
     from .space_table import SpaceTable
 
-    Made: TypeAlias = NewObject | NewPulses | Body | Exception
+    Made: TypeAlias = NewObject | Body | Exception
 
 MadeOf = TypeVar("MadeOf", "NewObject", "Body")
 """An object, or a body of a simulation."""
 
 _MOST_SUGGESTIONS = 8
+
+
+class NotMade(Exception):
+    """A table of pulses has to be made before a message can be carried out."""
+
+    def __init__(self, exponent: float) -> None:
+        """Tell of the table of an exponent, as `pulse_table` takes it."""
+        super().__init__(exponent)
+        self.exponent = exponent
 
 
 class Sent(NamedTuple):
@@ -68,6 +76,8 @@ class Transaction:
     """The matches of its messages' patterns."""
     pause: Callable[[], object] = lambda: None
     """Called before each message, and before each object of a message that reaches several."""
+    tables: Collection[float] | None = None
+    """Exponents of the tables of pulses that were made beside; None where each is made when it is asked for."""
     _compared: int = 0
     _undo: list[Callable[[], object]] = field(default_factory=list)
 
@@ -82,6 +92,13 @@ class Transaction:
         if isinstance(made, Exception):
             raise made
         return cast(MadeOf, made) if made else make(call, self.presets, self.engine.top_frequency)
+
+    def pulses(self, exponent: float) -> dict[str, float]:
+        """Return the value `pulses` that the commands of swarms take, as Engine.lay_out_pulses does. NotMade: its table
+        is to be made beside."""
+        if self.tables is not None and exponent not in self.tables and self.engine.lacks_pulses(exponent):
+            raise NotMade(exponent)
+        return self.engine.lay_out_pulses(exponent)
 
     @contextmanager
     def has_made(self, call: Call, made: "Made") -> Iterator[None]:

@@ -152,7 +152,7 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
         motion["seed"] = to.seed(number)
     if gesture.swarms:
         motion = gathered(to, motion)
-        motion |= to.transaction.engine.lay_out_pulses(0.0 if gesture.swarms == DROPS else law.exponent)
+        motion |= to.transaction.pulses(0.0 if gesture.swarms == DROPS else law.exponent)
     _strike(to, by, law, Command(NOW, gesture.name, gesture=number, values=motion))
 
 

@@ -56,6 +56,40 @@ def test_others_are_answered_meanwhile(server, tcp):
         time.sleep(0.2)
 
 
+@pytest.mark.parametrize("swarm", [("rain", 300.0), ("shake", 20.0)], ids=lambda swarm: swarm[0])
+def test_tables_of_pulses_are_made_beside(server, swarm):
+    # Drops have a table, and each exponent of a contact law; one takes most of a second.
+    with Client(port=server.port) as player, server.client() as other:
+        action, amount = swarm
+        player.send("/object/*/free", 1)
+        player.new("board", "wood-board")
+        player.ask("/sync", 1)
+        player.send(f"/object/board/{action}", amount, *(() if action == "rain" else ("exponent", 2.1)))
+        player.send("/sync", 2)
+        answers, begun = [], time.monotonic()
+        while not any(reply == Message("/synced", (2,)) for reply in player.replies(0.001)):
+            started = time.monotonic()
+            other.status()
+            answers.append(time.monotonic() - started)
+            assert started - begun < 60.0
+        assert sorted(answers)[len(answers) * 19 // 20] < 0.1 and player.errors() == []
+
+
+def test_a_bundle_that_waits_for_tables_is_carried_out_once(server):
+    with Client(port=server.port) as player:
+        player.send("/object/*/free", 1)
+        player.new("shelf", "wood-board")
+        player.ask("/sync", 1)
+        before = counted(player.status())["impacts"]
+        with player.bundle():
+            player.send("/object/shelf/impact", 0.1)
+            for exponent in (1.23, 3.21):
+                player.send("/object/shelf/shake", 0.01, "exponent", exponent)
+        player.ask("/sync", 2, timeout=60.0)
+        time.sleep(0.1)
+        assert counted(player.status())["impacts"] == before + 1 and player.errors() == []
+
+
 def _words(message: Message) -> tuple:
     return message.address, *message.args
 
