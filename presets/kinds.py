@@ -12,6 +12,7 @@ from typing import Any, Protocol
 from ..dsp import bodies as shapes
 from ..dsp.bodies.added import Added, Complete
 from ..dsp.bodies.material import CONTACT_RADIUS, HERTZ_EXPONENT, Material, contact_between, hertz
+from ..dsp.bodies.similar import Sized, has_similar
 from ..dsp.bodies.striker import StrikerSound
 from ..dsp.wording import expected
 from .gestures import Usual
@@ -26,6 +27,7 @@ from .schema import (
     OBJECT,
     SECTIONS,
     SHAPES,
+    SIZED,
     SLIDE,
     SOUNDS,
     STRIKE,
@@ -180,6 +182,8 @@ class ObjectPreset:
     where: str = field(repr=False)
     _data: Mapping[str, Any] = field(repr=False, compare=False)
     _library: Library = field(repr=False, compare=False)
+    _of_one_size: tuple[float, Mapping[str, Any]] | None = field(default=None, repr=False)
+    """The size, and the geometry of the body of size 1, where it is similar to that."""
 
     @classmethod
     def from_data(cls, name: str, where: str, data: dict[str, Any], library: Library) -> ObjectPreset:
@@ -232,11 +236,14 @@ class ObjectPreset:
         PresetError if the geometry gives none or contradicts itself.
         """
         shape = SHAPES[self.shape]
-        arguments = dict(self.geometry)
+        arguments, make = dict(self.geometry), shape.make
+        if self._of_one_size is not None:
+            size, arguments = self._of_one_size[0], dict(self._of_one_size[1])
+            make = Sized(make, size, shape.lengths)
         if shape.has_material:
             arguments["material"] = self.material
         try:
-            make = Complete(shape.make, self.added, self.written) if self.added else shape.make
+            make = Complete(make, self.added, self.written) if self.added else make
             modes = made(make, top, arguments, self.stereo_width, self.most_modes)
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
@@ -269,22 +276,25 @@ class ObjectPreset:
     @property
     def keys(self) -> tuple[str, ...]:
         """The keys that `replace` takes."""
-        return tuple(self._sections)
+        return (*self._sections, "size")
 
     def replace(self, /, **changes: object) -> ObjectPreset:
         """Return the preset with other values of its geometry, damping, strike, material (a name), level, stereo width
         or glide.
 
         A list may be a list, a tuple, or a text like "free,clamped,free,clamped". A key that excludes others (tension,
-        fundamental) takes their place. PresetError names the key.
+        fundamental) takes their place. size: factor of all lengths that are not given. PresetError names the key.
         """
+        if "size" in changes:
+            size = changes.pop("size")
+            return self._sized(size, changes)
         sections, either = self._sections, SHAPES[self.shape].either
         data: dict[str, Any] = {
             name: dict(part) if isinstance(part, Mapping) else part for name, part in self._data.items()
         }
         for key, value in changes.items():
             if key not in sections:
-                raise PresetError(f"{key} = {shown(value)}: {expected(key, sections)}")
+                raise PresetError(f"{key} = {shown(value)}: {expected(key, self.keys)}")
             section, fields = sections[key]
             domain = fields[key]
             table = data.setdefault(section, {}) if section else data
@@ -294,6 +304,20 @@ class ObjectPreset:
                     for rival in other - changes.keys():
                         data["geometry"].pop(rival, None)
         return replace(ObjectPreset.from_data(self.name, "", data, self._library), written=self.written)
+
+    def _sized(self, size: object, changes: Mapping[str, object]) -> ObjectPreset:
+        """Return the preset in a size, with other values."""
+        lengths = [key for key in SHAPES[self.shape].lengths if key in self.geometry]
+        if self.shape == "listed" or not lengths:
+            raise PresetError(f"size = {shown(size)}: expected none, as the modes of {self.name} are listed")
+        factor = check("", {"size": size}, SIZED, ())["size"]
+        scaled = {key: factor * self.geometry[key] for key in lengths if key not in changes}
+        made = self.replace(**{**scaled, **changes})
+        one = {key: self.geometry[key] if key in scaled else value for key, value in made.geometry.items()}
+        alike = set(scaled) == {key for key in SHAPES[self.shape].lengths if key in made.geometry}
+        if factor == 1.0 or not alike or not has_similar(SHAPES[self.shape].make, one):
+            return made
+        return replace(made, _of_one_size=(factor, one))
 
 
 def _added(section: str, where: str, data: Mapping[str, object]) -> Added:

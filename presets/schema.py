@@ -189,6 +189,11 @@ class Shape:
     def parameters(self) -> Mapping[str, inspect.Parameter]:
         return inspect.signature(self.make).parameters
 
+    @cached_property
+    def lengths(self) -> tuple[str, ...]:
+        """The keys that are lengths (m)."""
+        return tuple(key for key, domain in self.fields.items() if isinstance(domain, Quantity) and domain.unit == "m")
+
     @property
     def has_material(self) -> bool:
         return "material" in self.parameters
@@ -202,6 +207,9 @@ class Shape:
     def required(self) -> tuple[str, ...]:
         return tuple(key for key in self.fields if self.parameters[key].default is inspect.Parameter.empty)
 
+
+SIZED: Fields = {"size": Quantity(1e-3, 1e3, "times")}
+"""The key of an object that is like its preset, in another size."""
 
 TUNING = (frozenset({"tension"}), frozenset({"fundamental"}))
 

@@ -86,7 +86,7 @@ def _tried(table: Mapping[str, Value | Spread], first: str) -> Iterator[dict[str
 def _try(section: str, values: Mapping[str, Value], presets: Presets, has_by: bool) -> None:
     """Try a message of these values; raise Refused or PresetError if it cannot be carried out."""
     if section in OBJECTS:
-        message = object_message(section, values, presets)
+        message = object_message(section, values)
         (call,) = calls(message)
         assert call.verb
         changed(presets, call.verb.parse(message.args))

@@ -146,7 +146,7 @@ def _played(
     follows = item.gesture not in _PLAIN
     longest = QUANTUM if follows else _PIECE
     done = 0
-    for line in [*lines_of(recipe, item, performer.presets), None]:
+    for line in [*lines_of(recipe, item), None]:
         due = _due(recipe, item, line) if line else recipe.frames
         while done < min(due, recipe.frames):
             end = min(done + longest, due, recipe.frames)

@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...dsp.schema import GESTURES
-from ...presets import PresetError, Presets
-from ...presets.schema import SHAPES
-from ...presets.values import Quantity
 from ...server.osc import sensor_verbs
 from ...server.osc.score import Line
 from ...server.osc.wire import Argument, Message
@@ -20,7 +17,7 @@ OBJECT, BY = "object", "by"
 """The names of an item's objects: those of their sections."""
 
 
-def lines_of(recipe: Recipe, item: Item, presets: Presets) -> list[Line]:
+def lines_of(recipe: Recipe, item: Item) -> list[Line]:
     """Return an item's lines, by time: its score, or objects that are made, a gesture, and perhaps its end.
 
     PresetError as in `object_message`.
@@ -28,7 +25,7 @@ def lines_of(recipe: Recipe, item: Item, presets: Presets) -> list[Line]:
     if item.gesture == SCORE:
         values = item.values[SCORE]
         return filled(recipe.scores[str(values[FILE])].lines, values, item.seed)
-    made = [object_message(name, item.values[name], presets) for name in OBJECTS if name in item.values]
+    made = [object_message(name, item.values[name]) for name in OBJECTS if name in item.values]
     made += [sensor_message(item.values[SENSOR])] if SENSOR in item.values else []
     values = item.values[item.gesture]
     lines = [Line(0.0, message, "") for message in made]
@@ -39,12 +36,12 @@ def lines_of(recipe: Recipe, item: Item, presets: Presets) -> list[Line]:
     return lines
 
 
-def object_message(name: str, values: Mapping[str, Value], presets: Presets) -> Message:
-    """Return the message that makes an object. PresetError where it has no lengths, and a size is given."""
+def object_message(name: str, values: Mapping[str, Value]) -> Message:
+    """Return the message that makes an object."""
     preset = str(values["preset"])
     given = {key: value for key, value in values.items() if key != "preset" and key not in OWN[name]}
-    scaled = _scaled(preset, number(values, "size"), presets) if "size" in values else {}
-    return Message("/object/new", (name, preset, *_pairs({**scaled, **given})))
+    sized = {"size": values["size"]} if "size" in values else {}
+    return Message("/object/new", (name, preset, *_pairs({**sized, **given})))
 
 
 def sensor_message(values: Mapping[str, Value]) -> Message:
@@ -73,13 +70,3 @@ def number(values: Mapping[str, Value], key: str, default: float = 0.0) -> float
 
 def _pairs(values: Mapping[str, Value]) -> tuple[Argument, ...]:
     return tuple(part for pair in values.items() for part in pair)
-
-
-def _scaled(name: str, size: float, presets: Presets) -> dict[str, Value]:
-    """Return the lengths of an object's geometry, times its size."""
-    preset = presets.object(name)
-    fields = SHAPES[preset.shape].fields
-    lengths = [key for key, domain in fields.items() if isinstance(domain, Quantity) and domain.unit == "m"]
-    if preset.shape == "listed" or not lengths:
-        raise PresetError(f"size = {size:g}: expected none, as the modes of {name} are listed")
-    return {key: size * value for key, value in preset.geometry.items() if key in lengths}

@@ -97,7 +97,7 @@ def shared_objects(recipe: Recipe, presets: Presets) -> list[Message]:
             for value in table.values()
         ]
         for values in itertools.product(*ways):
-            found.append(object_message(section, dict(zip(table, values, strict=True)), presets))
+            found.append(object_message(section, dict(zip(table, values, strict=True))))
     return found
 
 

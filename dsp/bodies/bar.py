@@ -4,11 +4,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import acceleration
+from .acceleration import Click
 from .bending import Motion, Section, bending
 from .heard import Loaded, heard, loaded
 from .material import Array, Material
@@ -23,6 +24,8 @@ from .unheard import FINER, Felt, completed, with_unheard
 
 ENDS = ("free", "cantilever")
 _SIGN_AT = 0.03  # of the length: whose sign a mode's sound has
+UNDERCUT_SPAN = 0.6
+"""Share of the length that is carved where nothing else is said."""
 ACROSS, TILT = 0.2, 5.0
 """Place of a blow across the bar's width, and its angle (degrees): as a hand strikes unless it takes care."""
 
@@ -35,7 +38,7 @@ def bar(
     width: float | None = None,
     thickness: float | None = None,
     undercut: float = 0.0,
-    undercut_span: float = 0.6,
+    undercut_span: float = UNDERCUT_SPAN,
     across: float = ACROSS,
     tilt: float = TILT,
     diameter: float | None = None,
@@ -87,11 +90,9 @@ def bar(
     if width is not None and thickness is not None and diameter is None:
         carving = _Carving(width, thickness, undercut, undercut_span)
         parts = _rectangular(span, carving, across, math.radians(tilt))
-        area = width * thickness * (1 - 2 / 3 * undercut * undercut_span)
     elif diameter is not None and width is None and thickness is None:
         section = _tube(diameter, wall, material.poisson_ratio)
         parts = _round(span, section, split, math.radians(imperfection))
-        area = float(section.area)
     else:
         raise ValueError("section: expected width and thickness, or diameter")
 
@@ -112,6 +113,7 @@ def bar(
     positions = path(length * FINER * max(part.motion.wavenumber for part in parts))
     strike = shapes(positions)
     sign = shapes(np.array([_SIGN_AT]))[0]
+    area = _area(material, width, thickness, 2 / 3 * undercut * undercut_span, diameter, wall)
     mass = material.density * area * length
     made = heard(material, frequency[keep], resistance + share * lost, (strike, sign), mass, resistance + lost)
     made = with_unheard(made, _beyond(parts, positions, 2 * top), material.decay, top)
@@ -120,12 +122,38 @@ def bar(
         along, aside = tube.mouth
         flow = strip_flow(width / 2, aside, tube.gap) @ shapes(0.5 + along / length)[:, upright] / along.size
         made = with_tube(made, upright, flow, tube.tuned(float(made.frequency[upright[0]])), top)
-    if span.clamped:
-        return made
-    if width is not None:
-        return replace(made, clicks=(acceleration.rectangle(mass, length, width, area * length),))
+    return replace(made, clicks=_clicks(mass, length, area, width, diameter, ends))
+
+
+def bar_clicks(material: Material, *, length: float, ends: str = "free", **section: Any) -> tuple[Click, ...]:
+    """Return the clicks of a bar; arguments as of `bar`."""
+    width, thickness, diameter, wall = map(section.get, ("width", "thickness", "diameter", "wall"))
+    carved = 2 / 3 * section.get("undercut", 0.0) * section.get("undercut_span", UNDERCUT_SPAN)
+    area = _area(material, width, thickness, carved, diameter, wall)
+    return _clicks(material.density * area * length, length, area, width, diameter, ends)
+
+
+def _area(
+    material: Material, width: float | None, thickness: float | None, carved: float, diameter: float | None,
+    wall: float | None,
+) -> float:  # fmt: skip
+    """Return the mean area (m^2) of a bar's section; carved: the share of a rectangle that is carved away."""
+    if width is not None and thickness is not None:
+        return width * thickness * (1 - carved)
     assert diameter is not None
-    return replace(made, clicks=(acceleration.cylinder(mass, length, diameter),))
+    return float(_tube(diameter, wall, material.poisson_ratio).area)
+
+
+def _clicks(
+    mass: float, length: float, area: float, width: float | None, diameter: float | None, ends: str
+) -> tuple[Click, ...]:
+    """Return the clicks of a bar of a mass (kg), and a section's mean area (m^2)."""
+    if ends == "cantilever":
+        return ()
+    if width is not None:
+        return (acceleration.rectangle(mass, length, width, area * length),)
+    assert diameter is not None
+    return (acceleration.cylinder(mass, length, diameter),)
 
 
 class _Span(NamedTuple):

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import acceleration
+from .acceleration import Click
 from .air import plate_mass
 from .dome import SHALLOW, Waves, domed
 from .felts import felt_losses
@@ -93,10 +94,19 @@ def disc(
         made_of = waves, stress, math.sqrt(stiffness), stretching, mixes, parts, unit * root**2
         body = body._replace(sheet=partial(Sheet, nonlinear_modes, thickness, *made_of))
     made = _round(material, body, Doublets(split, imperfection), top)
+    return replace(made, clicks=disc_clicks(material, radius=radius, thickness=thickness, edge=edge, baffle=baffle))
+
+
+def disc_clicks(
+    material: Material, *, radius: float, thickness: float, edge: str = "free", baffle: str = "free", **others: object
+) -> tuple[Click, ...]:
+    """Return the clicks of a disc; arguments as of `disc`."""
     if baffle != "free":
-        return made
-    whole = acceleration.disc(mass, radius, thickness)
-    return replace(made, clicks=near_field(areal, whole, critical_frequency(areal, rigidity), held=edge != "free"))
+        return ()
+    areal = material.density * thickness
+    rigidity = material.contact_modulus * thickness**3 / 12
+    whole = acceleration.disc(areal * math.pi * radius**2, radius, thickness)
+    return near_field(areal, whole, critical_frequency(areal, rigidity), held=edge != "free")
 
 
 def _require_cap(dome: float, radius: float, edge: str) -> None:

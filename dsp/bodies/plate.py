@@ -1,6 +1,7 @@
 """Rectangular plates with any edges."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from . import acceleration
+from .acceleration import Click
 from .air import plate_mass
 from .eigen import eigh
 from .heard import BAFFLES, heard, loaded
@@ -87,11 +89,23 @@ def plate(
     last = speed * RESERVE * complete / (2 * math.pi)
     felt = completed(Felt(made.frequency, made.strike), higher, last, 2 * top)
     made = with_unheard(made, felt, material.decay, top)
+    clicks = plate_clicks(material, length=length, width=width, thickness=thickness, edges=edges, baffle=baffle)
+    return replace(made, clicks=clicks)
+
+
+def plate_clicks(
+    material: Material, *, length: float, width: float, thickness: float, edges: Sequence[str] = ("free",),
+    baffle: str = "free", **others: object,
+) -> tuple[Click, ...]:  # fmt: skip
+    """Return the clicks of a plate; arguments as of `plate`."""
     if baffle != "free":
-        return made
+        return ()
+    areal = material.density * thickness
+    mass = areal * length * width
+    speed = math.sqrt(material.contact_modulus * thickness**3 / 12 / areal)
     whole = acceleration.rectangle(mass, length, width, length * width * thickness)
     critical, held = critical_frequency(areal, areal * speed**2), set(edges) != {"free"}
-    return replace(made, clicks=near_field(areal, whole, critical, held))
+    return near_field(areal, whole, critical, held)
 
 
 def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tuple[list["_Block"], float]:

@@ -58,9 +58,15 @@ def ring(
     frequency = _bending(material, radius, thickness, order)
     wall = _Wall(radius, length / 2, thickness * material.density, mass, mass / 2)
     made = _around(material, wall, [(frequency, _uniform)], Doublets(split, imperfection), top)
-    return replace(
-        made, clicks=_clicks(material, thickness, acceleration.ring(mass, radius, length, mass / material.density))
-    )
+    return replace(made, clicks=ring_clicks(material, radius=radius, thickness=thickness, length=length))
+
+
+def ring_clicks(
+    material: Material, *, radius: float, thickness: float, length: float, **others: object
+) -> tuple[Click, ...]:
+    """Return the clicks of a ring; arguments as of `ring`."""
+    mass = 2 * math.pi * radius * thickness * length * material.density
+    return _clicks(material, thickness, acceleration.ring(mass, radius, length, mass / material.density))
 
 
 def glass(
@@ -94,9 +100,17 @@ def glass(
     ]
     # A cantilever's tip moves by twice the rms of its length, whatever its mode.
     wall = _Wall(radius, height / 2, thickness * material.density, mass, mass / 8)
-    whole = acceleration.ring(mass, radius, height, mass / material.density)
-    clicks = _clicks(material, thickness, whole, held=True)
+    clicks = glass_clicks(material, radius=radius, height=height, thickness=thickness)
     return replace(_around(material, wall, made, Doublets(split, imperfection), top), clicks=clicks)
+
+
+def glass_clicks(
+    material: Material, *, radius: float, height: float, thickness: float, **others: object
+) -> tuple[Click, ...]:
+    """Return the clicks of a wine glass or bowl; arguments as of `glass`."""
+    mass = 2 * math.pi * radius * thickness * height * material.density
+    whole = acceleration.ring(mass, radius, height, mass / material.density)
+    return _clicks(material, thickness, whole, held=True)
 
 
 def doublets(frequency: Array, order: Array, split: float, imperfection: float) -> tuple[Array, Indices, Array]:

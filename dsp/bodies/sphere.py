@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import acceleration
+from .acceleration import Click
 from .air import IMPEDANCE, wavenumber
 from .heard import heard
 from .material import Array, Material
@@ -46,7 +47,12 @@ def sphere(material: Material, *, radius: float, top: float) -> Modes:
     area = 4 * math.pi * radius**2
     resistance = IMPEDANCE * area * efficiency * shape**2 / (2 * orders + 1)
     made = heard(material, frequency, resistance, (shape[None], shape), mass)
-    return replace(made, clicks=(acceleration.sphere(mass, radius),))
+    return replace(made, clicks=sphere_clicks(material, radius=radius))
+
+
+def sphere_clicks(material: Material, *, radius: float) -> tuple[Click, ...]:
+    """Return the click of a sphere; arguments as of `sphere`."""
+    return (acceleration.sphere(material.density * 4 / 3 * math.pi * radius**3, radius),)
 
 
 class _Wave(NamedTuple):

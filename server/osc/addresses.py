@@ -114,7 +114,7 @@ VELOCITY = Number("velocity", 0, 127, "", "as MIDI has it", useful=(1, 127))
 _OBJECTS = (
     Verb(
         "/object/new",
-        "makes an object from a preset; further keys change the preset (length, material, ...)",
+        "makes an object from a preset; further keys change the preset (length, material, `size` of all lengths, ...)",
         (Word("name"), Word("preset")),
         keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER, NOTE, PITCH),
         open_keys=True,

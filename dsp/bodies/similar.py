@@ -1,0 +1,111 @@
+"""Bodies of one shape in all sizes: similar ones have one table of modes.
+
+Where all lengths of an elastic body of one material go with a size s, its frequencies go with 1/s, its shapes stay, and
+its mass goes with s^3. So does the air about it: sound's waves and the body's have one ratio, the air's mass is one
+share of the body's, and resistances (1/s) go with 1/s (A. D. Pierce, Acoustics, 1989, 1-6; L. Cremer, M. Heckl,
+B. Petersson, Structure-Borne Sound, 2005, for plates and bars). Mass-normalised shapes go with s^-3/2, and pressures
+with s^-1/2. What goes otherwise is found anew for each size: the losses of the material, the clicks, whose band ends
+where hearing does, and which modes are heard, and which are felt alone.
+
+A table holds the modes of the body of size 1 without losses, up to a frequency that is one of few, so that many sizes
+share it. What is felt alone beyond a table is gathered twice, which keeps how far it yields (unheard.py).
+"""
+
+import math
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..kept import Kept
+from .bar import bar, bar_clicks
+from .disc import disc, disc_clicks
+from .heard import pressure
+from .material import Material
+from .modes import Modes, Silent, Unheard, audible
+from .plate import plate, plate_clicks
+from .ring import glass, glass_clicks, ring, ring_clicks
+from .sphere import sphere, sphere_clicks
+from .unheard import Felt, with_unheard
+
+_CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
+    bar: bar_clicks, plate: plate_clicks, disc: disc_clicks, ring: ring_clicks, glass: glass_clicks,
+    sphere: sphere_clicks,
+}  # fmt: skip
+"""Shapes that are elastic bodies in air and no more, with what makes their clicks."""
+
+_HELD = ("board", "tube_diameter", "felt", "nonlinear_modes")
+"""Arguments by which a body has to do with something else than the air, or is not linear."""
+
+_RUNGS = 2  # highest frequencies of tables in an octave
+_KEPT_BYTES = 128_000_000
+
+
+def has_similar(make: Callable[..., Modes], arguments: Mapping[str, Any]) -> bool:
+    """True if the bodies that a shape's function makes of such arguments are similar in all sizes."""
+    return make in _CLICKS and not any(arguments.get(each) for each in _HELD)
+
+
+@dataclass(frozen=True)
+class Sized:
+    """A shape's function that makes modes, in a size: `lengths` of its arguments are those of the body of size 1."""
+
+    make: Callable[..., Modes]
+    size: float
+    lengths: tuple[str, ...]
+
+    def __call__(self, *, top: float, material: Material, **arguments: Any) -> Modes:
+        """Return the modes up to `top` (Hz) of the body in its size. Silent if there is none."""
+        size = self.size
+        table = _table(self.make, 2.0 ** (math.ceil(_RUNGS * math.log2(top * size)) / _RUNGS), material, arguments)
+        if table is None:
+            raise Silent(top)
+        frequency = table.frequency / size
+        heard = audible(frequency, top)
+        rest = np.setdiff1d(np.arange(frequency.size), heard)
+        strike = table.strike * size**-1.5
+        found, resistance = frequency[heard], 2 * table.decay[heard] / size
+        decay = material.decay(found)
+        if material.losses == "material":
+            decay = decay + resistance / 2
+        lengths = {key: value * size if key in self.lengths else value for key, value in arguments.items()}
+        made = Modes(
+            found, decay, strike[:, heard], pressure(np.minimum(resistance, 2 * decay), table.pressure[0, heard]),
+            table.mass * size**3, _CLICKS[self.make](material, **lengths),
+        )  # fmt: skip
+        return self._felt(made, table, Felt(frequency[rest], strike[:, rest]), material, top)
+
+    def _felt(self, modes: Modes, table: Modes, others: Felt, material: Material, top: float) -> Modes:
+        """Return the modes that are heard with those that are felt alone: others of a table, and those it has so."""
+        own = table.unheard
+        if own is None:
+            return modes
+        frequency, strike = own.frequency / self.size, own.strike * self.size**-1.5
+        if others.frequency.size:
+            together = np.append(others.frequency, frequency), np.concatenate([others.strike, strike], axis=1)
+            return with_unheard(modes, Felt(*together), material.decay, top)
+        decay = np.maximum(material.decay(frequency), own.decay / self.size)
+        return replace(modes, unheard=Unheard(frequency, decay, strike))
+
+
+def _table(make: Callable[..., Modes], top: float, material: Material, arguments: Mapping[str, Any]) -> Modes | None:
+    """Return the modes of a body of size 1 without losses, whose decay is half of its resistance; None if it has none
+    up to `top` (Hz)."""
+    lossless = replace(material, alpha=0.0, beta=0.0, loss_factor=0.0, losses="material")
+    key = (make, top, lossless, *sorted(arguments.items()))
+    found = _tables.get(key)
+    if found is None:
+        try:
+            found = (make(material=lossless, top=top, **arguments),)
+        except Silent:
+            found = ()
+        _tables.put(key, found)
+    return found[0] if found else None
+
+
+def _bytes(table: tuple[Modes, ...]) -> int:
+    return sum(each.strike.nbytes + (each.unheard.strike.nbytes if each.unheard else 0) for each in table)
+
+
+_tables: Kept[Hashable, tuple[Modes, ...]] = Kept(_KEPT_BYTES, _bytes)
