@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from carom.dsp.bodies.modes import MOST_MODES
+from carom.dsp.karman.layout import MOST_SCATTERED
 from carom.presets import PresetError, Presets
 from tests.presets.examples import LISTED, with_object
 
@@ -153,7 +155,7 @@ def test_any_numbers_give_a_body_or_an_error_that_says_why(name, changes):
     except PresetError as error:
         assert str(error)
     else:
-        assert modes.frequency.size <= 1024
+        assert modes.frequency.size <= (MOST_SCATTERED if modes.sheet else MOST_MODES)
         for array in (modes.frequency, modes.decay, modes.strike, modes.pressure):
             assert np.all(np.isfinite(array))
         assert math.isfinite(modes.mass) and modes.mass > 0

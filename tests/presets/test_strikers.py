@@ -99,7 +99,7 @@ def test_hard_bodies_sound_and_soft_ones_do_not():
     assert {"felt", "yarn", "hand", "mute", "fingertip"}.isdisjoint(SOUNDING)
 
 
-@pytest.mark.parametrize("name", SOUNDING)
+@pytest.mark.parametrize("name", [name for name in SOUNDING if PRESETS.striker(name).sound.click])
 def test_masses_and_sizes_belong_together(name):
     striker = PRESETS.striker(name)
     sound = striker.sound
