@@ -13,7 +13,7 @@ from .acceleration import Click
 from .bending import Motion, Section, bending
 from .heard import Loaded, heard, loaded
 from .material import Array, Material
-from .modes import Modes, audible, path, require_choice, require_positive
+from .modes import Indices, Modes, audible, path, require_choice, require_positive
 from .radiation import line
 from .radiation.board import BOARDS
 from .radiation.twist import Twist
@@ -26,6 +26,8 @@ ENDS = ("free", "cantilever")
 _SIGN_AT = 0.03  # of the length: whose sign a mode's sound has
 UNDERCUT_SPAN = 0.6
 """Share of the length that is carved where nothing else is said."""
+FAN_DEPTH = 0.5
+"""Share of a tube's sound that a fan takes away at most, where nothing else is said."""
 ACROSS, TILT = 0.2, 5.0
 """Place of a blow across the bar's width, and its angle (degrees): as a hand strikes unless it takes care."""
 
@@ -51,7 +53,7 @@ def bar(
     tube_length: float | None = None,
     tube_gap: float = GAP,
     fan: float = 0.0,
-    fan_depth: float = 0.5,
+    fan_depth: float = FAN_DEPTH,
 ) -> Modes:
     """Return the modes of a Timoshenko bar, free at both ends or a cantilever (clamped at position 0).
 
@@ -80,7 +82,7 @@ def bar(
         require_choice("board", board, tuple(BOARDS))
         if ends != "cantilever":
             raise ValueError(f"board = {board}, ends = {ends}: expected a cantilever, clamped in the board")
-    tube = None if tube_diameter is None else Tube(tube_diameter, tube_length, tube_gap, fan, fan_depth)
+    tube = None if tube_diameter is None else tube_of(tube_diameter, tube_length, tube_gap, fan, fan_depth)
     if tube and (ends != "free" or diameter is not None):
         raise ValueError(f"tube_diameter = {tube_diameter}: expected a bar with width and thickness and free ends")
     if not 0 <= undercut < 1 or not 0 < undercut_span <= 1:
@@ -118,11 +120,31 @@ def bar(
     made = heard(material, frequency[keep], resistance + share * lost, (strike, sign), mass, resistance + lost)
     made = with_unheard(made, _beyond(parts, positions, 2 * top), material.decay, top)
     if tube is not None and width is not None:
-        upright = np.flatnonzero(keep < parts[0].motion.frequency.size)
-        along, aside = tube.mouth
-        flow = strip_flow(width / 2, aside, tube.gap) @ shapes(0.5 + along / length)[:, upright] / along.size
-        made = with_tube(made, upright, flow, tube.tuned(float(made.frequency[upright[0]])), top)
+        made = over_tube(
+            made, np.flatnonzero(keep < parts[0].motion.frequency.size), shapes, tube, (length, width), top
+        )
     return replace(made, clicks=_clicks(mass, length, area, width, diameter, ends))
+
+
+def tube_of(
+    tube_diameter: float, tube_length: float | None = None, tube_gap: float = GAP, fan: float = 0.0,
+    fan_depth: float = FAN_DEPTH,
+) -> Tube:  # fmt: skip
+    """Return the tube that stands under a bar; arguments as of `bar`."""
+    return Tube(tube_diameter, tube_length, tube_gap, fan, fan_depth)
+
+
+def over_tube(
+    modes: Modes, upright: Indices, shapes: Callable[[Array], Array], tube: Tube, sides: tuple[float, float], top: float
+) -> Modes:
+    """Return a bar's modes with a tube under its middle, up to `top` (Hz).
+
+    upright: those that move it up and down; shapes: positions (p,) in 0..1 -> all shapes there (p, n); sides: length
+    and width (m).
+    """
+    along, aside = tube.mouth
+    flow = strip_flow(sides[1] / 2, aside, tube.gap) @ shapes(0.5 + along / sides[0])[:, upright] / along.size
+    return with_tube(modes, upright, flow, tube.tuned(float(modes.frequency[upright[0]])), top)
 
 
 def bar_clicks(material: Material, *, length: float, ends: str = "free", **section: Any) -> tuple[Click, ...]:

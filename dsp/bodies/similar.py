@@ -14,17 +14,19 @@ share it. What is felt alone beyond a table is gathered twice, which keeps how f
 import math
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..kept import Kept
-from .bar import bar, bar_clicks
+from .bar import bar, bar_clicks, over_tube, tube_of
 from .disc import disc, disc_clicks
 from .heard import pressure
-from .material import Material
+from .material import Array, Material
 from .modes import Modes, Silent, Unheard, audible
 from .plate import plate, plate_clicks
+from .radiation.lattice import cubic_weights
 from .ring import glass, glass_clicks, ring, ring_clicks
 from .sphere import sphere, sphere_clicks
 from .unheard import Felt, with_unheard
@@ -35,8 +37,11 @@ _CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
 }  # fmt: skip
 """Shapes that are elastic bodies in air and no more, with what makes their clicks."""
 
-_HELD = ("board", "tube_diameter", "felt", "nonlinear_modes")
+_HELD = ("board", "felt", "nonlinear_modes")
 """Arguments by which a body has to do with something else than the air, or is not linear."""
+
+_UNDER = ("tube_diameter", "tube_length", "tube_gap", "fan", "fan_depth")
+"""Arguments of a bar that say what stands under it, and changes its modes."""
 
 _RUNGS = 2  # highest frequencies of tables in an octave
 _KEPT_BYTES = 128_000_000
@@ -57,10 +62,8 @@ class Sized:
 
     def __call__(self, *, top: float, material: Material, **arguments: Any) -> Modes:
         """Return the modes up to `top` (Hz) of the body in its size. Silent if there is none."""
-        size = self.size
-        table = _table(self.make, 2.0 ** (math.ceil(_RUNGS * math.log2(top * size)) / _RUNGS), material, arguments)
-        if table is None:
-            raise Silent(top)
+        size, own = self.size, {key: value for key, value in arguments.items() if key not in _UNDER}
+        table = self._table(top, material, own)
         frequency = table.frequency / size
         heard = audible(frequency, top)
         rest = np.setdiff1d(np.arange(frequency.size), heard)
@@ -69,12 +72,26 @@ class Sized:
         decay = material.decay(found)
         if material.losses == "material":
             decay = decay + resistance / 2
-        lengths = {key: value * size if key in self.lengths else value for key, value in arguments.items()}
+        sized = {key: value * size if key in self.lengths else value for key, value in arguments.items()}
         made = Modes(
             found, decay, strike[:, heard], pressure(np.minimum(resistance, 2 * decay), table.pressure[0, heard]),
-            table.mass * size**3, _CLICKS[self.make](material, **lengths),
+            table.mass * size**3, _CLICKS[self.make](material, **sized),
         )  # fmt: skip
-        return self._felt(made, table, Felt(frequency[rest], strike[:, rest]), material, top)
+        made = self._felt(made, table, Felt(frequency[rest], strike[:, rest]), material, top)
+        if "tube_diameter" not in arguments:
+            return made
+        # Of the same bar, struck flat on its middle line, a blow moves those modes alone that move it up and down.
+        flat = self._table(top, material, {**own, "across": 0.0, "tilt": 0.0})
+        upright = np.flatnonzero(np.isin(table.frequency[heard], flat.frequency[flat.strike.any(axis=0)]))
+        tube = tube_of(**{key: sized[key] for key in _UNDER if key in sized})
+        return over_tube(made, upright, partial(_along, made.strike), tube, (sized["length"], sized["width"]), top)
+
+    def _table(self, top: float, material: Material, arguments: Mapping[str, Any]) -> Modes:
+        """Return the table of the body of size 1 that reaches up to `top` (Hz) in this one's. Silent if it is empty."""
+        table = _table(self.make, 2.0 ** (math.ceil(_RUNGS * math.log2(top * self.size)) / _RUNGS), material, arguments)
+        if table is None:
+            raise Silent(top)
+        return table
 
     def _felt(self, modes: Modes, table: Modes, others: Felt, material: Material, top: float) -> Modes:
         """Return the modes that are heard with those that are felt alone: others of a table, and those it has so."""
@@ -87,6 +104,14 @@ class Sized:
             return with_unheard(modes, Felt(*together), material.decay, top)
         decay = np.maximum(material.decay(frequency), own.decay / self.size)
         return replace(modes, unheard=Unheard(frequency, decay, strike))
+
+
+def _along(strike: Array, positions: Array) -> Array:
+    """Return shapes at positions (p,) in 0..1, by cubics through four rows around each."""
+    place = positions * (len(strike) - 1)
+    first = np.clip(place.astype(int) - 1, 0, len(strike) - 4)
+    rows = np.stack([strike[first + i] for i in range(4)])
+    return np.asarray(np.einsum("ip,ipn->pn", cubic_weights(place - first), rows))
 
 
 def _table(make: Callable[..., Modes], top: float, material: Material, arguments: Mapping[str, Any]) -> Modes | None:

@@ -52,7 +52,7 @@ class Curves:
             found = self._values[self._slot[group, piece], places % _AT_ONCE, column]
         resistance = np.log(np.maximum(found.real, _NOISE * np.abs(found)))
         mass = found.imag / _x_of(places)
-        weights = _weights(along - first)
+        weights = cubic_weights(along - first)
         return np.asarray(np.exp((weights * resistance).sum(axis=0)) + 1j * x * (weights * mass).sum(axis=0))
 
     def _add(self, groups: Indices, pieces: Indices) -> None:
@@ -78,7 +78,7 @@ def _x_of(place: Indices) -> Array:
     return np.asarray(_BEND * wrightomega(place * _STEP - np.log(_BEND)), np.float64)
 
 
-def _weights(t: Array) -> Array:
+def cubic_weights(t: Array) -> Array:
     """Return the weights (_NODES, n) of values at 0, 1, 2, 3 in a cubic's value at t."""
     a, b, c, d = t, t - 1, t - 2, t - 3
     return np.stack([-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6])

@@ -1,6 +1,6 @@
 """The air's load on discs and membranes."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -95,11 +95,8 @@ class Loads:
             size = factor * (body.radius * body.scale[row]) ** 2
             impedance[row] = size * curves.at(every.group[mode], every.column[mode], x[row])
         found = load(impedance, frequency)
-        inside = skipped & ~self._odd
-        for row in _families(self._order, inside):
-            fill(found, self._root, np.flatnonzero((self._order == self._order[row[0]]) & ~skipped), row)
-        for row in _families(self._number, skipped & self._odd):
-            fill(found, self._order, np.flatnonzero((self._number == self._number[row[0]]) & ~self._odd), row)
+        fill(found, self._order, self._root, ~skipped, skipped & ~self._odd)
+        fill(found, self._number, self._order, ~self._odd, skipped & self._odd)
         return found
 
     def _between(self, speed: Array) -> npt.NDArray[np.bool_]:
@@ -121,8 +118,3 @@ def numbers(order: Array, root: Array) -> Indices:
     begins = np.flatnonzero(np.diff(order[ranked], prepend=-1.0))
     number[ranked] = np.arange(order.size) - np.repeat(begins, np.diff(begins, append=order.size))
     return number
-
-
-def _families(number: npt.NDArray[Any], which: npt.NDArray[np.bool_]) -> list[Indices]:
-    """Group those modes into families of the same number."""
-    return [np.flatnonzero(which & (number == each)) for each in np.unique(number[which])]

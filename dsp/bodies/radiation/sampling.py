@@ -1,10 +1,13 @@
 """Loads of many modes from those of a few: within a family they are smooth."""
 
 import numpy as np
+import numpy.typing as npt
 
 from ..air import Load
 from ..material import Array
 from ..modes import Indices
+
+Mask = npt.NDArray[np.bool_]
 
 _LEAST = 1e-300
 _GROWTH = 1.25  # from one member to the next, where not all are solved
@@ -27,22 +30,49 @@ def between(known: Array, loads: Load, wanted: Array) -> Load:
     return Load(np.exp(_cubic(known, level, wanted)), _cubic(known, loads.mass, wanted))
 
 
-def fill(loads: Load, place: Array, known: Indices, wanted: Indices) -> None:
-    """Set the loads of `wanted` members from those of `known` ones by their places (n,)."""
-    known = known[np.argsort(place[known])]
-    found = between(place[known], Load(loads.resistance[known], loads.mass[known]), place[wanted])
-    loads.resistance[wanted], loads.mass[wanted] = found
+def fill(loads: Load, family: Array, place: Array, known: Mask, wanted: Mask) -> None:
+    """Set the loads of `wanted` modes (n,) from those of `known` ones of their families, by their places there."""
+    asked = np.flatnonzero(wanted)
+    if not asked.size:
+        return
+    given = np.flatnonzero(known & np.isin(family, family[asked]))
+    given = given[np.lexsort((place[given], family[given]))]
+    each, number = np.unique(family[given], return_inverse=True)
+    apart = 2 * (np.abs(place).max() + 1)  # families one after the other, so that one search finds all
+    begins = np.flatnonzero(np.diff(number, prepend=-1))
+    mine = np.searchsorted(each, family[asked])
+    first, last = begins[mine], np.append(begins[1:], given.size)[mine] - 2
+    i = np.searchsorted(number * apart + place[given], mine * apart + place[asked]) - 1
+    at = np.clip(i, first, last)
+    level = np.log(np.maximum(loads.resistance[given], _LEAST))
+    columns = level, loads.mass[given]
+    found = [_value(place[given], y, _slopes(place[given], y, begins), at, place[asked]) for y in columns]
+    loads.resistance[asked], loads.mass[asked] = np.exp(found[0]), found[1]
 
 
 def _cubic(x: Array, y: Array, wanted: Array) -> Array:
     """Interpolate three points or more by Hermite's cubics; the slope at a point is that of the parabola around it."""
+    at = np.clip(np.searchsorted(x, wanted) - 1, 0, x.size - 2)
+    return _value(x, y, _slopes(x, y, np.zeros(1, np.intp)), at, wanted)
+
+
+def _slopes(x: Array, y: Array, begins: Indices) -> Array:
+    """Return the slopes at the points of families, each of which begins at one of these places."""
     step = np.diff(x)
+    step[begins[1:] - 1] = 1.0  # from one family to the next: no slope asks for it
     rise = np.diff(y) / step
     slope = np.empty_like(y)
     slope[1:-1] = (step[1:] * rise[:-1] + step[:-1] * rise[1:]) / (step[1:] + step[:-1])
-    slope[0], slope[-1] = 2 * rise[0] - slope[1], 2 * rise[-1] - slope[-2]
-    i = np.clip(np.searchsorted(x, wanted) - 1, 0, x.size - 2)
-    t = (wanted - x[i]) / step[i]
-    bend = (slope[i] - rise[i]) * (1 - t) + (rise[i] - slope[i + 1]) * t
-    value: Array = y[i] + step[i] * t * (rise[i] + (1 - t) * bend)
+    ends = np.append(begins[1:], y.size) - 1
+    slope[begins], slope[ends] = 2 * rise[begins] - slope[begins + 1], 2 * rise[ends - 1] - slope[ends - 1]
+    return slope
+
+
+def _value(x: Array, y: Array, slope: Array, i: Indices, wanted: Array) -> Array:
+    """Return the value at each place that is wanted, between the points i and i + 1."""
+    step = x[i + 1] - x[i]
+    rise = (y[i + 1] - y[i]) / step
+    t = (wanted - x[i]) / step
+    bend = (slope[i] - rise) * (1 - t) + (rise - slope[i + 1]) * t
+    value: Array = y[i] + step * t * (rise + (1 - t) * bend)
     return value
