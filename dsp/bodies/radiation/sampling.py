@@ -1,5 +1,7 @@
 """Loads of many modes from those of a few: within a family they are smooth."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -30,7 +32,7 @@ def between(known: Array, loads: Load, wanted: Array) -> Load:
     return Load(np.exp(_cubic(known, level, wanted)), _cubic(known, loads.mass, wanted))
 
 
-def fill(loads: Load, family: Array, place: Array, known: Mask, wanted: Mask) -> None:
+def fill(loads: Load, family: npt.NDArray[Any], place: Array, known: Mask, wanted: Mask) -> None:
     """Set the loads of `wanted` modes (n,) from those of `known` ones of their families, by their places there."""
     asked = np.flatnonzero(wanted)
     if not asked.size:
