@@ -82,7 +82,8 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
             f"item {item.number}: its peak is {peak:.4g} Pa: expected at most full_scale = {full_scale:g} Pa "
             f"({_said(item)})"
         )
-    truth = _about(recipe, item, peak, full_scale, pressure)
+    whole = pressure.astype(np.float64)  # at once: numpy's functions of two types convert piece by piece, which is slow
+    truth = _about(recipe, item, peak, full_scale, whole)
     touched = {name: _touched(item, name, contacts) for name in performer.scene.objects}
     told = (
         about_object(performer, recipe.rate, recipe.frames, name, at, _moves(name, at, contacts), followed)
@@ -93,11 +94,11 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     truth["contacts"] = about_contacts(performer, contacts)
     if sensed.shape[1]:
         truth["sensors"] = _about_sensors(performer)
-    truth["warnings"] = [*performer.warnings, *_quiet(recipe, full_scale, pressure)]
+    truth["warnings"] = [*performer.warnings, *_quiet(recipe, full_scale, truth["exposure"])]
     forces = [np.zeros((0, TRACED_MOMENTS)), *(contact.drive.moments for contact in contacts)]
     paths = [np.zeros((0, PATH)), *(path_of(contact.drive) for contact in contacts)]
     return Clip(
-        quantized(pressure, full_scale, recipe.samples), truth,
+        quantized(whole, full_scale, recipe.samples), truth,
         np.concatenate(forces).astype(np.float32), np.concatenate(paths).astype(np.float32), sensed,
     )  # fmt: skip
 
@@ -111,9 +112,9 @@ def _moves(name: str, position: float | None, contacts: tuple[Contact, ...]) -> 
     )
 
 
-def _quiet(recipe: Recipe, full_scale: float, pressure: NDArray[np.float32]) -> list[str]:
-    """Warn of a clip that is silent, or hardly above the steps of its samples."""
-    mean = float(np.square(pressure, dtype=np.float64).mean())
+def _quiet(recipe: Recipe, full_scale: float, exposure: list[float]) -> list[str]:
+    """Warn of a clip that is silent, or hardly above the steps of its samples. exposure: Pa^2 s, of each channel."""
+    mean = sum(exposure) * recipe.rate / (recipe.frames * len(exposure))
     if mean == 0.0:
         return ["it is silent"]
     if recipe.samples not in QUANTIZED:
@@ -162,12 +163,22 @@ def _played(
                 raise CommandError(f"{line.where}: {error}" if line.where else str(error)) from None
     trace = np.concatenate([*filter(len, traces)] or traces)
     width, channels = performer.engine.width, performer.engine.channels
-    whole = np.zeros((recipe.frames, width), np.float32)
-    for piece, first in zip(pieces, np.cumsum([0, *map(len, pieces)]).tolist(), strict=False):
-        whole[first : first + len(piece), : piece.shape[1]] = piece
+    whole = _joined(pieces, recipe.frames, width)
     contacts = assemble(trace, recipe.rate, 0, performer.striking)
-    pressure: NDArray[np.float32] = whole[:, :channels] / np.float32(AMPLIFIED)
+    pressure = whole[:, :channels] * np.float32(1.0 / AMPLIFIED)  # a power of two
     return pressure, whole[:, channels:], contacts
+
+
+def _joined(pieces: list[NDArray[np.float32]], frames: int, width: int) -> NDArray[np.float32]:
+    """Return the pieces of a sound one after the other, (frames, width); those from before a sensor have fewer
+    channels."""
+    if len(pieces) == 1 and pieces[0].shape[1] == width:
+        return pieces[0]
+    whole, first = np.zeros((frames, width), np.float32), 0
+    for piece in pieces:
+        whole[first : first + len(piece), : piece.shape[1]] = piece
+        first += len(piece)
+    return whole
 
 
 def _about_sensors(performer: Performer) -> list[Truth]:
@@ -196,7 +207,7 @@ def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | No
     return max(hits, key=lambda contact: contact.impulse).position if hits else None
 
 
-def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure: NDArray[np.float32]) -> Truth:
+def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure: NDArray[np.float64]) -> Truth:
     """Describe an item, and its loudness. exposure: Pa^2 s, of each channel."""
     paired = {"pair": item.pair, "differs": item.differs} if item.pair >= 0 else {}
     return {
@@ -211,5 +222,5 @@ def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure:
         "frames": recipe.frames,
         "full_scale": full_scale,
         "peak": peak,
-        "exposure": [float(each) for each in np.square(pressure, dtype=np.float64).sum(axis=0) / recipe.rate],
+        "exposure": (np.square(pressure).sum(axis=0) / recipe.rate).tolist(),
     }

@@ -26,12 +26,13 @@ def step_of(full_scale: float, samples: str) -> float:
 
 
 def quantized(
-    pressure: NDArray[np.float32], full_scale: float, samples: str
+    pressure: NDArray[np.float64], full_scale: float, samples: str
 ) -> NDArray[np.float32] | NDArray[np.int32]:
     """Return a pressure as samples: floats, or the nearest whole numbers of steps, int32."""
     if samples not in QUANTIZED:
-        return pressure / np.float32(full_scale)
+        return pressure.astype(np.float32) / np.float32(full_scale)
     most = 2 ** (QUANTIZED[samples] - 1)
-    steps = np.rint(pressure.astype(np.float64) * (most / full_scale))
-    whole: NDArray[np.int32] = np.clip(steps, -most, most - 1).astype(np.int32)
-    return whole
+    steps = pressure * (most / full_scale)
+    np.rint(steps, out=steps)
+    np.clip(steps, -most, most - 1, out=steps)
+    return steps.astype(np.int32)

@@ -32,22 +32,22 @@ def key_of(item: int) -> str:
 def packed(recipe: Recipe, clips: Iterable[Clip]) -> bytes:
     """Pack clips into a tar: for each its sound, KEY.json with its truth, KEY.force.npy with its forces, and
     KEY.path.npy with the paths of contacts that move, if any does, and KEY.sensor.npy with the signals of sensors."""
-    memory = io.BytesIO()
-    with tarfile.open(fileobj=memory, mode="w", format=tarfile.USTAR_FORMAT) as tar:
-        for clip in clips:
-            key = key_of(clip.truth["item"])
-            parts = {
-                recipe.format: sound_file(clip.samples, recipe),
-                "json": json.dumps(clip.truth, allow_nan=False, separators=(",", ":")).encode(),
-                "force.npy": _array_file(clip.force),
-                **({"path.npy": _array_file(clip.path)} if len(clip.path) else {}),
-                **({"sensor.npy": _array_file(clip.sensed)} if clip.sensed.shape[1] else {}),
-            }
-            for ending, content in parts.items():
-                member = tarfile.TarInfo(f"{key}.{ending}")  # its time is 0, and it belongs to nobody
-                member.size = len(content)
-                tar.addfile(member, io.BytesIO(content))
-    return memory.getvalue()
+    tar: list[bytes] = []
+    for clip in clips:
+        key = key_of(clip.truth["item"])
+        parts = {
+            recipe.format: sound_file(clip.samples, recipe),
+            "json": json.dumps(clip.truth, allow_nan=False, separators=(",", ":")).encode(),
+            "force.npy": _array_file(clip.force),
+            **({"path.npy": _array_file(clip.path)} if len(clip.path) else {}),
+            **({"sensor.npy": _array_file(clip.sensed)} if clip.sensed.shape[1] else {}),
+        }
+        for ending, content in parts.items():
+            member = tarfile.TarInfo(f"{key}.{ending}")  # its time is 0, and it belongs to nobody
+            member.size = len(content)
+            tar += member.tobuf(tarfile.USTAR_FORMAT), content, bytes(-len(content) % tarfile.BLOCKSIZE)
+    tar.append(bytes(2 * tarfile.BLOCKSIZE))
+    return b"".join([*tar, bytes(-sum(map(len, tar)) % tarfile.RECORDSIZE)])
 
 
 def sound_file(samples: NDArray[np.float32] | NDArray[np.int32], recipe: Recipe) -> bytes:

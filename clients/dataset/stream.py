@@ -112,7 +112,7 @@ def sound_of(recipe: Recipe, clip: Clip) -> np.ndarray[Any, np.dtype[np.float32]
     """Return the sound of a clip in Pa; steps of a full scale that is a power of two are exact in float32."""
     full_scale = clip.truth["full_scale"]
     step = step_of(full_scale, recipe.samples) if recipe.samples in QUANTIZED else full_scale
-    return np.multiply(clip.samples, step, dtype=np.float64).astype(np.float32)
+    return (clip.samples.astype(np.float64) * step).astype(np.float32)
 
 
 def _by_processes(

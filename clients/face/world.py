@@ -282,7 +282,7 @@ class World(Closing):
         moved; others are where they were. The sound: float32 (frames, channels), Pa; empty of a World with a client.
         WorldError names what cannot be; the step has then changed nothing.
         """
-        if self._scene and isinstance(time, Real) and time - self.time > _LONGEST and math.isfinite(time):
+        if self._scene and isinstance(time, float | Real) and time - self.time > _LONGEST and math.isfinite(time):
             where = f"step {self.simulation.steps + 1}"
             raise WorldError(f"{where}: time = {time}: expected at most {_LONGEST} s after {self.time}")
         before = self.time

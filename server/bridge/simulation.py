@@ -304,7 +304,7 @@ class Simulation:
 
     def _check(self, time: float, where: str) -> None:
         """Raise WorldError unless a step may come at a time."""
-        if not isinstance(time, Real):
+        if not isinstance(time, float | Real):  # that it is a float is seen at once
             raise WorldError(f"{where}: time = {time!r}: expected a number")
         if not self.time < time < math.inf:
             raise WorldError(f"{where}: time = {time}: expected above {self.time}, that of the step before")

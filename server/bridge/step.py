@@ -110,7 +110,7 @@ def take_contacts(
     number: of a body; names: of all bodies; where: the step, for an error.
     """
     columns: Mapping[str, ArrayLike]
-    if isinstance(contacts, Mapping):
+    if not isinstance(contacts, tuple | list) and isinstance(contacts, Mapping):
         columns = contacts
     else:
         touches = _touches(contacts, where)
@@ -142,7 +142,7 @@ def take_contacts(
 
 def _touches(contacts: Any, where: str) -> list[Touch]:
     """Return contacts that are Touches; raise WorldError for others."""
-    if isinstance(contacts, Touch) or not isinstance(contacts, Iterable):
+    if isinstance(contacts, Touch) or not isinstance(contacts, tuple | list | Iterable):
         raise WorldError(f"{where}: contacts = {contacts!r}: expected a list of Touch, or arrays by name")
     touches = list(contacts)
     for each in touches:
@@ -214,9 +214,11 @@ def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str,
 
 def checked_poses(poses: Poses | None, number: Callable[[str], int], where: str) -> list[tuple[int, Pose]]:
     """Return the numbers of bodies that have moved, and their poses. where: the step, for an error."""
-    if not isinstance(poses, Mapping | None):
+    if poses is None:
+        return []
+    if not isinstance(poses, Mapping):
         raise WorldError(f"{where}: poses = {poses!r}: expected a mapping from names to Pose")
-    return [(number(name), checked_pose(pose, f"{where}: body {name}")) for name, pose in (poses or {}).items()]
+    return [(number(name), checked_pose(pose, f"{where}: body {name}")) for name, pose in poses.items()]
 
 
 def checked_pose(pose: Pose, where: str) -> Pose:

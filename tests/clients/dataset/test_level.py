@@ -27,7 +27,9 @@ def test_samples_are_the_nearest_steps(tmp_path, samples):
     bits = int(samples)
     pressure = np.random.default_rng(1).uniform(-3, 3, (1_000, 1)).astype(np.float32)
     recipe = recipe_of(tmp_path, f'samples = "{samples}"\n' + SMALL)
-    back = soundfile.read(io.BytesIO(sound_file(quantized(pressure, 4.0, samples), recipe)), always_2d=True)[0]
+    back = soundfile.read(
+        io.BytesIO(sound_file(quantized(pressure.astype(np.float64), 4.0, samples), recipe)), always_2d=True
+    )[0]
     assert np.abs(4.0 * back - pressure).max() <= 2.0 ** (2 - bits) * 1.001
 
 
