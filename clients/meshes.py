@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
 
 from ..dsp.bodies.material import Material
 from ..dsp.bodies.mesh import Table
@@ -16,11 +12,10 @@ from ..dsp.errors import CaromError
 from ..dsp.mesh.model import MODES, POINTS, Wanted
 from ..dsp.mesh.surface import Surface
 from ..presets import Presets
-from ..presets.meshes import made_table, read_mesh
+from ..presets.made import preset_text
+from ..presets.meshes import keep, made_table, read_mesh
 from ..presets.tables import SUFFIX, table_of
 from ..presets.values import NAME, Name
-
-STRIKER, VELOCITY, POSITION = "wood", 1.0, 0.3
 
 Say = Callable[[str, float], object]
 
@@ -74,13 +69,11 @@ def make(mesh: Path, out: Path, asked: Asked, presets: Presets | None = None, sa
     surface = Surface(*read_mesh(mesh, asked.scale))
     data = _modelled(mesh, material) or made_table(mesh, material, asked.wanted, asked.scale, say)
     table = table_of(data, str(mesh))
-    folder = out / "objects"
-    folder.mkdir(parents=True, exist_ok=True)
-    files = [
-        _put(folder / f"{asked.name}.toml", preset_text(asked, mesh.name, table).encode()),
-        _put(folder / f"{asked.name}{SUFFIX}", data),
-    ]
-    return MadeMesh(table, surface, tuple(files), table.notes)
+    source = f"made of {mesh.name} by carom mesh" + (f"; {asked.source}" if asked.source else "")
+    files = tuple(out / "objects" / f"{asked.name}{suffix}" for suffix in (".toml", SUFFIX))
+    keep(files[0], preset_text(asked.name, source, asked.material, table).encode())
+    keep(files[1], data)
+    return MadeMesh(table, surface, files, table.notes)
 
 
 def _modelled(mesh: Path, material: Material) -> bytes | None:
@@ -90,33 +83,3 @@ def _modelled(mesh: Path, material: Material) -> bytes | None:
     from ..presets.gltf_tables import model_bytes
 
     return model_bytes(mesh.read_bytes(), str(mesh), material)
-
-
-def preset_text(asked: Asked, mesh: str, table: Table) -> str:
-    """Write the preset's file of a mesh's object."""
-    x, y, z = 1e3 * np.ptp(table.points, axis=0)
-    lines = [
-        *(f"# {note}" for note in table.notes),
-        f"description = {json.dumps(f'{asked.name}, {x:.3g} x {y:.3g} x {z:.3g} mm, of {asked.material}')}",
-        f"source = {json.dumps(f'made of {mesh} by carom mesh' + (f'; {asked.source}' if asked.source else ''))}",
-        'shape = "mesh"',
-        f"material = {json.dumps(asked.material)}",
-        "level = 0.0  # dB",
-        "",
-        "[geometry]",
-        f"table = {json.dumps(asked.name + SUFFIX)}",
-        "",
-        "[strike]",
-        f"striker = {json.dumps(STRIKER)}",
-        f"velocity = {VELOCITY}  # m/s",
-        f"position = {POSITION}  # 0..1 along the path",
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def _put(path: Path, data: bytes) -> Path:
-    """Write a file that appears whole."""
-    part = path.with_suffix(".part")
-    part.write_bytes(data)
-    os.replace(part, path)
-    return path

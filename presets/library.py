@@ -27,6 +27,9 @@ KINDS = ("objects", "strikers", "surfaces", "materials")
 
 Folder = str | PathLike[str]
 
+_MADE = "mesh-"
+"""The beginning of names of objects that are looked for among those that are kept, too (presets/made.py)."""
+
 _SETTLED = 3_000_000_000
 """ns after an edit from which on the next one surely gives a file another time: some file systems count by 2 s."""
 
@@ -45,6 +48,11 @@ class Presets:
                 raise PresetError(f"{folder}: expected a folder with {', '.join(KINDS)}")
         self._folders = (*map(Path, folders), BUILT_IN)
         self._surfaces: dict[str, tuple[dict[str, Any], SurfacePreset]] = {}  # with the data of which each was made
+
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """The folders in which presets are looked up, one after the other."""
+        return self._folders
 
     def names(self, kind: str) -> list[str]:
         """Return all names of a kind: objects, strikers, surfaces or materials.
@@ -132,15 +140,23 @@ class Presets:
             path = f"{folder}/{kind}/{name}.toml"
             if os.path.isfile(path):
                 return Path(path)
+        if kind == "objects" and name.startswith(_MADE):
+            from .meshes import cache_folder
+
+            made = cache_folder() / kind / f"{name}.toml"
+            if made.is_file():
+                return made
         raise NoPreset(f"no {singular} {name!r}", lambda: expected(name, self.names(kind)))
 
     def _object(self, name: str, path: Path) -> ObjectPreset:
         """Return the object of a file."""
         where, data = read_file(path)
         if data.get("shape") == "mesh":
-            from .meshes import with_table  # with what computes
+            from .made import require_digest  # with what computes
+            from .meshes import with_table
 
             data = with_table(where, data, path.parent, self)
+            require_digest(name, data)
         return ObjectPreset.from_data(name, where, data, self)
 
     def _read(self, kind: str, name: str) -> tuple[str, dict[str, Any]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -76,11 +77,8 @@ def made_table(path: Path, material: Material, wanted: Any, scale: float | None 
 
     wanted: a dsp.mesh.model.Wanted. MeshError says why there is none.
     """
-    from ..dsp.mesh.model import model_of
-
-    elastic = (material.density, material.youngs_modulus, material.poisson_ratio)
     key = sha256(path.read_bytes())
-    key.update(repr((EDITION, tuple(wanted), scale, elastic)).encode())
+    key.update(repr((EDITION, tuple(wanted), scale, elastic_of(material))).encode())
     place = cache_folder() / f"{key.hexdigest()}{SUFFIX}"
     try:
         data = place.read_bytes()
@@ -90,17 +88,31 @@ def made_table(path: Path, material: Material, wanted: Any, scale: float | None 
         pass
     points, faces = read_mesh(path, scale)
     try:
-        with on_one_thread():
-            model = model_of(points, faces, material, wanted, say)
+        data = table_bytes_of(points, faces, material, wanted, say)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
-    except MemoryError:
-        raise MeshError(f"{path}: not enough memory: expected a smaller mesh, or fewer modes") from None
-    density, modulus, ratio = elastic
-    values = {**vars(model), "density": density, "youngs_modulus": modulus, "poisson_ratio": ratio}
-    data = table_bytes(values)
-    _keep(place, data)
+    with suppress(OSError):
+        keep(place, data)
     return data
+
+
+def elastic_of(material: Material) -> tuple[float, float, float]:
+    """Return what of a material a table hangs on: density, Young's modulus and Poisson's ratio."""
+    return material.density, material.youngs_modulus, material.poisson_ratio
+
+
+def table_bytes_of(points: Array, faces: Indices, material: Material, wanted: Any, say: Any = None) -> bytes:
+    """Return the bytes of the table of a mesh of points (n, 3) in m and faces (m, 3). MeshError says why there is
+    none."""
+    from ..dsp.mesh.model import model_of
+
+    try:
+        with on_one_thread():
+            model = model_of(points, faces, material, wanted, say)
+    except MemoryError:
+        raise MeshError("not enough memory: expected a smaller mesh, or fewer modes") from None
+    density, modulus, ratio = elastic_of(material)
+    return table_bytes({**vars(model), "density": density, "youngs_modulus": modulus, "poisson_ratio": ratio})
 
 
 def cache_folder() -> Path:
@@ -110,15 +122,16 @@ def cache_folder() -> Path:
     return platformdirs.user_cache_path("carom") / "meshes"
 
 
-def _keep(place: Path, data: bytes) -> None:
-    """Keep a table, if there is room: whoever reads at the same time reads the whole of it."""
-    partly = place.with_suffix(f".{os.getpid()}")
+def keep(place: Path, data: bytes) -> None:
+    """Write a file: whoever reads at the same time reads the whole of it. OSError if there is no room."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    partly = place.with_suffix(f"{place.suffix}.{os.getpid()}")
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
         partly.write_bytes(data)
         partly.replace(place)
     except OSError:
         partly.unlink(missing_ok=True)
+        raise
 
 
 def with_table(where: str, data: dict[str, Any], folder: Path, library: Any) -> dict[str, Any]:

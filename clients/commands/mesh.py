@@ -6,19 +6,28 @@ from pathlib import Path
 from ..errors import tell
 from .options import add_presets
 from .parser import Command, number, whole
-from .progress import Work, shown_progress
+from .progress import shown_mesh
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", type=Path, metavar="FILE", help="a mesh: .obj, .stl, .ply, .glb or .gltf")
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        help="a mesh: .obj, .stl, .ply, .glb or .gltf; or a MuJoCo model, .xml or .mjb, of which all bodies of meshes "
+        "are made ahead",
+    )
     parser.add_argument(
         "out",
         type=Path,
+        nargs="?",
         metavar="FOLDER",
-        help="folder for the preset and the report, as --presets takes it; made if missing",
+        help="folder for the preset and the report, as --presets takes it; made if missing; a model's are kept without",
     )
-    parser.add_argument("--name", required=True, help="the new object's name")
-    parser.add_argument("--material", required=True, metavar="M", help="a preset's name: glass")
+    parser.add_argument("--name", help="the new object's name; a model's bodies have their own")
+    parser.add_argument(
+        "--material", metavar="M", help="a preset's name: glass; of a model's bodies of which none is said"
+    )
     parser.add_argument("--wall", type=number, metavar="M", help="thickness of a sheet or of a hollow body, m")
     parser.add_argument("--scale", type=number, metavar="M", help="the mesh's unit in m: 0.001 for mm (1)")
     parser.add_argument("--modes", type=whole, default=60, metavar="N", help="how many modes at most (%(default)s)")
@@ -33,6 +42,44 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    from ..model_meshes import SUFFIXES
+
+    if arguments.file.suffix.lower() in SUFFIXES:
+        return _make_all(arguments)
+    missing = [name for name in ("out", "name", "material") if getattr(arguments, name) is None]
+    if missing:
+        words = {"out": "FOLDER", "name": "--name", "material": "--material"}
+        tell("mesh", f"expected {', '.join(words[each] for each in missing)} beside {arguments.file}")
+        return 2
+    return _make(arguments)
+
+
+def _make_all(arguments: argparse.Namespace) -> int:
+    """Make the objects of a model's bodies."""
+    from ...presets import Presets
+    from ..model_meshes import make_all
+
+    given = [name for name in ("name", "wall", "scale", "source") if getattr(arguments, name) is not None]
+    if given:
+        tell("mesh", f"--{given[0]}: expected none for a model")
+        return 2
+    found = False
+    default, presets = arguments.material or "wood", Presets(arguments.presets)
+    for body in make_all(arguments.file, arguments.out, default, presets, shown_mesh):
+        found = True
+        if body.unsaid:
+            tell("mesh", f"{body.name}: no material is said: {body.material}")
+        if body.reason:
+            tell("mesh", f"{body.name}: {body.reason}; the box of its inertia rings for it")
+        else:
+            print(body.name, body.material, body.object)
+    if not found:
+        tell("mesh", f"{arguments.file}: no body of a mesh that collides")
+    return 0
+
+
+def _make(arguments: argparse.Namespace) -> int:
+    """Make the object of a mesh."""
     from ...dsp.runtime.engine import prepare
     from ...presets import Presets
     from ..meshes import Asked, make
@@ -42,11 +89,7 @@ def _run(arguments: argparse.Namespace) -> int:
     presets = Presets(arguments.presets)
     if not arguments.no_report:
         prepare()  # before there is another progress bar
-    with shown_progress(Work("mesh"), asked.name, 1.0) as change:
-
-        def say(doing: str, done: float) -> None:
-            change(description=f"{asked.name}, {doing}", completed=done)
-
+    with shown_mesh(asked.name) as say:
         made = make(arguments.file, arguments.out, asked, presets, say)
         files = list(made.files)
         if not arguments.no_report:
@@ -62,7 +105,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 COMMAND = Command(
     "mesh",
-    "FILE FOLDER",
+    "FILE [FOLDER]",
     "make an object of a mesh and a material, and a page that shows its modes",
     _options,
     _run,

@@ -38,6 +38,13 @@ def shown_progress(work: Work, description: str = "", total: float | None = None
 
 
 @contextmanager
+def shown_mesh(name: str) -> Iterator[Callable[[str, float], object]]:
+    """Show how the object of a mesh is made: what is done now, and how much of the whole."""
+    with shown_progress(Work("mesh"), name, 1.0) as change:
+        yield lambda doing, done: change(description=f"{name}, {doing}", completed=done)
+
+
+@contextmanager
 def _on_terminal(work: Work, description: str, total: float | None) -> Iterator[Callable[..., object]]:
     from rich.console import Console
     from rich.progress import Progress

@@ -10,6 +10,7 @@
 It needs `pip install 'carom[mujoco]'`.
 """
 
+import warnings
 from collections.abc import Callable, Mapping
 from ctypes import c_void_p, cast
 from typing import Any
@@ -18,9 +19,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from .server.bridge.bodies import WorldError
+from .dsp.mesh.surface import Surface
+from .server.bridge.bodies import NoModel, WorldError
 from .server.bridge.mujoco.arrays import ARRAYS
 from .server.bridge.mujoco.layout import memory_layout, mujoco_library
+from .server.bridge.mujoco.meshes import surface_of
 from .server.bridge.mujoco.model import (
     Frame,
     Part,
@@ -53,8 +56,11 @@ def bare(given: Any, kind: type[Any]) -> Any:
 class Bridge:
     """Tells a World what happens in MuJoCo's `data`.
 
-    Each body is one of the World, with all its geoms that collide: shaped as the largest of them, or, if that is a mesh
-    that moves or is less than half of all, as a solid box with their inertia. So is each geom of the world's own body.
+    Each body is one of the World, with all its geoms that collide: shaped as the largest of them, or, if that is less
+    than half of all, as a solid box with their inertia. So is each geom of the world's own body. If the largest is a
+    mesh, all of them ring as one body of their own shape, touched at the points of their contacts: its modes are made
+    when it is first met, some seconds each, and kept (`carom mesh MODEL.xml` makes them ahead). Of what has none, or
+    with meshes=False, the box with its inertia rings; a warning says so, and whose material is said nowhere.
     What does not move is held. Where a name is there already, the geom's number follows it. A plane rings as a plate of
     2 m. Materials are presets: of a geom by `materials` (a mapping from names of geoms, bodies or MuJoCo's materials),
     by the model's custom text `carom` ("floor wood ball glass"), or by a material of the model that is named as a
@@ -86,6 +92,7 @@ class Bridge:
         restitution: str = "simulator",
         settle: float = 0.0,
         sensors: Mapping[str, Mapping[str, Any]] | None = None,
+        meshes: bool = True,
         **options: Any,
     ) -> None:
         if restitution not in ("simulator", "materials"):
@@ -115,9 +122,17 @@ class Bridge:
         self._first = len(self.world.bodies)
         mujoco.mj_comPos(model, data)
         frames = [frame_of(model, data, part) for part in parts]
+        unsaid = []
         for part, frame in zip(parts, frames, strict=True):
             about = next((bodies[name] for name in names_of(model, part) if name in bodies), {}) if bodies else {}
-            self._add(part, frame, material_of(model, part, chosen) or default, about)
+            material = material_of(model, part, chosen) or str(about.get("material", ""))
+            surface = surface_of(model, data, part, frame) if meshes and "shape" not in about else None
+            if surface and not material:
+                unsaid.append(part.name)
+            self._add(part, frame, surface, material or default, about)
+        if unsaid:
+            text = f"no material is said of {', '.join(unsaid)}: {default}; materials={{{unsaid[0]!r}: ...}} says it"
+            warnings.warn(text, stacklevel=2)
         for name, keys in (sensors or {}).items():
             self._mount(name, keys, parts, frames)
         moving = [part for part in parts if part.body]
@@ -147,8 +162,9 @@ class Bridge:
         """Time (s) from a moment of the simulation to its place in the sound, by `data.time`."""
         return self.world.latency + self._behind
 
-    def _add(self, part: Part, frame: Frame, material: str, about: Mapping[str, Any]) -> None:
-        """Add a part to the World, with the mass and inertia of the body that moves it."""
+    def _add(self, part: Part, frame: Frame, surface: Surface | None, material: str, about: Mapping[str, Any]) -> None:
+        """Add a part to the World, with the mass and inertia of the body that moves it, by its surface or as its frame
+        has it."""
         model, data = self._model, self._data
         quaternion = np.empty(4)
         mujoco.mju_mat2Quat(quaternion, frame.axes.ravel())
@@ -158,16 +174,17 @@ class Bridge:
             given |= {"held": False, "mass": mass, "inertia": inertia}
         pose = Pose(tuple(frame.origin), tuple(quaternion))
         kind = str(about.get("shape", frame.shape))
-        keys = {key: value for key, value in about.items() if key not in ("shape", "size", "material")}
+        keys = given | {key: value for key, value in about.items() if key not in ("shape", "size", "material")}
+        material = about.get("material", material)
         try:
-            self.world.body(
-                part.name,
-                kind,
-                about.get("size", frame.size),
-                about.get("material", material),
-                pose,
-                **{**given, **keys},
-            )
+            if surface is not None:
+                try:
+                    self.world.body(part.name, "mesh", tuple(surface), material, pose, **keys)
+                    return
+                except NoModel as error:
+                    warnings.warn(f"geom {part.geom}: {error}; the box of its inertia rings for it", stacklevel=3)
+                    keys.pop("wall", None)
+            self.world.body(part.name, kind, about.get("size", frame.size), material, pose, **keys)
         except WorldError as error:
             raise WorldError(f"geom {part.geom}: {error}") from None
 

@@ -20,6 +20,7 @@ from ._capture import Capture
 from ._listening import Listening, ride
 from .clients.actions import CommandError
 from .clients.client import Client
+from .clients.commands.progress import shown_mesh
 from .clients.performer import Folders, Performer, chosen
 from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.memory.state import QUANTUM
@@ -101,7 +102,9 @@ class World(Closing):
         library = chosen(presets)
         self.rate = int(rate)
         self.latency = 0.0 if client else QUANTUM / rate
-        self.simulation = Simulation(library, NYQUIST_SHARE * 0.5 * rate, hearing, gravity=gravity, start=start)
+        self.simulation = Simulation(
+            library, NYQUIST_SHARE * 0.5 * rate, hearing, gravity=gravity, start=start, progress=shown_mesh
+        )
         """The simulation as it is told, and what comes of it; bridges reach into it."""
         self._client = client
         self._scene = None
@@ -188,12 +191,14 @@ class World(Closing):
         """Add a body before it touches anything; return its number.
 
         shape and size (m): box or plate (three edges), sphere (radius), cylinder (radius, length), capsule (radius,
-        length between its ends' centres), mesh (vertices (n, 3); the box around them rings). A cylinder's and a
-        capsule's axis is z. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg),
-        inertia (moments about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does
-        not move. rings=False: it is silent. object: a preset that rings in its place. wall: thickness (m) of the wall
-        of a hollow box, cylinder or capsule. Further keys are those of `/object/new`, such as most_modes, damping or
-        gain. WorldError for a name that is taken, or a value that cannot be.
+        length between its ends' centres), mesh (vertices (n, 3), of which the box around rings; or these and its faces
+        (m, 3), numbers of vertices: it rings by its own modes, which are made at first and kept, and is touched at
+        points of its surface). A cylinder's and a capsule's axis is z; a mesh with faces is as seen from its centre of
+        mass. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg), inertia (moments
+        about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does not move.
+        rings=False: it is silent. object: a preset that rings in its place. wall: thickness (m) of the wall of a hollow
+        box, cylinder or capsule, or of a mesh with faces. Further keys are those of `/object/new`, such as most_modes,
+        damping or gain. WorldError for a name that is taken, or a value that cannot be.
         """
         try:
             requests = self.simulation.add(name, shape, size, material, pose, **about)

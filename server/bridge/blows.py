@@ -101,5 +101,10 @@ def _asked(blow: np.void, bodies: Sequence[Body]) -> Blow:
     both = bodies[int(blow["a"])], bodies[int(blow["b"])]
     to, by = both[side], both[1 - side]
     place, by_place = float(blow["place"][side]), float(blow["place"][1 - side])
-    law = (float(blow[name]) for name in ("met", "mass", "stiffness", "exponent", "dissipation", "left"))
-    return Blow(float(blow["time"]), to.name, by.name if by.rings else "", place, by_place if by.rings else 0.0, *law)
+    points = to.point(blow["local"][side].tolist()), by.point(blow["local"][1 - side].tolist())
+    met, mass, stiffness, exponent, dissipation, left = (
+        float(blow[name]) for name in ("met", "mass", "stiffness", "exponent", "dissipation", "left")
+    )
+    its, by_place = (by.name, by_place) if by.rings else ("", 0.0)
+    law = met, mass, stiffness, exponent, dissipation, left
+    return Blow(float(blow["time"]), to.name, its, place, by_place, *law, *points)

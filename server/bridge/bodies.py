@@ -1,9 +1,11 @@
 """Bodies of a simulation: what each is, how loud a blow on it is, and the law of a contact of two of them."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +18,8 @@ from ...presets import Presets
 from ..new_object import NEW, NewObject
 from ..osc.arguments import Refused, require_name, shown
 from ..osc.wire import Argument, Message
-from .shapes import SHAPES, Shape, Vector, shape_of
+from ..osc.world_verbs import SIZES
+from .shapes import SHAPES, Ringing, Shape, Vector, shape_of, surface_shape
 from .tracking.state import OCTAVES
 
 _CALIBRATED = {"level": 0.0, "stereo_width": 0.0}
@@ -48,6 +51,8 @@ class Body:
     """Object that sounds; None: the body is silent."""
     silence: str = ""
     """Reason why it is silent."""
+    surfaced: bool = False
+    """True if its object has a surface, in the axes of the body, so that it is touched at points."""
 
     @property
     def rings(self) -> bool:
@@ -68,9 +73,16 @@ class Body:
         """s after a blow until all of it has fallen by 90 dB."""
         return math.log(10.0 ** (90.0 / 20.0)) / float(self.modes.decay.min(initial=math.inf)) if self.modes else 0.0
 
-    def place(self, point: Vector) -> float:
-        """Return the place 0 to 1 on its object's strike path, of a point (m) in its axes."""
-        return self.shape.place(point)
+    def point(self, point: Sequence[float]) -> tuple[float, ...]:
+        """Return a point (m) in its axes as that of its surface; empty where it has none."""
+        return tuple(point) if self.surfaced else ()
+
+    def position(self, point: Vector) -> float:
+        """Return the position 0 to 1 on its object's strike path that is nearest to a point (m) in its axes."""
+        if not self.surfaced or self.modes is None or self.modes.faces is None:
+            return self.shape.place(point)
+        away = np.linalg.norm(self.modes.faces.line - np.array(point), axis=1)
+        return float(np.argmin(away)) / (len(away) - 1)
 
     def loudness(self) -> NDArray[np.float64]:
         """Return the pressure (Pa rms at 1 m, just after) of a blow of 1 N s, as an estimate, for contact times of
@@ -85,15 +97,23 @@ class Body:
         return np.asarray(np.sqrt(power))
 
 
+class NoModel(WorldError):
+    """Error of a mesh of which no object can be made; the text says why."""
+
+
+Progress = Callable[[str], AbstractContextManager[Callable[[str, float], object]]]
+"""Shows how an object of a name is made: it is told what is done, and how much of the whole."""
+
+
 ABOUT = ("density", "mass", "inertia", "held", "rings", "object")
 """Keys of a body that are no object's."""
 
 
 class BodyMaker:
-    """Makes bodies with modes up to `top` (Hz), from presets."""
+    """Makes bodies with modes up to `top` (Hz), from presets. progress: shows how objects of meshes are made."""
 
-    def __init__(self, presets: Presets, top: float) -> None:
-        self._presets, self._top = presets, top
+    def __init__(self, presets: Presets, top: float, progress: Progress | None = None) -> None:
+        self._presets, self._top, self._progress = presets, top, progress or _unseen
 
     def make(self, name: str, shape: str, size: ArrayLike, material: str, **about: Argument) -> Body:
         """Make a body. about: density (kg/m^3), mass (kg), inertia (three, kg m^2), held, rings, object (a preset), and
@@ -101,6 +121,8 @@ class BodyMaker:
         try:
             require_name("name", name)
             return self._made(name, shape, size, material, about)
+        except NoModel as error:
+            raise NoModel(f"body {shown(name)}: {error}") from None
         except (ValueError, TypeError) as error:
             raise WorldError(f"body {shown(name)}: {error}") from None
 
@@ -109,8 +131,14 @@ class BodyMaker:
             raise ValueError(f"shape = {shown(kind)}: {expected(kind, SHAPES)}")
         held, rings, preset = (about.pop(key, default) for key, default in (("held", 0), ("rings", 1), ("object", "")))
         density, mass, inertia, wall = (about.pop(key, None) for key in ("density", "mass", "inertia", "wall"))
-        shape = shape_of(kind, size, bool(held), None if wall is None else _positive("wall", wall))
         made_of = self._presets.material(str(material))
+        wall = None if wall is None else _positive("wall", wall)
+        surfaced = kind == "mesh" and _has_faces(size)
+        if surfaced:
+            surfaced = bool(rings) and not preset
+            shape = self._surface(name, size, made_of if surfaced else None, wall)
+        else:
+            shape = shape_of(kind, size, bool(held), wall)
         if density is not None and mass is not None:
             raise ValueError(f"density = {shown(density)}, mass = {shown(mass)}: expected one of the two")
         density = made_of.density if density is None else _positive("density", density)
@@ -137,13 +165,52 @@ class BodyMaker:
                 if not isinstance(error.__context__, Silent):
                     raise
                 silence = f"it is held, and {error}"  # what moves clicks all the same
-        return Body(name, shape, made_of, mass, moments, bool(held), keys, sound, silence)  # type: ignore[arg-type]
+        rest = keys, sound, silence, surfaced
+        return Body(name, shape, made_of, mass, moments, bool(held), *rest)  # type: ignore[arg-type]
+
+    def _surface(self, name: str, size: Any, material: Material | None, wall: float | None) -> Shape:
+        """Return the shape of a mesh, its vertices and faces in the axes of the body; with the object that rings as it
+        does, if its material is given. It is made if it is not there yet. NoModel says why it can't be."""
+        from ...dsp.mesh.model import Wanted
+        from ...dsp.mesh.surface import MeshError, Surface, volume_of
+        from ...presets.made import known_object, made_object
+
+        points, faces = np.asarray(size[0], np.float64), np.asarray(size[1])
+        if not points.shape[1:] == faces.shape[1:] == (3,) or faces.dtype.kind not in "iu":
+            raise ValueError(f"size, of shapes {points.shape} and {faces.shape}: expected {SIZES['mesh']}")
+        mesh = Surface(points, faces.astype(np.int64))
+        if material is None:
+            return surface_shape(mesh.points, mesh.faces, abs(volume_of(mesh)))
+        wanted = Wanted(wall)
+        try:
+            made = known_object(self._presets.folders, mesh, material, wanted)
+            if not made:
+                with self._progress(name) as say:
+                    made = made_object(mesh, material, wanted, say)
+        except MeshError as error:
+            raise NoModel(str(error)) from None
+        except OSError as error:
+            raise NoModel(f"its table cannot be kept: {error}") from None
+        table = self._presets.object(made).geometry["table"]
+        shape = surface_shape(mesh.points, mesh.faces, table.mass / table.density)
+        return replace(shape, ringing=Ringing(made, {}))
 
     def _sound(self, name: str, keys: dict[str, Argument]) -> NewObject:
         """Make its object. PresetError or ValueError say why there is none."""
         changes = {key: value for key, value in keys.items() if key not in SETTINGS}
         preset = self._presets.object(name).replace(**changes)
         return NewObject(preset, preset.modes(self._top))
+
+
+@contextmanager
+def _unseen(name: str) -> Iterator[Callable[[str, float], object]]:
+    """Show nothing of how an object is made."""
+    yield lambda doing, done: None
+
+
+def _has_faces(size: Any) -> bool:
+    """True if the size of a mesh is its vertices and its faces."""
+    return isinstance(size, tuple | list) and len(size) == 2 and np.ndim(size[0]) == 2
 
 
 def _positive(name: str, value: Argument) -> float:

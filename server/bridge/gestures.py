@@ -29,9 +29,10 @@ class Gestures:
         id = self.running[event.a, event.b] = id_of(event.slide)
         law = {"mass": event.mass, "stiffness": event.stiffness, "exponent": event.exponent}
         given = _keys(event.patch, event.radius, surface, {**law, **keys})
-        slip, sweep, force, place = event.motion
+        slip, sweep, force, place = event.motion[:4]
         other, by_place = (by.name, event.by_place) if by.rings else ("", 0.0)
-        return Slide(event.time, to.name, other, id, place, by_place, slip, sweep, force, event.seed, given)
+        points = to.point(event.local[event.side]), by.point(event.local[1 - event.side])
+        return Slide(event.time, to.name, other, id, place, by_place, slip, sweep, force, event.seed, given, *points)
 
     def lie(self, event: Event, to: Body, by: Body, support: str) -> Lying:
         """Begin a rest of one body, `by`, on another, or of the one that rings on the other, which is rigid ground
@@ -39,13 +40,18 @@ class Gestures:
         id = self.running[event.a, event.b] = id_of(event.slide)
         place = event.motion[3]
         lies, ground, place, its_place = (by, to, event.by_place, place) if by.rings else (to, by, place, 0.0)
+        on, under = event.local[1 - event.side], event.local[event.side]
+        point, its_point = (lies.point(on), ground.point(under)) if by.rings else (lies.point(under), ())
         law, mass, behind = _law(lies, ground, support, event.radius), event.mass, 0.0
         if support:
             mass, behind = min(mass, SUPPORTS[support].mass or mass), SUPPORTS[support].resistance
         keys = {**law, "mass": min(max(mass, _LIGHTEST), _HEAVIEST)}
-        keys |= {"by_position": its_place} if ground.rings else {"resistance": behind}
+        if not ground.rings:
+            keys["resistance"] = behind
+        elif not its_point:
+            keys["by_position"] = its_place
         what = ground.name if ground.rings else support or _GROUND
-        return Lying(event.time, lies.name, what, id, place, event.motion[2], tuple(keys.items()))
+        return Lying(event.time, lies.name, what, id, place, event.motion[2], tuple(keys.items()), point, its_point)
 
     def rest(self, event: Event) -> list[Ending]:
         """End a slide or a rest, if it goes on."""

@@ -3,7 +3,10 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from ..osc.wire import Message
+from ..osc.wire import Argument, Message
+
+Point = tuple[float, ...]
+"""Three coordinates (m) of a point of an object's surface; none where the object is touched at a place."""
 
 
 class Said(NamedTuple):
@@ -15,7 +18,7 @@ class Said(NamedTuple):
 
 class Blow(NamedTuple):
     """A blow on an object; by: what strikes and rings too, else empty. A restitution above 0 takes the place of the
-    dissipation. Units as in the contact law; places are 0 to 1 on strike paths."""
+    dissipation. Units as in the contact law; places are 0 to 1 on strike paths, points take their place."""
 
     time: float
     to: str
@@ -28,13 +31,15 @@ class Blow(NamedTuple):
     exponent: float
     dissipation: float
     restitution: float
+    point: Point = ()
+    by_point: Point = ()
 
     @property
     def message(self) -> Message:
-        other = ("by", self.by, "by_position", self.by_place) if self.by else ()
+        other = _other(self.by, self.by_place, self.by_point)
         lost = ("restitution", self.restitution) if self.restitution else ("dissipation", self.dissipation)
         law = ("mass", self.mass, "stiffness", self.stiffness, *lost, "exponent", self.exponent)
-        return Message(f"/object/{self.to}/impact", (self.speed, self.place, *other, *law))
+        return Message(f"/object/{self.to}/impact", (self.speed, *_at(self.place, self.point), *other, *law))
 
 
 class Gains(NamedTuple):
@@ -64,13 +69,15 @@ class Slide(NamedTuple):
     force: float
     seed: int
     keys: tuple[tuple[str, float | str], ...]
+    point: Point = ()
+    by_point: Point = ()
 
     @property
     def message(self) -> Message:
-        other = ("by", self.by, "by_position", self.by_place) if self.by else ()
+        other = _other(self.by, self.by_place, self.by_point)
         own = (part for pair in self.keys for part in pair)
         motion = ("force", self.force, "sweep", self.sweep, "id", self.id, "seed", self.seed)
-        return Message(f"/object/{self.to}/slide", (self.slip, self.place, *other, *own, *motion))
+        return Message(f"/object/{self.to}/slide", (self.slip, *_at(self.place, self.point), *other, *own, *motion))
 
 
 class Lying(NamedTuple):
@@ -84,11 +91,15 @@ class Lying(NamedTuple):
     place: float
     load: float
     keys: tuple[tuple[str, float], ...]
+    point: Point = ()
+    by_point: Point = ()
 
     @property
     def message(self) -> Message:
         own = (part for pair in self.keys for part in pair)
-        return Message(f"/object/{self.to}/rest", (self.what, self.place, "load", self.load, *own, "id", self.id))
+        ground: tuple[Argument, ...] = ("by_point", *self.by_point) if self.by_point else ()
+        at = *_at(self.place, self.point), *ground
+        return Message(f"/object/{self.to}/rest", (self.what, *at, "load", self.load, *own, "id", self.id))
 
 
 class Steering(NamedTuple):
@@ -117,6 +128,18 @@ class Ending(NamedTuple):
 
 Request = Said | Blow | Slide | Lying | Gains | Steering | Ending
 """Each has the time (s) of the simulation at which it is heard."""
+
+
+def _at(place: float, point: Point) -> tuple[Argument, ...]:
+    """Return the arguments that say where an object is touched."""
+    return ("point", *point) if point else (place,)
+
+
+def _other(by: str, place: float, point: Point) -> tuple[Argument, ...]:
+    """Return the arguments that say what touches, and with which place or point, if it rings."""
+    if not by:
+        return ()
+    return ("by", by, "by_point", *point) if point else ("by", by, "by_position", place)
 
 
 def in_order(requests: Iterable[Request]) -> list[Request]:

@@ -86,6 +86,23 @@ def _can_be(lengths: NDArray[np.float64]) -> bool:
     return bool(np.all((lengths >= _LEAST) & (lengths <= _MOST)))
 
 
+def surface_shape(points: NDArray[np.float64], faces: NDArray[np.int64], volume: float) -> Shape:
+    """Return the shape of a closed surface of points (n, 3) in m, in the axes of the body, from its centre of mass.
+
+    The inertia is that of a solid: the sum over tetrahedra from the origin to the triangles, where parts overlap
+    counted twice. volume: m^3, with parts that overlap counted once.
+    """
+    a, b, c = points[faces].transpose(1, 0, 2)
+    six = np.einsum("ij,ij->i", a, np.cross(b, c))
+    whole, total = float(six.sum()) or 1e-300, a + b + c
+    middle = six @ total / (4 * whole)
+    squares = (six @ (total**2 + a**2 + b**2 + c**2)) / (20 * whole) - middle**2
+    x, y, z = (max(float(each), _LEAST**2) for each in squares)
+    edge_x, edge_y, edge_z = (max(2 * float(each), _LEAST) for each in np.abs(points).max(axis=0))
+    box = _box("mesh", (edge_x, edge_y, edge_z), False)
+    return replace(box, volume=volume, inertia=(y + z, x + z, x + y))
+
+
 def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
     """Return the box around a mesh, whose axes and origin are those of the body."""
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4 or not np.isfinite(vertices).all():

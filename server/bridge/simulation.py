@@ -14,7 +14,7 @@ from ...presets import Presets
 from ..osc.arguments import shown
 from ..osc.wire import Argument
 from .blows import Counts, Hit, blows_of, hits_of
-from .bodies import Body, BodyMaker, WorldError
+from .bodies import Body, BodyMaker, Progress, WorldError
 from .gestures import Gestures, id_of, seed_of
 from .hearing import Hearing, begin_hearing
 from .pairs import SOFT, Pair, Surfaces, law_of, pair_of
@@ -40,7 +40,8 @@ class Simulation:
 
     presets: where materials, surfaces and objects are from. top: Hz, of modes. hearing: what is computed, and where it
     is heard. gravity: m/s^2. rest: m/s, below which an approach is no blow; what gravity gives in a step is none
-    either, of which 0.05 s count at most. start: s, the time before the first step.
+    either, of which 0.05 s count at most. start: s, the time before the first step. progress: shows how objects of
+    meshes are made.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class Simulation:
         gravity: float = 9.81,
         rest: float = 0.01,
         start: float = 0.0,
+        progress: Progress | None = None,
     ) -> None:
         for name, value, least in (("gravity", gravity, 0.0), ("rest", rest, 0.0), ("start", start, -math.inf)):
             _check_number(name, value, least)
@@ -63,7 +65,7 @@ class Simulation:
         self.state["time"] = start
         self._microphones = begin_hearing(self.hearing, self.state)
         self._presets = presets
-        self._maker = BodyMaker(presets, top)
+        self._maker = BodyMaker(presets, top, progress)
         self._surfaces = Surfaces(presets)
         self._numbers: dict[str, int] = {}
         self._pairs: dict[tuple[int, int], Pair] = {}
@@ -84,13 +86,8 @@ class Simulation:
         self._telling = np.zeros(1, TELLING)
         self._objects = np.zeros(1, OBJECTS)
         self._templates = np.zeros(SURFACES, TEMPLATES)
-        begin_telling(
-            self._telling,
-            state=self.state,
-            microphones=self._microphones,
-            objects=self._objects,
-            templates=self._templates,
-        )
+        heard = {"state": self.state, "microphones": self._microphones}
+        begin_telling(self._telling, **heard, objects=self._objects, templates=self._templates)
         self._step_time, self._step_points = np.zeros(1), np.zeros(1, np.int32)
         self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
 
@@ -192,7 +189,7 @@ class Simulation:
         record = self.state[0]
         record["lightness"][number] = 0.0 if body.held else 1.0 / body.mass
         record["yielding"][number] = 0.0 if body.held else 1.0 / np.array(body.inertia)
-        record["rings"][number] = body.rings
+        record["rings"][number], record["surfaced"][number] = body.rings, body.surfaced
         record["reach"][number] = 0.5 * max(body.shape.edges)
         record["edges"][number], record["strip"][number] = body.shape.edges, body.shape.strip
         record["round"][number], record["ringing"][number] = body.shape.round, body.ringing
@@ -240,7 +237,7 @@ class Simulation:
         point = np.array(place, np.float64) if np.size(place) == 3 else np.full(3, np.nan)
         if not np.isfinite(point).all():
             raise WorldError(f"{what}: place = {place}: expected three numbers (m)")
-        return self.bodies[number].shape.place(tuple(point.tolist()))
+        return self.bodies[number].position((float(point[0]), float(point[1]), float(point[2])))
 
     def take_back(self, name: str) -> None:
         """Forget the body that was added last."""

@@ -67,7 +67,7 @@ class Event(NamedTuple):
     speed: float
     mass: float
     restitution: float
-    motion: tuple[float, float, float, float]
+    motion: tuple[float, ...]
     stiffness: float
     exponent: float
     radius: float
@@ -263,10 +263,10 @@ def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Ev
     for (kind, a, b, side, *numbered), row in zip(whole[:, :8].tolist(), numbers[:, 8:].tolist(), strict=True):
         contact, slide, gesture, seed = numbered
         time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, *moving = row
-        slip, sweep, force, place, stiffness, exponent, radius, patch, by_place = moving
-        local, motion = ((ax, ay, az), (bx, by, bz)), (slip, sweep, force, place)
+        *motion, stiffness, exponent, radius, patch, by_place = moving
+        local = (ax, ay, az), (bx, by, bz)
         found.append(
             Event(kind, a, b, side, contact, slide, gesture, seed, time, (x, y, z), (nx, ny, nz), local, speed, mass,
-                  restitution, motion, stiffness, exponent, radius, patch, by_place)
+                  restitution, tuple(motion), stiffness, exponent, radius, patch, by_place)
         )  # fmt: skip
     return found

@@ -16,7 +16,7 @@ from ...dsp.engine.memory.state import STATE as ENGINE
 from ...dsp.native.atomics import load_acquire, store_release
 from ...dsp.native.jit import c_function, carray, kernel, noinline_kernel
 from ...dsp.native.pointers import load_address, load_double, load_int32, pointer_to
-from ...dsp.native.typed import Record, View, View2D, dtype_of
+from ...dsp.native.typed import Items, Record, View, View2D, dtype_of
 from ...dsp.numerics.constants import GRID
 from ...dsp.runtime.ring import KEPT_FOR_NOW, SOON
 from ...dsp.schema import STEERABLE
@@ -27,7 +27,7 @@ from .tracking.contact_events import take_step
 from .tracking.microphones import MICROPHONE_STATE, MicrophoneState, find_gains
 from .tracking.shared_blows import share_blows
 from .tracking.slides import find_slides
-from .tracking.state import BODIES, CHANGING, DONE, LIE, MOVE, REST, STATE, Blow, PairEvent, State
+from .tracking.state import BODIES, CHANGING, DONE, LIE, MOVE, POSITION, REST, STATE, Blow, PairEvent, State
 
 
 class Telling(Record):
@@ -221,12 +221,30 @@ def _strike(state: State, command: Event, objects: View2D[int], blow: Blow) -> N
     command.what = _BLOW
     values = command.values
     command.slot, command.serial = objects[struck, 0], objects[struck, 1]
+    _put(state, command, struck, blow.local[blow.side])
     if state.rings[strikes] == 1:
         command.by_slot, command.by_serial = objects[strikes, 0], objects[strikes, 1]
         values.by_position = blow.place[1 - blow.side]
+        _put_by(state, command, strikes, blow.local[1 - blow.side])
     values.velocity, values.position, values.mass = blow.met, blow.place[blow.side], blow.mass
     values.stiffness, values.exponent = blow.stiffness, blow.exponent
     values.dissipation, values.restitution = blow.dissipation, blow.left
+
+
+@kernel
+def _put(state: State, command: Event, body: int, point: Items[float]) -> None:
+    """Say at which point (m), in its axes, a body is touched, if its object has a surface."""
+    if state.surfaced[body] == 1:
+        values = command.values
+        values.on_surface, values.x, values.y, values.z = 1.0, point[0], point[1], point[2]
+
+
+@kernel
+def _put_by(state: State, command: Event, body: int, point: Items[float]) -> None:
+    """Say with which point (m), in its axes, a body touches, if its object has a surface."""
+    if state.surfaced[body] == 1:
+        values = command.values
+        values.by_on_surface, values.by_x, values.by_y, values.by_z = 1.0, point[0], point[1], point[2]
 
 
 @kernel
@@ -280,8 +298,10 @@ def _begin_slide(link: Telling, state: State, entries: View[Event], number: int,
     if state.rings[strikes] == 1:
         command.by_slot, command.by_serial = objects[strikes, 0], objects[strikes, 1]
         values.by_position = event.by_place
+        _put_by(state, command, strikes, event.local[1 - event.side])
+    _put(state, command, struck, event.local[event.side])
     values.mass, values.stiffness, values.exponent = event.mass, event.stiffness, event.exponent
     values.speed, values.sweep, values.force = event.motion[0], event.motion[1], event.motion[2]
-    values.position = event.motion[3]
+    values.position = event.motion[POSITION]
     values.radius, values.patch, values.seed = event.radius, event.patch, event.seed
     return True

@@ -9,7 +9,7 @@ SIZES = {
     "sphere": "a radius, in m",
     "cylinder": "a radius and a length, in m",
     "capsule": "a radius and the length between its ends' centres, in m",
-    "mesh": "its vertices, an array (n, 3) in m",
+    "mesh": "its vertices, an array (n, 3) in m, or these and its faces, an array (m, 3) of numbers of vertices",
 }
 """The shapes of bodies, and the size that makes each."""
 

@@ -15,9 +15,9 @@ _PLACES = {name: place for place, name in enumerate(STEERABLE)}
 _GESTURE, _STEER, _STOP, _PLACE = int(Kind.GESTURE), int(Kind.STEER), int(Kind.STOP), int(Kind.PLACE)
 _BLOW = NUMBERS["impact"]
 
-_Known = tuple[bool, tuple[str, ...], tuple[float | str, ...]]
-"""Facts known of a slide: whether what slides rings, the names of the slide's keys, and the values of those that are
-checked."""
+_Known = tuple[bool, bool, bool, tuple[str, ...], tuple[float | str, ...]]
+"""Facts known of a slide: whether what slides rings, whether each of both is touched at a point, the names of the
+slide's keys, and the values of those that are checked."""
 
 _CHECKED = ("surface", "radius", "roughness")
 
@@ -58,7 +58,8 @@ class Direct:
 
     def _known(self, slide: Slide) -> _Known:
         names = tuple(name for name, _ in slide.keys)
-        return bool(slide.by), names, tuple(value for name, value in slide.keys if name in _CHECKED)
+        at = bool(slide.point), bool(slide.by_point)
+        return bool(slide.by), *at, names, tuple(value for name, value in slide.keys if name in _CHECKED)
 
     def _write(self, requests: Sequence[tuple[float, Request]]) -> None:
         """Write requests into the engine's ring."""
@@ -99,6 +100,7 @@ class Direct:
         strike["velocity"][n], strike["position"][n] = blow.speed, blow.place
         strike["mass"][n], strike["stiffness"][n], strike["exponent"][n] = blow.mass, blow.stiffness, blow.exponent
         strike["dissipation"][n], strike["restitution"][n] = blow.dissipation, blow.restitution
+        self._put(n, blow)
 
     def _aim(self, n: int, to: str, by: str) -> None:
         """Say which object a command is for, and which strikes it, if one does."""
@@ -122,6 +124,16 @@ class Direct:
         values["position"][n], values["by_position"][n] = slide.place, slide.by_place
         values["speed"][n], values["sweep"][n], values["force"][n] = slide.slip, slide.sweep, slide.force
         values["seed"][n] = slide.seed
+        self._put(n, slide)
+
+    def _put(self, n: int, at: Blow | Slide) -> None:
+        """Say at which points of their surfaces bodies touch, if they have any."""
+        values = self._values
+        if at.point:
+            values["on_surface"][n], (values["x"][n], values["y"][n], values["z"][n]) = 1.0, at.point
+        if at.by and at.by_point:
+            values["by_on_surface"][n] = 1.0
+            values["by_x"][n], values["by_y"][n], values["by_z"][n] = at.by_point
 
     def _change(self, number: int, time: float, request: Steering | Ending) -> None:
         """Steer or end a slide or a rest."""

@@ -90,6 +90,7 @@ def find_blows(state: State) -> None:
             blow.speed, blow.mass, blow.restitution = event.speed, event.mass, event.restitution
             for k in range(3):
                 blow.point[k], blow.normal[k] = event.point[k], event.normal[k]
+                blow.local[0, k], blow.local[1, k] = event.local[0, k], event.local[1, k]
             _find_law(state, blow, event.local)
             for side in range(2):
                 body = event.b if side == 1 else event.a

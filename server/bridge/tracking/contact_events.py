@@ -125,7 +125,7 @@ def _step_pair(state: State, microphones: MicrophoneState, i: int, span: float) 
         _begin(state, microphones, pair)
     elif is_too_faint(state, microphones, pair):
         _hush(state, pair)
-    elif is_noticed(pair):
+    elif is_noticed(state, pair):
         steer_slide(state, pair)
 
 
@@ -276,7 +276,7 @@ def _leave(state: State, i: int, span: float) -> None:
         _forget(state, i)
     elif pair.settled > 0:
         hop(state, pair, span)
-        if pair.moves == HEARD and state.time - pair.told_at >= _BETWEEN and is_noticed(pair):
+        if pair.moves == HEARD and state.time - pair.told_at >= _BETWEEN and is_noticed(state, pair):
             steer_slide(state, pair)
 
 

@@ -15,7 +15,7 @@ from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.numerics.constants import STANDARD_GRAVITY
 from .blows import contact_radius, curvature_of, loudness_of, masked_at, time_of_contact
 from .microphones import MicrophoneState, gain_at
-from .state import EVENTS, HEARD, LIE, LOAD, MOVE, Pair, State
+from .state import AT, EVENTS, HEARD, LIE, LOAD, MOVE, POSITION, Pair, State
 from .strips import place_on
 
 RESTS = 0.004
@@ -90,13 +90,25 @@ def is_round(state: State, a: int, b: int) -> bool:
 
 
 @kernel
-def is_noticed(pair: Pair) -> bool:
-    """True if a speed or the force has changed by so much since it was told that it is heard."""
+def is_noticed(state: State, pair: Pair) -> bool:
+    """True if a speed, the force or the place has changed by so much since it was told that it is heard."""
     for k in range(3):
         floor = RESTS if k < 2 else 1e-6
         if abs(pair.now[k] - pair.said[k]) > _CHANGED * max(abs(pair.said[k]), floor):
             return True
-    return False
+    return _has_moved(state, pair)
+
+
+@kernel
+def _has_moved(state: State, pair: Pair) -> bool:
+    """True if a slide is elsewhere on the body that is slid on than it was told."""
+    body = pair.b if pair.side == 1 else pair.a
+    if state.surfaced[body] == 0:
+        return abs(motion_of(state, pair, POSITION) - pair.steered[POSITION]) > _AWAY
+    away = 0.0
+    for k in range(3):
+        away = max(away, abs(motion_of(state, pair, AT + k) - pair.steered[AT + k]))
+    return away > _AWAY * state.reach[body]
 
 
 @kernel
@@ -105,15 +117,27 @@ def steer_slide(state: State, pair: Pair) -> None:
     pair.told_at = state.time
     for k in range(3):
         pair.said[k] = pair.now[k]
-    for parameter in range(4):
-        value = motion_of(state, pair, parameter)
-        least = _AWAY if parameter == 3 else _CHANGED * max(pair.steered[parameter], RESTS)
-        if abs(value - pair.steered[parameter]) > least and state.changed < EVENTS:
-            pair.steered[parameter] = value
-            change = state.changes[state.changed]
-            change.slide, change.gesture = pair.slide, pair.gesture
-            change.parameter, change.value = parameter, value
-            state.changed += 1
+    for parameter in range(POSITION):
+        change = abs(motion_of(state, pair, parameter) - pair.steered[parameter])
+        if change > _CHANGED * max(pair.steered[parameter], RESTS):
+            _steer(state, pair, parameter)
+    if _has_moved(state, pair):
+        if state.surfaced[pair.b if pair.side == 1 else pair.a] == 1:
+            for k in range(3):
+                _steer(state, pair, AT + k)
+        else:
+            _steer(state, pair, POSITION)
+
+
+@kernel
+def _steer(state: State, pair: Pair, parameter: int) -> None:
+    """Tell a parameter of a slide, if there is room."""
+    if state.changed < EVENTS:
+        pair.steered[parameter] = motion_of(state, pair, parameter)
+        change = state.changes[state.changed]
+        change.slide, change.gesture = pair.slide, pair.gesture
+        change.parameter, change.value = parameter, pair.steered[parameter]
+        state.changed += 1
 
 
 @kernel
@@ -137,6 +161,8 @@ def motion_of(state: State, pair: Pair, parameter: int) -> float:
         return min(pair.sweep[pair.side], _FASTEST)
     if parameter == 2:
         return min(max(pair.now[2], _LEAST), _HARDEST)
+    if parameter >= AT:
+        return pair.local[pair.side, parameter - AT]
     body = pair.b if pair.side == 1 else pair.a
     return place_on(state.strip[body], state.edges[body], pair.local[pair.side])
 
@@ -157,5 +183,5 @@ def find_slides(state: State) -> None:
             event.seed = (state.seed + event.slide) % _SEEDS
             slides, under = (a, b) if event.side == 1 else (b, a)
             if event.kind == LIE:
-                event.motion[3] = place_on(state.strip[under], state.edges[under], event.local[event.side])
+                event.motion[POSITION] = place_on(state.strip[under], state.edges[under], event.local[event.side])
             event.by_place = place_on(state.strip[slides], state.edges[slides], event.local[1 - event.side])

@@ -26,8 +26,10 @@ HIT, MOVE, REST, LIE, DONE = range(5)
 """Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so no more, or lies no more; it
 begins to lie, at rest under a load; nothing is left to do."""
 
-STEERED = ("speed", "sweep", "force", "position")
-"""The parameters of a slide that a standing contact steers."""
+STEERED = ("speed", "sweep", "force", "position", "x", "y", "z")
+"""The parameters of a slide that a standing contact steers: its place is a position, or the point of a surface."""
+
+POSITION, AT = STEERED.index("position"), STEERED.index("x")
 
 LOAD = len(STEERED)
 CHANGING = (*STEERED, "load")
@@ -181,6 +183,7 @@ class Blow(Record):
     time: float  # s
     point: Annotated[View[float], 3]  # m, in the world
     normal: Annotated[View[float], 3]  # from a to b
+    local: Annotated[View2D[float], 2, 3]  # the point in the axes of each body
     speed: float  # m/s: of the approach
     mass: float  # kg: effective, along the normal
     restitution: float
@@ -221,6 +224,7 @@ class State(Record):
     edges: Annotated[View2D[float], BODIES, 3]  # m: of the box around it
     strip: Annotated[View2D[int], BODIES, 3]  # its object's strike path, as in strips.py
     round: Annotated[View[float], BODIES]  # m: radius of its side, 0 for one with edges
+    surfaced: Annotated[View[int], BODIES]  # 1: its object has a surface, in its axes, and is touched at points of it
     material: Annotated[View[int], BODIES]
     loudness: Annotated[View2D[float], BODIES, OCTAVES]  # Pa rms at 1 m of a blow of 1 N s
     ringing: Annotated[View[float], BODIES]  # s for which it is heard after a blow
