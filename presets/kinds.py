@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -287,7 +287,7 @@ class ObjectPreset:
         """
         if "size" in changes:
             size = changes.pop("size")
-            return self._sized(size, changes)
+            return (self.replace(**changes) if changes else self).in_size(size, changes)
         sections, either = self._sections, SHAPES[self.shape].either
         data: dict[str, Any] = {
             name: dict(part) if isinstance(part, Mapping) else part for name, part in self._data.items()
@@ -305,19 +305,19 @@ class ObjectPreset:
                         data["geometry"].pop(rival, None)
         return replace(ObjectPreset.from_data(self.name, "", data, self._library), written=self.written)
 
-    def _sized(self, size: object, changes: Mapping[str, object]) -> ObjectPreset:
-        """Return the preset in a size, with other values."""
-        lengths = [key for key in SHAPES[self.shape].lengths if key in self.geometry]
+    def in_size(self, size: object, given: Collection[str]) -> ObjectPreset:
+        """Return the preset with all lengths times a size, but for those that were given. PresetError as `replace`."""
+        shape = SHAPES[self.shape]
+        lengths = [key for key in shape.lengths if key in self.geometry]
         if self.shape == "listed" or not lengths:
             raise PresetError(f"size = {shown(size)}: expected none, as the modes of {self.name} are listed")
         factor = check("", {"size": size}, SIZED, ())["size"]
-        scaled = {key: factor * self.geometry[key] for key in lengths if key not in changes}
-        made = self.replace(**{**scaled, **changes})
-        one = {key: self.geometry[key] if key in scaled else value for key, value in made.geometry.items()}
-        alike = set(scaled) == {key for key in SHAPES[self.shape].lengths if key in made.geometry}
-        if factor == 1.0 or not alike or not has_similar(SHAPES[self.shape].make, one):
-            return made
-        return replace(made, _of_one_size=(factor, one))
+        scaled = {key: factor * self.geometry[key] for key in lengths if key not in given}
+        geometry = {**self.geometry, **check("", scaled, shape.fields, ())}
+        data = {**self._data, "geometry": {**self._data["geometry"], **scaled}}
+        alike = factor != 1.0 and len(scaled) == len(lengths) and has_similar(shape.make, self.geometry)
+        of_one_size = (factor, self.geometry) if alike else None
+        return replace(self, geometry=geometry, where="", _data=data, _of_one_size=of_one_size)
 
 
 def _added(section: str, where: str, data: Mapping[str, object]) -> Added:

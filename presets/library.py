@@ -100,8 +100,11 @@ class Presets:
 
         PresetError if there is none, or names the key that cannot be.
         """
-        preset, given = self.object(name), dict(changes)
-        return preset.replace(**given) if given else preset
+        given = dict(changes)
+        if "size" in given:
+            size = given.pop("size")
+            return self.changed(name, tuple(given.items())).in_size(size, given)
+        return self.object(name).replace(**given) if given else self.object(name)
 
     def load(self, kind: str, path: Path) -> Material | StrikerPreset | SurfacePreset | ObjectPreset:
         """Load the preset of a kind in any file; the presets that it names are found here.

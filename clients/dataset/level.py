@@ -35,4 +35,5 @@ def quantized(
     steps = pressure * (most / full_scale)
     np.rint(steps, out=steps)
     np.clip(steps, -most, most - 1, out=steps)
-    return steps.astype(np.int32)
+    whole: NDArray[np.int32] = steps.astype(np.int32)
+    return whole

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..kept import Kept
 from .heard import heard
-from .material import Material
-from .modes import MOST_MODES, Modes, audible, path, require_choice, require_positive
+from .material import Array, Material
+from .modes import MOST_MODES, Modes, audible, path, read_only, require_choice, require_positive
 from .radiation.board import BOARDS
 from .tension import string_glide
 from .unheard import FINER, Felt, with_unheard
@@ -69,11 +70,25 @@ def string(
     force = tension * math.pi * order / length * peak / (2 * math.pi * frequency)  # at the bridge, per modal velocity
     lost = force**2 * body.conductance(frequency)
     at = path(np.pi * FINER * order[-1])
-    strike, sign = (peak * np.sin(np.pi * np.outer(place, order)) for place in (at, [_SIGN_AT]))
-    modes = heard(material, frequency, lost * body.radiated_share(frequency), (strike, sign[0]), mass, lost)
+    waves = _waves(at.size, min(_FURTHER * order.size, MOST_MODES))
+    strike, sign = peak * waves[:, order.astype(int) - 1], peak * np.sin(np.pi * (_SIGN_AT * order))
+    modes = heard(material, frequency, lost * body.radiated_share(frequency), (strike, sign), mass, lost)
     if wires > 1:
         modes = in_unison(modes, material.decay(frequency), lost, wires, mistuning, top)
     higher = slice(order.size, _FURTHER * order.size)
-    felt = Felt(frequencies[higher], peak / math.sqrt(wires) * np.sin(np.pi * np.outer(at, orders[higher])))
+    felt = Felt(frequencies[higher], peak / math.sqrt(wires) * waves[:, higher])
     glide = string_glide(material, length, diameter, tension) / wires
     return replace(with_unheard(modes, felt, material.decay, top), glide=glide)
+
+
+def _waves(places: int, orders: int) -> Array:
+    """Return sin(n pi x) at equally spaced places x in 0..1, of the orders n from 1 on, (places, orders), read-only."""
+    found = _kept.get((places, orders))
+    if found is None:
+        found = np.sin(np.pi * np.outer(np.linspace(0, 1, places), np.arange(1.0, orders + 1)))
+        read_only(found)
+        _kept.put((places, orders), found)
+    return found
+
+
+_kept: Kept[tuple[int, int], Array] = Kept(32_000_000, lambda waves: waves.nbytes)
