@@ -2,7 +2,6 @@
 
 import os
 import sys
-from importlib.metadata import version
 
 from . import errors
 from .commands import (
@@ -36,7 +35,7 @@ COMMANDS = tuple(module.COMMAND for module in _MODULES)
 
 def parsers() -> tuple[Parser, dict[str, Parser]]:
     """Return the parser of the whole line, and those of the commands by name."""
-    return parser_of(COMMANDS, version("carom"))
+    return parser_of(COMMANDS)
 
 
 def main(argv: list[str] | None = None) -> int:

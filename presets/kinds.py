@@ -184,6 +184,8 @@ class ObjectPreset:
     _library: Library = field(repr=False, compare=False)
     _of_one_size: tuple[float, Mapping[str, Any]] | None = field(default=None, repr=False)
     """The size, and the geometry of the body of size 1, where it is similar to that."""
+    _is_replaced: bool = field(default=False, repr=False, compare=False)
+    """True if it has other values than its file."""
 
     @classmethod
     def from_data(cls, name: str, where: str, data: dict[str, Any], library: Library) -> ObjectPreset:
@@ -244,7 +246,7 @@ class ObjectPreset:
             arguments["material"] = self.material
         try:
             make = Complete(make, self.added, self.written) if self.added else make
-            modes = made(make, top, arguments, self.stereo_width, self.most_modes)
+            modes = made(make, top, arguments, self.stereo_width, self.most_modes, on_disk=not self._is_replaced)
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
         return modes if self.glide is None else replace(modes, glide=self.glide)
@@ -303,7 +305,8 @@ class ObjectPreset:
                 if key in side:
                     for rival in other - changes.keys():
                         data["geometry"].pop(rival, None)
-        return replace(ObjectPreset.from_data(self.name, "", data, self._library), written=self.written)
+        made = ObjectPreset.from_data(self.name, "", data, self._library)
+        return replace(made, written=self.written, _is_replaced=True)
 
     def in_size(self, size: object, given: Collection[str]) -> ObjectPreset:
         """Return the preset with all lengths times a size, but for those that were given. PresetError as `replace`."""
@@ -317,7 +320,7 @@ class ObjectPreset:
         data = {**self._data, "geometry": {**self._data["geometry"], **scaled}}
         alike = factor != 1.0 and len(scaled) == len(lengths) and has_similar(shape.make, self.geometry)
         of_one_size = (factor, self.geometry) if alike else None
-        return replace(self, geometry=geometry, where="", _data=data, _of_one_size=of_one_size)
+        return replace(self, geometry=geometry, where="", _data=data, _of_one_size=of_one_size, _is_replaced=True)
 
 
 def _added(section: str, where: str, data: Mapping[str, object]) -> Added:

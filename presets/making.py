@@ -14,6 +14,7 @@ from ..dsp.bodies.modes import Modes, Unheard, loudest, read_only
 from ..dsp.bodies.small import heard_or_felt
 from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
+from . import stored
 
 KEPT_BYTES = 64_000_000
 """Bytes of modes that are kept. The modes of all presets take 13 MB at 48 kHz; the largest object there can be takes
@@ -21,10 +22,16 @@ KEPT_BYTES = 64_000_000
 
 
 def made(
-    make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], width: float, most: int | None = None
+    make: Callable[..., Modes],
+    top: float,
+    arguments: Mapping[str, Any],
+    width: float,
+    most: int | None = None,
+    *,
+    on_disk: bool = False,
 ) -> Modes:
     """Return the modes that a shape makes of hashable arguments, up to `top` (Hz), in a stereo image of a width (0 to
-    1); of more than `most` those that are heard best.
+    1); of more than `most` those that are heard best. on_disk: read them there, or write them for later processes.
 
     Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
     give what is computed of it other last bits.
@@ -32,9 +39,13 @@ def made(
     key = (make, top, width, most, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
-        with on_one_thread():
-            modes = placed(heard_or_felt(make, top, **arguments), width)
-            modes = _contiguous(modes if most is None else loudest(modes, most))
+        modes = stored.read(key) if on_disk else None
+        if modes is None:
+            with on_one_thread():
+                modes = placed(heard_or_felt(make, top, **arguments), width)
+                modes = _contiguous(modes if most is None else loudest(modes, most))
+            if on_disk:
+                stored.write(key, modes)
         read_only(*_arrays(modes))
         _kept.put(key, modes)
     return modes

@@ -94,11 +94,21 @@ def _options(option: str, known: Iterable[str]) -> str:
     return suggestion(option, known) or f"expected {', '.join(known)}, or -- before an argument that begins with -"
 
 
-def parser_of(commands: Sequence[Command], version: str) -> tuple[Parser, dict[str, Parser]]:
+class _Version(argparse.Action):
+    """Writes Carom's version, and ends the program."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from importlib.metadata import version  # slow to load
+
+        print(f"carom {version('carom')}")
+        parser.exit()
+
+
+def parser_of(commands: Sequence[Command]) -> tuple[Parser, dict[str, Parser]]:
     """Return the parser of the whole line, and those of the commands by name."""
     text = "Hear bodies hit, bounce and roll: play them over OSC, or render a score."
     parser = Parser(prog="carom", usage="%(prog)s COMMAND ...", description=text)
-    parser.add_argument("--version", action="version", version=f"carom {version}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
     chosen = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands", prog=parser.prog)
     parsers = {}
     for command in commands:

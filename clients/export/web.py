@@ -18,6 +18,7 @@ _ROOMS = {
     "space": ("carom.dsp.engine.output.space", "carom.dsp.engine.output.late."),
     "sensors": ("carom.dsp.engine.bodies.sensing.",),
     "plates that stretch": ("carom.dsp.karman.", "carom.dsp.engine.bodies.sheets."),
+    "swarms": ("carom.dsp.engine.contacts.swarms.", "carom.dsp.engine.bodies.strikers.sound_grains."),
 }
 """Parts of the engine that a scene may lack: the kernels that it does without."""
 
@@ -39,5 +40,6 @@ def without(baked: Baked) -> list[str]:
         "space": bool(kinds & {Kind.POSE, Kind.LISTEN, Kind.FURNISH}),
         "sensors": Kind.MOUNT in kinds,
         "plates that stretch": any(obj.handle.sheet >= 0 for obj in baked.objects.values()),
+        "swarms": False,  # these sizes have no room for their tables
     }
     return [kernels for room, names in _ROOMS.items() if not has[room] for kernels in names]

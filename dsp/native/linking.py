@@ -16,6 +16,7 @@ def show_only(module: Any, names: Collection[str]) -> None:
 def tidy(module: Any, machine: Any) -> None:
     """Remove what a module hides and does not need; machine: LLVM's maker of machine code."""
     passes = llvm.create_new_module_pass_manager()
+    passes.add_constant_merge_pass()
     passes.add_global_dead_code_eliminate_pass()
     passes.add_strip_dead_prototype_pass()
     passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))

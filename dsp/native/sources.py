@@ -7,9 +7,9 @@ import ast
 import hashlib
 import importlib
 import importlib.util
+import os
 import sys
 from collections.abc import Iterator
-from importlib.metadata import version
 from pathlib import Path
 
 from ..sizes import NAME
@@ -47,10 +47,11 @@ def hash_of(modules: list[str]) -> str:
     gone."""
     found = hashlib.sha256(NAME.encode())
     for name in modules:
-        file = _file_of(name)
-        if file is None or not file.exists():
+        try:
+            with open(_file_of(name) or "", "rb") as file:
+                source = file.read()
+        except OSError:
             return ""
-        source = file.read_bytes()
         found.update(f"{name}\0{len(source)}\0".encode())
         found.update(source)
     return found.hexdigest()[:16]
@@ -58,6 +59,8 @@ def hash_of(modules: list[str]) -> str:
 
 def compiler_digest() -> str:
     """Return a hash of the sources of the compiler, and of the versions of what it is made of."""
+    from importlib.metadata import version  # slow to load, and asked for by what compiles alone
+
     versions = [f"{name} {version(name)}" for name in ("llvmlite", "numba", "numpy")]
     return f"{hash_of([f'{__package__}.{name}' for name in _COMPILER])}-{digest(f'{sys.version} {versions}')}"
 
@@ -66,7 +69,7 @@ def _imports(module: str) -> Iterator[str]:
     """Yield the names that a loaded module imports, each with its module: some are modules, some are not."""
     package = sys.modules[module].__package__
     file = _file_of(module)
-    for node in ast.walk(ast.parse(file.read_bytes() if file else b"")):
+    for node in ast.walk(ast.parse(Path(file).read_bytes() if file else b"")):
         if isinstance(node, ast.ImportFrom):
             target = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
             yield target
@@ -75,14 +78,13 @@ def _imports(module: str) -> Iterator[str]:
             yield from (each.name for each in node.names)
 
 
-def _file_of(module: str) -> Path | None:
-    """Return the file of a module, which need not be loaded; its package is."""
+def _file_of(module: str) -> str | None:
+    """Return the file of a module, which need not be loaded; its package is. Texts, as paths take tens of ms here."""
     if module in sys.modules:
-        path = getattr(sys.modules[module], "__file__", None)
-        return Path(path) if path else None
+        return getattr(sys.modules[module], "__file__", None)
     above, _, name = module.rpartition(".")
-    folder = _file_of(above) if above else None
-    if folder is None:
+    folder = os.path.dirname(_file_of(above) or "") if above else ""
+    if not folder:
         return None
-    package = folder.parent / name / "__init__.py"
-    return package if package.exists() else folder.parent / f"{name}.py"
+    package = os.path.join(folder, name, "__init__.py")
+    return package if os.path.exists(package) else os.path.join(folder, f"{name}.py")

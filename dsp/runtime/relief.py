@@ -36,7 +36,7 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
     weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
     size = np.sqrt((strike**2).mean(axis=0) * (weight**2).mean(axis=0)) + 1e-300
     band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES).astype(int)
-    bands = [band == each for each in np.unique(band)]
+    bands = [band == each for each in np.flatnonzero(np.bincount(band))]
     middle = np.array([np.exp(np.average(np.log(omega[each]), weights=size[each])) for each in bands])
     natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
     # Summed without BLAS, whose last bits are not the same with any number of threads.

@@ -2,7 +2,8 @@
 
 `python -m tests.bench.web` exports the demo and serves it as plain files, without special headers. It clicks in fresh
 profiles (nothing is cached) and again (all is), in a real AudioContext, and listens for the first sample that is not 0.
-Then it renders random scores of all gestures in worklets. It fails where a bit differs from the render.
+Then it renders random scores of all gestures in worklets, and by programs in C. It fails where a bit differs from the
+render.
 """
 
 import argparse
@@ -13,10 +14,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from tests.clients.export.pages import ENGINE, RENDER, served
+
+HEADER = 44
+"""Bytes of a WAV file before its samples."""
 
 FIRST = """async () => {
   const begun = performance.now();
@@ -44,6 +49,25 @@ def digest_of(folder: Path, words: list[str]) -> str:
     """Return the digest of a sound that a process of a page's engine writes as float32."""
     subprocess.run([sys.executable, "-m", *words], env=ENGINE, check=True)
     return hashlib.sha256((folder / "sound.f32").read_bytes()).hexdigest()
+
+
+def digest_in_c(folder: Path) -> str:
+    """Return the digest of the sound that a scene's example in C renders."""
+    subprocess.run(["cc", "example.c", "libcarom.a", "-lm", "-o", "example"], cwd=folder, check=True)
+    subprocess.run(["./example", "scene.carom", "made.wav"], cwd=folder, check=True)
+    return hashlib.sha256((folder / "made.wav").read_bytes()[HEADER:]).hexdigest()
+
+
+def differing(page: Any, count: int) -> Iterator[str]:
+    """Yield the random scores, and where each is played, whose sound differs from the render by a bit."""
+    for seed in range(count):
+        with tempfile.TemporaryDirectory() as made:
+            folder = Path(made)
+            wanted = digest_of(folder, ["tests.clients.export.make_scene", made, str(seed)])
+            with served(folder) as address:
+                page.goto(f"{address}carom.d.ts")
+                found = {"browser": page.evaluate(RENDER)["digest"], "C": digest_in_c(folder)}
+        yield from (f"{seed} {where}" for where, digest in found.items() if digest != wanted)
 
 
 def measured(count: int, times: int) -> dict[str, Any]:
@@ -76,15 +100,7 @@ def measured(count: int, times: int) -> dict[str, Any]:
             page.goto(f"{address}carom.d.ts")
             told = page.evaluate(RENDER)
             found["MB"], found["load of the demo"] = told["megabytes"], told["load"]
-        differ = []
-        for seed in range(count):
-            with tempfile.TemporaryDirectory() as scene:
-                words = ["tests.clients.export.make_scene", scene, str(seed)]
-                wanted = digest_of(Path(scene), words)
-                with served(Path(scene)) as address:
-                    page.goto(f"{address}carom.d.ts")
-                    differ += [seed] if page.evaluate(RENDER)["digest"] != wanted else []
-        found["random scores"], found["that differ"] = count, differ
+        found["random scores"], found["that differ"] = count, list(differing(page, count))
         browser.close()
     return found
 
