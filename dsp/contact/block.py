@@ -6,10 +6,12 @@ is F = f - f_0, with f_0 the force of a body at rest: gravity is gone from all e
 striker that is pressed on has no such force: modes bend under all of it, and series are mended by what they miss of a
 force that lasts. Its block ends where it leaves.
 
-The force over a sample, or over each half of it, is a line by its values at two Gauss nodes, where the law holds; its
-MOMENTS_AHEAD Legendre moments are all that later samples feel. The path under the body is the line of least squares in
-each such part, and so is its rate: so a kink gives the right impulse, and the work of the path is exact. One part a
-sample is within -50 dB, two are within -60 dB.
+The force over a sample, or over each half or third of it, is a line by its values at two Gauss nodes, where the law
+holds; one Legendre moment of it for each part, and one more, are all that later samples feel. The path under the body
+is the line of least squares in each such part, and so is its rate: so a kink gives the right impulse, and the work of
+the path is exact. One part a sample is within -50 dB, two are within -60 dB. A rest hardly leaves its stiffness: one
+part follows a soft one within -60 dB, and three one between two plates, which swings by more than 2 rad a sample. With
+fewer moments that would gain energy.
 
 Several contacts are solved in turn, forwards and backwards, each with the forces of the others as they were found last.
 
@@ -26,6 +28,7 @@ import numpy as np
 from ..native.jit import kernel
 from ..native.typed import Items, View
 from .block_nodes import (
+    AT,
     FORCE_MOMENTS,
     FORCES,
     MOMENTS_AHEAD,
@@ -34,14 +37,20 @@ from .block_nodes import (
     NODES_PER_PART,
     SHARES,
     TIMES_OF_ONE,
+    TIMES_OF_THREE,
     TIMES_OF_TWO,
 )
 from .block_records import Block, Net, Tables, forces_of, ratio_of, rows_of
 from .collocation import NODES, elastic, raised
 from .coupled_records import Coupled, Member
 
-STIFFEST = np.array([0.0, 0.5, 1.5])
+STIFFEST = np.array([0.0, 0.5, 1.5, 1.5])
 """rad of a contact's swing in a sample, of body and object together, up to which so many parts of it follow."""
+
+STIFFEST_AT_REST = np.array([0.0, 0.5, 2.2, 3.6])
+"""The same of a rest, which hardly leaves its stiffness."""
+
+_SOFT = 0.3  # rad of such a swing up to which one part of a sample follows a rest within -60 dB
 
 _ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
 _MENDED = 1e-3  # share of the force by which it may be changed for that
@@ -58,8 +67,11 @@ def parts_for(contact: Coupled, least: int) -> int:
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
     gets with its energy; 0 if no number does."""
     swing = math.sqrt(_stiffness(contact) / contact.mass) * contact.period
+    rests = contact.swing > 0.0
+    if rests and swing < _SOFT:
+        return 1
     for parts in range(least, MOST_PARTS + 1):
-        if swing < STIFFEST[parts]:
+        if swing < (STIFFEST_AT_REST[parts] if rests else STIFFEST[parts]):
             return parts
     return 0
 
@@ -111,7 +123,9 @@ def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, n: int)
     """
     if blocks[net.block[0]].parts == 1:
         return _step(contacts, blocks, net, n, TIMES_OF_ONE)
-    return _step(contacts, blocks, net, n, TIMES_OF_TWO)
+    if blocks[net.block[0]].parts == 2:
+        return _step(contacts, blocks, net, n, TIMES_OF_TWO)
+    return _step(contacts, blocks, net, n, TIMES_OF_THREE)
 
 
 @kernel
@@ -137,7 +151,7 @@ def _sweep(contacts: Items[Member], blocks: Items[Block], net: Net, times: tuple
     for turn in range(2 * net.size - 1):
         i = turn if turn < net.size else 2 * net.size - 2 - turn
         if net.size > 1:
-            _see(contacts, blocks, net, i)
+            _see(contacts, blocks, net, i, times)
         _solve(contacts[net.contact[i]].coupled, blocks[net.block[i]], blocks[net.block[i]].tables[i], times)
 
 
@@ -203,7 +217,7 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
     pushed = h * h * (contact.push - rest) / contact.m
     moved, held = h * contact.v, block.tables[i].give_all
     for k in range(len(times)):
-        at = times[k]
+        at = AT[len(times) // NODES_PER_PART, k]
         x = contact.position + at * (moved + 0.5 * at * pushed) - block.rows[first + 2 * k]
         v = moved - block.rows[first + 2 * k + 1]
         block.free[k] = block.seen[k] = x + (block.height[k] + rest * held[k])
@@ -230,35 +244,32 @@ def _keep_at_rest(blocks: Items[Block], net: Net) -> None:
 
 
 @kernel
-def _take(give: View[float], forces: tuple[float, float, float, float], nodes: View[float]) -> None:
-    """Take off what forces take off compression and rate at all nodes."""
-    f0, f1, f2, f3 = forces
-    for k in range(MOTIONS):
-        taken = f0 * give[k] + f1 * give[MOTIONS + k] + f2 * give[2 * MOTIONS + k] + f3 * give[3 * MOTIONS + k]
-        nodes[k] -= taken
+def _take(give: View[float], forces: View[float], rest: float, ratio: float, nodes: View[float], count: int) -> None:
+    """Take off what `count` forces beyond that at rest, times a ratio, take off compression and rate at all nodes."""
+    for p in range(count):
+        excess = ratio * (forces[p] - rest)
+        for k in range(MOTIONS):
+            nodes[k] -= excess * give[p * MOTIONS + k]
 
 
 @kernel
-def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> None:
+def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times: tuple[float, ...]) -> None:
     """Find a contact's compression and rate with the forces of all others beyond those at rest."""
     block = blocks[net.block[i]]
     for k in range(MOTIONS):
         block.seen[k] = block.free[k]
     for j in range(net.size):
         if j != i:
-            f, rest = blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
-            ratio = ratio_of(net, i, j)
-            excess = ratio * (f[0] - rest), ratio * (f[1] - rest), ratio * (f[2] - rest), ratio * (f[3] - rest)
-            _take(block.tables[j].give, excess, block.seen)
+            forces, rest = blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
+            _take(block.tables[j].give, forces, rest, ratio_of(net, i, j), block.seen, len(times))
 
 
 @kernel
 def _rate(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times: tuple[float, ...]) -> None:
     """Find a contact's rates at the nodes by all forces as they are now."""
     block = blocks[net.block[i]]
-    _see(contacts, blocks, net, i)
-    f = block.force
-    _take(block.tables[i].give, (f[0], f[1], f[2], f[3]), block.seen)
+    _see(contacts, blocks, net, i, times)
+    _take(block.tables[i].give, block.force, 0.0, 1.0, block.seen, len(times))
     for k in range(len(times)):
         block.v[k] = block.seen[FORCES + k]
 

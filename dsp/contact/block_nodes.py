@@ -1,4 +1,4 @@
-"""Quadrature over a sample whose force is a line by its values at two Gauss nodes, over the whole or each half of it.
+"""Quadrature over a sample whose force is a line by its values at two Gauss nodes, over all, half or a third of it.
 
 Tables by the number of parts, for contacts that are solved in blocks (block.py): where the nodes lie, what a force at
 each does to the displacement and its rate there and at the sample's end, and its Legendre moments.
@@ -10,7 +10,7 @@ from numpy.polynomial import legendre
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
 
-MOST_PARTS = 2
+MOST_PARTS = 3
 """Parts of a sample, at most."""
 
 NODES_PER_PART = 2  # in a part
@@ -20,8 +20,7 @@ FORCES = MOST_PARTS * NODES_PER_PART
 MOTIONS = 2 * FORCES  # compression and rate at all nodes
 
 MOMENTS_AHEAD = MOST_PARTS + 1
-"""Legendre moments of the force over a sample that later ones feel: one fewer where it has one part, as a line has no
-more."""
+"""Legendre moments of the force over a sample that later ones feel, at most: one more than it has parts."""
 
 _WITHIN = (legendre.leggauss(NODES_PER_PART)[0] + 1.0) / 2.0
 _CARDINAL = np.linalg.inv(np.vander(_WITHIN, increasing=True))
@@ -84,6 +83,7 @@ AT = _padded([nodes_of(parts) for parts in _PARTS])
 """The nodes, in [0, 1] of a sample, by parts."""
 TIMES_OF_ONE = tuple(float(time) for time in nodes_of(1))
 TIMES_OF_TWO = tuple(float(time) for time in nodes_of(2))
+TIMES_OF_THREE = tuple(float(time) for time in nodes_of(3))
 TO_NODES = _padded([_to_nodes(parts) for parts in _PARTS])  # [parts, i, n, j]
 RATES = _padded([_rates(parts) for parts in _PARTS])
 TO_END = _padded([_answers(parts, 1.0, FINE) for parts in _PARTS])

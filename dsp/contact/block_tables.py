@@ -94,5 +94,7 @@ def _feel(block: Block, tables: Tables, moments: View[float], n: int, share: flo
     m0, m1 = share * moments[0], share * moments[1]
     if block.parts == 1:
         add_tables(block.rows, begin, later, first, (m0, m1), values)
-    else:
+    elif block.parts == 2:
         add_tables(block.rows, begin, later, first, (m0, m1, share * moments[2]), values)
+    else:
+        add_tables(block.rows, begin, later, first, (m0, m1, share * moments[2], share * moments[3]), values)

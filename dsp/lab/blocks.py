@@ -33,7 +33,9 @@ def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[
         flat[i] = 0.0
     if block.parts == 1:
         return lay_rows(modes, point, WEIGHTS[0], room[0], flat)
-    return lay_rows(modes, point, WEIGHTS[1], room[0], flat)
+    if block.parts == 2:
+        return lay_rows(modes, point, WEIGHTS[1], room[0], flat)
+    return lay_rows(modes, point, WEIGHTS[2], room[0], flat)
 
 
 @kernel

@@ -46,10 +46,6 @@ _FITTED = (
 )  # fmt: skip
 _WEIGHTS = np.array(_FITTED)
 
-PHASES = 1024
-"""Fractions at which the taps are kept for what moves: what rounding adds is below -60 dB of a tone of 16 kHz."""
-_TABLE = np.ascontiguousarray(((np.arange(PHASES + 1) / PHASES - 0.5)[:, None] ** np.arange(DEGREE + 1)) @ _WEIGHTS)
-
 
 @kernel
 def tap_weight(fraction: float, tap: int) -> float:
@@ -65,23 +61,46 @@ def read_steady(window: View[float], fraction: float, weights: View[float], out:
     """Read `count` samples that lie a fraction after window[TAPS // 2 - 1], one after the other."""
     for k in range(TAPS):
         weights[k] = tap_weight(fraction, k)
+    a, b, c, d, e = weights[0], weights[1], weights[2], weights[3], weights[4]
+    v, w, x, y, z = weights[5], weights[6], weights[7], weights[8], weights[9]
     for n in range(count):
-        out[n] = 0.0
-    for k in range(TAPS):
-        for n in range(count):
-            out[n] += weights[k] * window[n + k]
+        before = a * window[n] + b * window[n + 1] + c * window[n + 2] + d * window[n + 3] + e * window[n + 4]
+        after = v * window[n + 5] + w * window[n + 6] + x * window[n + 7] + y * window[n + 8] + z * window[n + 9]
+        out[n] = before + after
 
 
 @kernel
 def read_moving(window: View[float], first: int, places: View[float], out: View[float], count: int) -> None:
-    """Read `count` samples at places, of which window[0] is number `first`; places are rounded to 1/PHASES."""
-    for n in range(count):
-        whole = math.floor(places[n])
-        phase = int((places[n] - whole) * PHASES + 0.5)
-        at = whole - first - (TAPS // 2 - 1)
-        a = _TABLE[phase, 0] * window[at] + _TABLE[phase, 1] * window[at + 1]
-        b = _TABLE[phase, 2] * window[at + 2] + _TABLE[phase, 3] * window[at + 3]
-        c = _TABLE[phase, 4] * window[at + 4] + _TABLE[phase, 5] * window[at + 5]
-        d = _TABLE[phase, 6] * window[at + 6] + _TABLE[phase, 7] * window[at + 7]
-        e = _TABLE[phase, 8] * window[at + 8] + _TABLE[phase, 9] * window[at + 9]
-        out[n] = (a + b) + (c + d) + e
+    """Read `count` samples at places, of which window[0] is number `first`: stretch by stretch, over which places go on
+    between the same samples."""
+    begin = 0
+    while begin < count:
+        lag = math.floor(places[begin]) - begin
+        end = begin + 1
+        while end < count and lag <= places[end] - end < lag + 1:
+            end += 1
+        _read_stretch(window[begin + lag - first - (TAPS // 2 - 1) :], places[begin:end], lag + begin, out[begin:end])
+        begin = end
+
+
+@kernel
+def _read_stretch(window: View[float], places: View[float], whole: int, out: View[float]) -> None:
+    """Read samples at places, of which number n lies between samples whole + n and the next; window[n + TAPS // 2 - 1]
+    is the one before it. Taps lie alike on both sides of the middle, so that polynomials of even degree see sums, and
+    those of odd degree differences."""
+    for n in range(len(out)):
+        f = places[n] - (whole + n) - 0.5
+        a, b, c, d, e = window[n], window[n + 1], window[n + 2], window[n + 3], window[n + 4]
+        v, w, x, y, z = window[n + 9], window[n + 8], window[n + 7], window[n + 6], window[n + 5]
+        sums, differences = (a + v, b + w, c + x, d + y, e + z), (a - v, b - w, c - x, d - y, e - z)
+        even = _by(0, sums) + f * f * (_by(2, sums) + f * f * _by(4, sums))
+        odd = _by(1, differences) + f * f * (_by(3, differences) + f * f * _by(5, differences))
+        out[n] = even + f * odd
+
+
+@kernel
+def _by(degree: int, x: tuple[float, float, float, float, float]) -> float:
+    """Return the sum of numbers by the first taps' weights of a degree."""
+    w = _WEIGHTS[degree]
+    total: float = w[0] * x[0] + w[1] * x[1] + w[2] * x[2] + w[3] * x[3] + w[4] * x[4]
+    return total

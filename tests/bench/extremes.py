@@ -2,7 +2,7 @@
 
     python -m tests.bench.extremes [COUNT]
 
-Prints, for each tolerance of the coupled solver and for blocks of one and two parts a sample, the worst growth of
+Prints, for each tolerance of the coupled solver and for blocks of one to three parts a sample, the worst growth of
 energy over COUNT random contacts (100,000), the most steps, and how many were not finite.
 """
 

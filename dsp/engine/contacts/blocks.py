@@ -181,14 +181,15 @@ def _has_place(state: State, contact: Contact) -> bool:
 @kernel
 def _look(state: State, net: Net) -> int:
     """Return the parts of a sample that follow all contacts; 0 if none do."""
-    parts: int = PARTS[state.choices.accuracy]
+    least: int = PARTS[state.choices.accuracy]
+    parts = 1
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
         if contact.unsettled == 1:
             observe_points(state, contact)
         take_room_again(state, contact)
         net.gain[i] = contact.now.gain
-        needed = parts_for(contact.coupled, parts)
+        needed = parts_for(contact.coupled, least)
         if needed == 0:
             return 0
         parts = max(parts, needed)
@@ -323,7 +324,9 @@ def _lay(state: State, block: Block, modes: Modes, where: Point) -> float:
     scratch = state.scratch
     if block.parts == 1:
         return lay_rows(modes, where, WEIGHTS[0], scratch.room, scratch.rows)
-    return lay_rows(modes, where, WEIGHTS[1], scratch.room, scratch.rows)
+    if block.parts == 2:
+        return lay_rows(modes, where, WEIGHTS[1], scratch.room, scratch.rows)
+    return lay_rows(modes, where, WEIGHTS[2], scratch.room, scratch.rows)
 
 
 @kernel

@@ -138,15 +138,21 @@ def send_off(state: State, slot: int, voice: View2D[float]) -> None:
     line = state.surroundings.lines[line_of(state, obj, slot)]
     two = state.output.channels == 2
     asked = 0.0 if obj.dying == 2 or is_left_out(state, obj) else obj.settings.gain
-    step = (asked - line.amplitude) / QUANTUM
-    loudest = 0.0
-    sound = line.sound[state.position & MASK :][:QUANTUM]
+    begin, step = line.amplitude, (asked - line.amplitude) / QUANTUM
+    sound, share, other = line.sound[state.position & MASK :][:QUANTUM], state.scratch.share, 1 if two else 0
     for n in range(QUANTUM):
-        sample = 0.5 * (voice[0, n] + voice[1, n]) if two else voice[0, n]
-        sample *= line.amplitude + (n + 1) * step
-        sound[n] = sample if line.written == 0 else sound[n] + sample
-        loudest = max(loudest, abs(sample))
+        share[n] = 0.5 * (voice[0, n] + voice[other, n]) * (begin + (n + 1) * step)
+    if line.written == 0:
+        for n in range(QUANTUM):
+            sound[n] = share[n]
+    else:
+        for n in range(QUANTUM):
+            sound[n] += share[n]
     line.amplitude = asked
     line.written = 1
-    if loudest > _SILENCE:
+    square = 0.0
+    for n in range(0, QUANTUM, 4):
+        a, b, c, d = share[n], share[n + 1], share[n + 2], share[n + 3]
+        square += (a * a + b * b) + (c * c + d * d)
+    if square > _SILENCE * _SILENCE:
         line.last = state.position + QUANTUM

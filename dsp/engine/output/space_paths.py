@@ -12,6 +12,7 @@ from ...native.typed import View, View2D
 from ...space.delay import AHEAD_OF, TAPS, read_moving, read_steady
 from ...space.harmonics import harmonics
 from ...space.head import ear_path, ear_shadow
+from ...space.pole import run_pole
 from ..memory.capacity import STEMS
 from ..memory.channels import pan_gains
 from ..memory.space_record import FRAMES, KNOTS, Line, Path, Space
@@ -223,11 +224,10 @@ def _read(state: State, line: Line, path: Path, out: View2D[float]) -> None:
     space = state.surroundings
     for ear in range(2 if space.layout == 1 else 1):
         more = (space.aim[ear] - path.longer[ear]) / QUANTUM
-        low, high = 1e300, -1e300
+        longer, soonest = path.longer[ear], state.position - _SOONEST
         for n in range(QUANTUM):
-            place = min(space.places[n] - path.longer[ear] - n * more, state.position + n - _SOONEST)
-            space.weights[n] = place
-            low, high = min(low, place), max(high, place)
+            space.weights[n] = min(space.places[n] - longer - n * more, soonest + n)
+        low, high = _range_of(space.weights)
         first = math.floor(low) - (TAPS // 2 - 1)
         count = min(math.floor(high) + AHEAD_OF + 1 - first, len(space.window))
         _copy(line, first, count, state.position + QUANTUM, space.window)
@@ -235,6 +235,17 @@ def _read(state: State, line: Line, path: Path, out: View2D[float]) -> None:
             read_steady(space.window, space.weights[0] - math.floor(space.weights[0]), space.taps, out[ear], QUANTUM)
         else:
             read_moving(space.window, first, space.weights, out[ear], QUANTUM)
+
+
+@kernel
+def _range_of(places: View[float]) -> tuple[float, float]:
+    """Return the least and the greatest of a quantum's places."""
+    low, high = places[0], places[0]
+    for n in range(0, QUANTUM, 4):
+        a, b, c, d = places[n], places[n + 1], places[n + 2], places[n + 3]
+        low = min(low, min(min(a, b), min(c, d)))
+        high = max(high, max(max(a, b), max(c, d)))
+    return low, high
 
 
 @kernel
@@ -279,9 +290,6 @@ def _read_jump(state: State, line: Line, path: Path, begin: float, slope: float,
 def _filter(state: State, path: Path, first: float, second: float) -> None:
     """Filter what was read as the air and the head do, and fade what left before a panic."""
     space = state.surroundings
-    two = 2.0 * state.rate
-    corner = 2.0 * space.speed / space.head if space.layout == 1 else 1.0
-    a1 = (corner - two) / (corner + two)
     for ear in range(2 if space.layout == 1 else 1):
         heard, memory = space.heard[ear], path.memory[ear]
         if space.fading == 1:
@@ -295,17 +303,28 @@ def _filter(state: State, path: Path, first: float, second: float) -> None:
         else:
             memory[1] = heard[QUANTUM - 1]
         if space.layout == 1:
-            more = (space.aim[2 + ear] - path.shadow[ear]) / QUANTUM
-            x1, y1 = memory[2], memory[3]
-            for n in range(QUANTUM):
-                alpha = path.shadow[ear] + (n + 1) * more
-                x = heard[n]
-                y1 = ((corner + alpha * two) * x + (corner - alpha * two) * x1) / (corner + two) - a1 * y1
-                x1 = x
-                heard[n] = y1
-            memory[2], memory[3] = x1, y1
+            _shade(state, path, ear)
             path.longer[ear], path.shadow[ear] = space.aim[ear], space.aim[2 + ear]
     path.air[0], path.air[1] = first, second
+
+
+@kernel
+def _shade(state: State, path: Path, ear: int) -> None:
+    """Filter what an ear heard as the head's shadow does, which goes from one to another over the quantum."""
+    space, heard, memory = state.surroundings, state.surroundings.heard[ear], path.memory[ear]
+    two, corner = 2.0 * state.rate, 2.0 * space.speed / space.head
+    scale = 1.0 / (corner + two)
+    low, high, before = corner * scale, two * scale, path.shadow[ear]
+    more = (space.aim[2 + ear] - before) / QUANTUM
+    shaded = space.weights
+    shaded[0] = low * (heard[0] + memory[2]) + (before + more) * high * (heard[0] - memory[2])
+    for n in range(1, QUANTUM):
+        alpha = before + (n + 1) * more
+        shaded[n] = low * (heard[n] + heard[n - 1]) + alpha * high * (heard[n] - heard[n - 1])
+    memory[2] = heard[QUANTUM - 1]
+    memory[3] = run_pole(shaded, high - low, 0.0, memory[3])
+    for n in range(QUANTUM):
+        heard[n] = shaded[n]
 
 
 @kernel
@@ -313,10 +332,8 @@ def _lose(heard: View[float], before: float, pole: float, last: float) -> float:
     """Filter a quantum by one pole, which goes from one value to another; return the last sample."""
     more = (pole - before) / QUANTUM
     for n in range(QUANTUM):
-        p = before + (n + 1) * more
-        last = p * last + (1.0 - p) * heard[n]
-        heard[n] = last
-    return last
+        heard[n] *= 1.0 - (before + (n + 1) * more)
+    return run_pole(heard, before, more, last)
 
 
 @kernel

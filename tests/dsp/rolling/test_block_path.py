@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 from numpy.polynomial import legendre
 
-from carom.dsp.contact.block_nodes import AT, NODES_PER_PART
+from carom.dsp.contact.block_nodes import AT, FORCES, NODES_PER_PART
 from carom.dsp.contact.block_records import Block
 from carom.dsp.contact.coupled_records import COUPLED
 from carom.dsp.lab.roll import make_roll
@@ -40,7 +40,7 @@ def _follow(rolls, contacts, blocks, lines, kinks):
         same = same and rolls[0].piece == rolls[1].piece and rolls[0].t == rolls[1].t and rolls[0].s == rolls[1].s
         for i in range(2):
             lines[n, i, 0] = blocks[i].rise
-            lines[n, i, 1:5], lines[n, i, 5:] = blocks[i].height, blocks[i].slope
+            lines[n, i, 1 : 1 + FORCES], lines[n, i, 1 + FORCES :] = blocks[i].height, blocks[i].slope
         contact = contacts[1]
         kinks[n, 0, 0], kinks[n, 0, 1], kinks[n, 0, 2] = 0.0, contact.rise, contact.bend
         for k in range(min(contact.kinks, len(kinks[n]) - 1)):
@@ -52,7 +52,7 @@ def _follow(rolls, contacts, blocks, lines, kinks):
 def projected(kinks, parts):
     """Return the rise, and height and slope at the nodes of the lines of least squares, by quadrature between kinks."""
     x, w = legendre.leggauss(6)
-    found = np.zeros(9)
+    found = np.zeros(1 + 2 * FORCES)
 
     def path(t):
         after = np.maximum(t[:, None] - kinks[:, 0], 0.0)
@@ -74,17 +74,17 @@ def projected(kinks, parts):
         for j in range(NODES_PER_PART):
             i = NODES_PER_PART * part + j
             u = 2.0 * parts * (AT[parts, i] - begin) - 1.0
-            found[1 + i], found[5 + i] = sums[0] @ [1.0, 3.0 * u], sums[1] @ [1.0, 3.0 * u]
+            found[1 + i], found[1 + FORCES + i] = sums[0] @ [1.0, 3.0 * u], sums[1] @ [1.0, 3.0 * u]
     return found
 
 
-@pytest.mark.parametrize("parts", [1, 2])
+@pytest.mark.parametrize("parts", [1, 2, 3])
 @pytest.mark.parametrize(("surface", "speed"), [(GLASS, 0.3), (STONE, 0.02), (STONE, 3.0), ({"roughness": 0.0}, 0.3)])
 def test_lines_of_a_body_that_rolls_evenly(surface, speed, parts):
     rolls = np.array([make_roll(ground(3, **surface), **{**MARBLE, "speed": speed}) for _ in range(2)])
     contacts, blocks = np.zeros(2, COUPLED), np.zeros(2, dtype_of(Block))
     blocks["parts"] = parts
-    lines, kinks = np.zeros((3_000, 2, 9)), np.zeros((3_000, 12, 3))
+    lines, kinks = np.zeros((3_000, 2, 1 + 2 * FORCES)), np.zeros((3_000, 12, 3))
     assert _follow(rolls, contacts, blocks, lines, kinks)
     scale = np.abs(lines).max((0, 1)) + 1e-30
     np.testing.assert_allclose(lines[:, 0] / scale, lines[:, 1] / scale, atol=1e-9)

@@ -7,9 +7,10 @@ import pytest
 from scipy.special import sph_harm_y
 
 from carom.dsp.space.air import absorption, speed_of_sound
-from carom.dsp.space.delay import TAPS, tap_weight
+from carom.dsp.space.delay import TAPS, read_moving, read_steady, tap_weight
 from carom.dsp.space.harmonics import harmonics
 from carom.dsp.space.head import ear_path, ear_shadow
+from carom.dsp.space.pole import run_pole
 
 
 @pytest.mark.parametrize(
@@ -36,6 +37,35 @@ def test_taps_delay_a_tone_and_leave_its_amplitude():
         heard = np.exp(1j * np.outer(omega, np.arange(TAPS) - (TAPS // 2 - 1))) @ weights
         assert np.abs(20 * np.log10(np.abs(heard))).max() < 0.04
         assert np.abs(heard - np.exp(1j * omega * fraction)).max() < 10 ** (-47 / 20)
+
+
+@pytest.mark.parametrize("speed", [-0.4, -0.03, 0.0, 0.02, 0.9, 3.0])
+def test_what_moves_is_read_where_it_is(speed):
+    """Stretch by stretch, as sample by sample; at a steady delay, as at once."""
+    places = 20.3 + np.arange(64) * (1.0 + speed)
+    sound = np.random.default_rng(2).normal(size=400)
+    found = np.zeros(64)
+    read_moving.py_func(sound[10:], 10, places, found, 64)
+    whole = np.floor(places).astype(int)
+    right = [
+        sum(tap_weight.py_func(float(f), k) * sound[w - TAPS // 2 + 1 + k] for k in range(TAPS))
+        for w, f in zip(whole, places - whole, strict=True)
+    ]
+    np.testing.assert_allclose(found, right, atol=1e-9)
+    if speed == 0.0:
+        read_steady.py_func(sound[20 - TAPS // 2 + 1 :], 0.3, np.zeros(16), found, 64)
+        np.testing.assert_allclose(found, right, atol=1e-12)
+
+
+@pytest.mark.parametrize("more", [0.0, 1e-3, -5e-3])
+def test_a_pole_that_moves_filters_as_its_difference_equation_says(more):
+    x = np.random.default_rng(3).normal(size=64)
+    found, right, last = x.copy(), [], 0.7
+    for n, each in enumerate(x):
+        last = (0.6 + (n + 1) * more) * last + each
+        right.append(last)
+    assert run_pole.py_func(found, 0.6, more, 0.7) == pytest.approx(last, rel=1e-12)
+    np.testing.assert_allclose(found, right, atol=1e-12)
 
 
 def test_the_head_delays_as_woodworth_says():

@@ -12,7 +12,7 @@ from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM, End
 from carom.dsp.runtime.engine import NOW, Engine
-from tests.dsp.engine.contacts.test_coupling import modal
+from tests.dsp.engine.contacts.test_coupling import energy, modal
 from tests.dsp.engine.support import gesture, set_limiter, steer, stop, strike
 
 RATE = 48_000
@@ -273,6 +273,34 @@ def test_what_moves_by_more_than_the_load_compresses_buzzes():
         engine.process(QUANTUM)
         gaps += contact_of(engine)["coupled"]["touching"] == 0
     assert gaps > 20
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("swing", "bound"), [(0.25, -60), (1.2, -60), (2.1, -55), (3.3, -50)])
+def test_rests_that_are_stiff_are_solved_in_blocks(swing, bound):
+    """Two plates that swing against each other by so many rad a sample, against steps as fine as they have to be."""
+
+    def states(level):
+        engine, found, load, phi, mass = engine_at(level), [], 20.0, 0.7, 0.5
+        plates = [engine.add(plate(lowest=lowest, phi=phi, sigma=0.0)) for lowest in (180.0, 333.0)]
+        light = 2 * 24 * phi**2 + 1 / mass  # 1/kg
+        stiffness = (swing * RATE) ** 2 / light  # a k^(1/a) load^(1 - 1/a) at a = 1.5
+        law = ((stiffness / 1.5 / load ** (1 / 3)) ** 1.5, 1e-3, 1.5)
+        engine.send([rest(plates[0], law, load, mass, by=plates[1])])
+        strike(engine, plates[0], SOFT, 10.25, 1e-3)
+        energies = []
+        for _ in range(150):
+            engine.process(QUANTUM)
+            found.append([(phi * z).sum() for _, _, phi, z in (modal(engine, each, 24) for each in plates)])
+            energies.append(sum(energy(engine, each, 24) for each in plates) + rest_energy(contact_of(engine)))
+        assert all(engine.state["objects"]["ahead"][0][each.slot] == (level != "exact") for each in plates)
+        after = np.array(energies[20:])
+        assert np.maximum.accumulate(after[::-1])[::-1].max() <= after[0] * (1 + 1e-5)
+        return np.array(found)
+
+    right = states("exact")
+    wrong = np.abs(states("-60") - right).max(axis=0)
+    assert np.all(20 * np.log10(wrong / np.abs(right).max(axis=0)) < bound)
 
 
 def test_a_rest_ends_with_what_it_rests_on():

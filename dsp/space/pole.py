@@ -1,0 +1,45 @@
+"""Filters of one pole, of which four samples are found at once."""
+
+from ..native.jit import kernel
+from ..native.typed import View
+
+
+@kernel
+def run_pole(values: View[float], before: float, more: float, last: float) -> float:
+    """Replace each x[n] by y[n] = p[n] y[n - 1] + x[n], p[n] = before + (n + 1) more, y[-1] = last; return the last.
+
+    There is a multiple of four values. Each is found from the one before its four, so that they don't wait for each
+    other.
+    """
+    y = last
+    if more == 0.0:
+        square = before * before
+        for n in range(0, len(values) - 3, 4):
+            y = _next(values, n, y, (before, before, before), (before, square, square * before, square * square))
+        return y
+    for n in range(0, len(values) - 3, 4):
+        p = before + (n + 1) * more
+        q, r, s = p + more, p + 2.0 * more, p + 3.0 * more
+        two, three = p * q, p * q * r
+        y = _next(values, n, y, (q, r, s), (p, two, three, three * s))
+    return y
+
+
+@kernel
+def _next(
+    values: View[float], n: int, last: float, poles: tuple[float, float, float],
+    products: tuple[float, float, float, float],
+) -> float:  # fmt: skip
+    """Find four values from number n on by the last one, and return the last of them.
+
+    poles: of the last three; products: of the first poles, up to each.
+    """
+    first = values[n]
+    second = values[n + 1] + poles[0] * first
+    third = values[n + 2] + poles[1] * second
+    fourth = values[n + 3] + poles[2] * third + products[3] * last
+    values[n] = first + products[0] * last
+    values[n + 1] = second + products[1] * last
+    values[n + 2] = third + products[2] * last
+    values[n + 3] = fourth
+    return fourth
