@@ -38,12 +38,12 @@ def parts_of(model: mujoco.MjModel) -> list[Part]:
     """Return the bodies of the World, those that move first: all geoms that collide of a body that moves are one, with
     those of bodies that are fixed to it; so are those of each body that does not, and each geom of the world's own
     body."""
-    paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
+    paired, welded = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}, welded_to(model)
     geoms: dict[tuple[int, int, int], list[int]] = {}
     for geom in range(model.ngeom):
         if model.geom_contype[geom] or model.geom_conaffinity[geom] or geom in paired:
             own = int(model.geom_bodyid[geom])
-            moving = int(model.body_weldid[own])
+            moving = int(welded[own])
             alone = own == 0 or model.geom_type[geom] in _ENDLESS
             key = (moving, 0, 0) if moving else (0, own, 1 + geom if alone else 0)
             geoms.setdefault(key, []).append(geom)
@@ -96,10 +96,20 @@ def frame_of(model: mujoco.MjModel, data: mujoco.MjData, part: Part) -> Frame:
     return Frame(origin.ctypes.data, axes.ctypes.data, origin, axes.reshape(3, 3), shape, size)
 
 
+def welded_to(model: mujoco.MjModel) -> NDArray[np.int32]:
+    """Return for each body that which it is fixed to, up to one that moves; one that `mocap_pos` moves, too, which
+    MuJoCo itself counts so from 3.12 on."""
+    found: NDArray[np.int32] = np.arange(model.nbody, dtype=np.int32)
+    for body in range(1, model.nbody):  # after its parent
+        if model.body_jntnum[body] == 0 and model.body_mocapid[body] < 0:
+            found[body] = found[model.body_parentid[body]]
+    return found
+
+
 def inertia_of(model: mujoco.MjModel, data: mujoco.MjData, part: Part, frame: Frame) -> tuple[float, Vector]:
     """Return the mass (kg) of a part that moves, with all bodies that are fixed to its own, and its moments of inertia
     about the axes of its frame through its centre of mass (kg m^2)."""
-    bodies = np.flatnonzero(model.body_weldid == part.body)
+    bodies = np.flatnonzero(welded_to(model) == part.body)
     masses = model.body_mass[bodies]
     mass = float(masses.sum())
     away = data.xipos[bodies] - masses @ data.xipos[bodies] / max(mass, 1e-300)
