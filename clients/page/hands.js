@@ -16,6 +16,7 @@ export class Hands extends EventTarget {
     this.link = link;
     this.scene = scene;
     this.striker = null; // null: each object's own
+    this.swarm = null; // null: a touch strikes; else the gesture that it begins
     this.gestures = scene.catalogue.gestures;
     this.chosen = Object.fromEntries(Object.keys(this.gestures).map((name) => [name, {}]));
     this.count = 0;
@@ -83,6 +84,14 @@ export class Hands extends EventTarget {
 
   drop(object, position, height = this.argument(object, "bounce")) {
     return this.begin(object, "bounce", position, height);
+  }
+
+  /** Begin the chosen swarm; its id, if it ends as the finger is lifted. */
+  scatter(object, position) {
+    const { treads, breaks } = this.gestures[this.swarm];
+    const id = this.begin(object, this.swarm, position);
+    if (breaks) object.settings.damp = 1; // it lies in pieces
+    return treads || breaks ? null : id;
   }
 
   spin(object, position) {

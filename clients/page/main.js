@@ -7,7 +7,7 @@ import { Keys } from "./keys.js";
 import { Link } from "./link.js";
 import { Listener } from "./listener.js";
 import { Midi } from "./midi.js";
-import { presets, strikers } from "./palettes.js";
+import { presets, strikers, touches } from "./palettes.js";
 import { Scene } from "./scene.js";
 import { Shelf } from "./shelf.js";
 import { Sound } from "./sound.js";
@@ -177,6 +177,7 @@ async function start() {
   const silence = () => link.send("/panic");
   const keys = new Keys(scene, hands, table, silence);
   presets($("presets"), $("search"), scene, table);
+  touches($("touches"), hands);
   strikers($("strikers"), hands, () => controls.show());
   hands.addEventListener("dropped", ({ detail }) => {
     const chosen = hands.chosen[detail.gesture];

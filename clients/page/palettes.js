@@ -1,4 +1,4 @@
-// The palettes: strikers to choose from, presets to hear, to add by a click, or to drag to the table.
+// The palettes: what a touch does, strikers to choose from, presets to hear, to add by a click, or to drag to the table.
 
 import { bodyOf } from "./bodies.js";
 import { el, short } from "./dom.js";
@@ -77,14 +77,46 @@ export function strikers(box, hands, onChosen) {
       dot.style.background = `radial-gradient(circle at 35% 30%, ${colors.light}, ${colors.base} 45%, ${colors.dark})`;
     }
     const title = striker ? `${striker.description}; ${short(striker.mass * 1000)} g` : "Each object is struck by what its preset names";
-    const chip = el("button", { className: "chip", role: "radio", title, "aria-checked": String(!striker) }, dot, el("span", { textContent: name }));
+    const chip = el("button", { className: "chip", title }, dot, el("span", { textContent: name }));
     chip.onclick = () => {
       hands.striker = striker?.name ?? null;
-      for (const each of chips) each.setAttribute("aria-checked", String(each === chip));
       onChosen();
     };
     return chip;
   });
+  choice(box, chips);
+}
+
+const TOUCHES = {
+  rain: "Rain falls while you hold; move to move it",
+  shake: "Many of the striker are shaken in it while you hold",
+  crumple: "It is crushed while you hold",
+  shatter: "It breaks: lift its damp to have it again",
+  pour: "Many of the striker are poured on it while you hold; move to move them",
+  step: "A step on it, from heel to toe",
+};
+
+/** What a touch of an object does: it strikes, or many small blows fall. */
+export function touches(box, hands) {
+  const swarms = Object.keys(hands.gestures).filter((name) => hands.gestures[name].swarms);
+  choice(box, [null, ...swarms].map((swarm) => {
+    const chip = el("button", { className: "chip bare", title: swarm ? TOUCHES[swarm] ?? "" : "Tap, hold, drag: see How to play", textContent: swarm ?? "strike" });
+    chip.onclick = () => (hands.swarm = swarm);
+    return chip;
+  }));
+}
+
+/** Let one of some chips be chosen, the first at first; each knows by its onclick what that means. */
+function choice(box, chips) {
+  for (const chip of chips) {
+    const chosen = chip.onclick;
+    chip.setAttribute("role", "radio");
+    chip.setAttribute("aria-checked", String(chip === chips[0]));
+    chip.onclick = () => {
+      for (const each of chips) each.setAttribute("aria-checked", String(each === chip));
+      chosen();
+    };
+  }
   box.append(...chips);
   box.onkeydown = (event) => {
     const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];

@@ -43,7 +43,11 @@ export class Touch {
     this.pointers.set(event.pointerId, pointer);
     if (!found) Object.assign(pointer, { kind: "carry", since: 0, over: null });
     else if (this.moves) this.lift(pointer);
-    else {
+    else if (this.hands.swarm) {
+      pointer.kind = "swarm";
+      pointer.id = this.hands.scatter(found.object, found.position);
+      this.hands.scene.choose(found.object.name);
+    } else {
       pointer.kind = "touch";
       this.hands.strike(found.object, found.position, this.speed(event, found.object), event.timeStamp);
       this.hands.scene.choose(found.object.name);
@@ -99,6 +103,10 @@ export class Touch {
     clearTimeout(pointer.timer);
     pointer.kind = "roll";
     this.go_roll(pointer);
+  }
+
+  go_swarm(pointer) {
+    if (pointer.id) this.go_hold(pointer);
   }
 
   go_hold(pointer) {

@@ -39,9 +39,14 @@ def shatter(to: ObjectCall) -> None:
     }
     sound = None if to.is_point_mass else to.transaction.laws.sound_of(to.striker)
     pieces = {**motion, **(engine.lay_out_striker(sound) if sound else {}), "stage": 1.0 if onto else 2.0}
-    _add(to, to.obj, Command(NOW, "shatter", values=motion))
-    _add(to, onto or to.obj, Command(NOW, "shatter", gesture=number, values=pieces))
-    _add(to, to.obj, Command(NOW, Kind.SET, value=1.0, parameter="damp"))
+    here, below = to.obj.handle, (onto or to.obj).handle
+    _add(
+        to,
+        (to.obj, onto or to.obj),
+        Command(NOW, "shatter", here, motion),
+        Command(NOW, "shatter", below, pieces, gesture=number),
+        Command(NOW, Kind.SET, here, value=1.0, parameter="damp"),
+    )
 
 
 def _onto(to: ObjectCall) -> PlayedObject | None:
@@ -55,9 +60,10 @@ def _onto(to: ObjectCall) -> PlayedObject | None:
     return found
 
 
-def _add(to: ObjectCall, obj: PlayedObject, command: Command) -> None:
-    """Add a command to an object, for when that is there."""
+def _add(to: ObjectCall, objects: tuple[PlayedObject, ...], *commands: Command) -> None:
+    """Add the commands that the message stands for, for when all objects are there."""
     transaction = to.transaction
-    time = max(transaction.time, transaction.objects.start_of(obj, transaction.time))
-    sent = Sent(to.canonical, obj.handle.serial, 0, command.values.get("mass", 0.0))
-    transaction.add(command._replace(time=time, handle=obj.handle), sent)
+    time = max(transaction.objects.start_of(each, transaction.time) for each in objects)
+    sent = Sent(to.canonical, to.obj.handle.serial, 0, 0.0)
+    for command in commands:
+        transaction.add(command._replace(time=max(time, transaction.time)), sent)

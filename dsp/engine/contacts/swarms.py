@@ -213,9 +213,12 @@ def _follow_ramp(swarm: Swarm, contact: Contact, begin: float, seconds: float) -
 
 @noinline_kernel
 def swarm_on(state: State, index: int) -> bool:
-    """Compute a swarm's forces for a quantum; true if it has come to its end."""
+    """Compute a swarm's forces for a quantum; true if it has come to its end: then no list holds it, as another may
+    take its place within the quantum."""
     contact = state.contacts[index]
     swarm, obj = state.swarms[contact.swarm], state.objects[contact.point[0].slot]
+    if state.position > contact.until + swarm.lead + GRID:
+        return True
     update_mode_count(state, contact)
     begin = max((state.position - contact.origin) / state.rate, 0.0)
     if contact.trait.breaks == 0:
@@ -240,7 +243,7 @@ def swarm_on(state: State, index: int) -> bool:
         _sound_sizes(state, contact, swarm)
     else:
         roll_striker(state, contact)
-    return state.position > contact.until + swarm.lead + GRID
+    return False
 
 
 @kernel
@@ -381,6 +384,7 @@ def _become_contact(state: State, contact: Contact, position: float, v: float, m
     blow = state.contacts[index]
     blow.index, blow.kind, blow.trait = index, _IMPACT, state.traits[_IMPACT]
     blow.gesture, blow.voice, blow.solver, blow.touching = 0, -1, CLOSED, 0
+    blow.roll = blow.swarm = -1  # which stay the swarm's
     blow.unsettled = blow.solved = blow.ahead = blow.led = 0
     blow.forces[:] = 0.0
     blow.spot = np.uint64(0)

@@ -120,6 +120,34 @@ def test_which_gestures_are_the_newest(tmp_path, seed):
 
 
 @pytest.mark.slow
+def test_swarms_and_what_breaks(tmp_path):
+    """A body that breaks is one message, though its cracks, its pieces and its silence are commands of two objects."""
+    rng = random.Random(2)
+    presets = {"a": "wine-glass", "b": "wine-glass", "c": "wood-board", "d": "tin-lid"}
+    first = [[Message("/object/new", each)] for each in presets.items()]
+    once = [
+        ("b", "shatter", 4.0, "pieces", 20, "onto", "c"),
+        ("a", "shatter", 2.0, "pieces", 10),
+        *((name, "step", 500.0) for name in "cd"),
+        ("c", "pour", 300.0, "id", "rice", "striker", "rice"),
+        ("d", "rain", 500.0, "id", "rain"),
+        ("d", "shake", 50.0, "id", "dice"),
+        ("d", "crumple", 0.1, "id", "fist"),
+    ]
+
+    def messages() -> list[Message]:
+        if first:
+            return first.pop()
+        if once and rng.random() < 0.2:
+            name, action, *args = once.pop()
+            return [Message(f"/object/{name}/{action}", tuple(args))]
+        return [Message(f"/object/{rng.choice('cd')}/impact", (rng.random(),))]
+
+    lines = replay(tmp_path, rng, messages, 100)
+    assert not once and sum(line.message.address.endswith("/shatter") for line in lines) == 2
+
+
+@pytest.mark.slow
 def test_what_the_spectral_bank_keeps_its_modes_in(tmp_path):
     """The bank begins with float32, and changes while two cymbals ring."""
     rng = random.Random(1)

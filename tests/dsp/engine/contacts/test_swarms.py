@@ -211,3 +211,26 @@ def test_heavy_grains_are_contacts_of_their_own():
     _, engine = swarmed("shake", {**SHAKE, "rate": 100.0}, modes=plate(8, 0.01), law=(0.01, 1e7, 0.2, 1.5), seconds=0.5)
     assert engine.stats.impacts == drawn(engine)[0] or engine.stats.impacts == drawn(engine)[0] - 1
     assert engine.stats.coupled > 20
+
+
+def test_a_swarm_that_ends_leaves_its_place_to_heavy_grains_of_others():
+    """Short steps end, one in each quantum or so, while heavy grains take the places that they leave."""
+    engine = Engine(RATE)
+    heavy = (0.01, 1e7, 0.2, 1.5)
+    handle, pulses = engine.add(plate(8, 0.01), 1.0), engine.lay_out_pulses(1.5)
+    steps = [
+        gesture("step", handle, GRAIN, 0.002 * RATE * n, n + 10, **pulses, **{**STEP, "duration": 0.05, "seed": n})
+        for n in range(300)
+    ]
+    shake = gesture("shake", handle, heavy, 0.001 * RATE, 7, **pulses, **{**SHAKE, "rate": 400.0})
+    engine.send([steps[0], shake, *steps[1:]])
+    sound = engine.process(round(RATE))
+    state = engine.state[0]
+    assert np.isfinite(sound).all() and engine.stats.coupled > 50
+    assert state["rests_placed"] == 0 and len(set(state["free_roll"])) == len(state["free_roll"])
+    seen, index = [], int(state["objects"][0]["contact"])
+    while index >= 0:
+        assert index not in seen
+        seen.append(index)
+        index = int(state["contacts"][index]["next"])
+    assert len(seen) == engine.stats.contacts_active
