@@ -11,8 +11,8 @@ All is little-endian, as WebAssembly is.
 
 from __future__ import annotations
 
-import gzip
 import json
+import lzma
 import struct
 
 import numpy as np
@@ -71,6 +71,9 @@ def _stays(baked: Baked, first: int) -> bool:
     return makers.count(first) == 1
 
 
-def compressed(content: bytes) -> bytes:
-    """Return a file as gzip has it, the same for the same content."""
-    return gzip.compress(content, 9, mtime=0)
+def compressed(content: bytes, *, words: bool = False) -> bytes:
+    """Return a file as LZMA has it, in the format .lzma, the same for the same content; words: of 4 bytes."""
+    modelled = {"lc": 0, "lp": 2} if words else {"lc": 3, "lp": 0}
+    filters = [{"id": lzma.FILTER_LZMA1, "preset": 9 | lzma.PRESET_EXTREME, **modelled}]
+    made = lzma.compress(content, lzma.FORMAT_ALONE, filters=filters)
+    return made[:5] + struct.pack("<Q", len(content)) + made[13:]  # with its size, where Python leaves that unsaid

@@ -29,8 +29,8 @@ def write_page(scene: Scene, folder: Path) -> None:
     for file in sorted(_FILES.iterdir()):
         if file.suffix != ".py":
             shutil.copyfile(file, folder / file.name)
-    (folder / "carom.wasm.gz").write_bytes(compressed(engine))
-    (folder / "scene.carom.gz").write_bytes(compressed(scene.file(data_end(engine))))
+    (folder / "carom.wasm.lzma").write_bytes(compressed(engine))
+    (folder / "scene.carom.lzma").write_bytes(compressed(scene.file(data_end(engine)), words=True))
 
 
 def without(baked: Baked) -> list[str]:

@@ -1,15 +1,16 @@
 // A scene that Carom has baked, in a page: no server, no special headers.
 
+import { unpacked as plain } from "./lzma.js";
+
 const MAGIC = "carom 1\n";
 const HEAD = 12; // bytes before the map
-const FILES = { engine: "carom.wasm.gz", scene: "scene.carom.gz" };
+const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma" };
 
-/** A file that was compressed as gzip, fetched and unpacked on its way. */
-async function fetched(url, type) {
+/** The content of a file that was compressed as LZMA. */
+async function fetched(url) {
   const reply = await fetch(url);
   if (!reply.ok) throw new Error(`${url}: ${reply.status} ${reply.statusText}`);
-  const plain = reply.body.pipeThrough(new DecompressionStream("gzip"));
-  return new Response(plain, { headers: { "Content-Type": type } });
+  return plain(new Uint8Array(await reply.arrayBuffer())).buffer;
 }
 
 /** The map and the data in the file of a baked scene. */
@@ -26,8 +27,8 @@ export class Carom extends EventTarget {
   static async fetch(folder = new URL(".", import.meta.url)) {
     const at = (name) => new URL(name, new URL(folder, document.baseURI));
     const [module, scene] = await Promise.all([
-      fetched(at(FILES.engine), "application/wasm").then(WebAssembly.compileStreaming),
-      fetched(at(FILES.scene), "application/octet-stream").then((reply) => reply.arrayBuffer()),
+      fetched(at(FILES.engine)).then(WebAssembly.compile),
+      fetched(at(FILES.scene)),
     ]);
     return { module, ...unpacked(scene), at };
   }

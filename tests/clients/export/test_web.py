@@ -5,6 +5,7 @@ Its engine is that of `tiny.py`: Carom's own, which takes two minutes to compile
 
 import hashlib
 import json
+import lzma
 import math
 import shutil
 from collections.abc import Iterator
@@ -69,6 +70,14 @@ def test_a_worklet_makes_the_bits_of_a_render(page: Any, folder: Path) -> None:
     made = page.evaluate(RENDER)
     assert made["digest"] == hashlib.sha256(sound).hexdigest()
     assert not made["isolated"] and made["megabytes"] < 64.0
+
+
+def test_files_are_unpacked_by_others_too(folder: Path) -> None:
+    """The engine and the scene are .lzma files as any program reads them, and say how large they are."""
+    for name, begins in (("carom.wasm", b"\0asm"), ("scene.carom", b"carom 1\n")):
+        content = (folder / f"{name}.lzma").read_bytes()
+        plain = lzma.decompress(content, lzma.FORMAT_ALONE)
+        assert plain.startswith(begins) and len(plain) == int.from_bytes(content[5:13], "little")
 
 
 def test_messages_become_the_commands_of_a_session(page: Any, folder: Path) -> None:
