@@ -9,16 +9,17 @@ force that lasts. Its block ends where it leaves.
 The force over a sample, or over each half or third of it, is a line by its values at two Gauss nodes, where the law
 holds; one Legendre moment of it for each part, and one more, are all that later samples feel. The path under the body
 is the line of least squares in each such part, and so is its rate: so a kink gives the right impulse, and the work of
-the path is exact. One part a sample is within -50 dB, two are within -60 dB. A rest hardly leaves its stiffness: one
-part follows a soft one within -60 dB, and three one between two plates, which swings by more than 2 rad a sample. With
-fewer moments that would gain energy.
+the path is exact. The rate of the compression is its line of least squares, too: so the work of modes is exact, however
+they swing in a sample. One part a sample is within -50 dB, two are within -60 dB. A rest hardly leaves its stiffness:
+one part follows a soft one within -60 dB, and three one between two plates, which swings by more than 2 rad a sample.
+With fewer moments that would gain energy.
 
 Several contacts are solved in turn, forwards and backwards, each with the forces of the others as they were found last.
 
-Energy: V = k x^(a+1)/(a+1) may grow by the force's work, sampled at the nodes, and by a small share of the greatest V.
-Where it would grow by more, the force is changed by the least that takes the excess: in proportion to x' at the nodes.
-Where that is too much, as where a hard contact begins amid a sample, the block ends: that sample is taken by steps as
-fine as they have to be (coupled_group.py), and another block begins after it.
+Energy: V = k x^(a+1)/(a+1) may grow by the work of the force that later samples feel, and by a small share of the
+greatest V. Where it would grow by more, the force is changed by the least that takes the excess: in proportion to x' at
+the nodes. Where that is too much, as where a hard contact begins amid a sample, the block ends: that sample is taken by
+steps as fine as they have to be (coupled_group.py), and another block begins after it.
 """
 
 import math
@@ -44,7 +45,7 @@ from .block_records import Block, Net, Tables, forces_of, ratio_of, rows_of
 from .collocation import NODES, elastic, raised
 from .coupled_records import Coupled, Member
 
-STIFFEST = np.array([0.0, 0.5, 1.5, 1.5])
+STIFFEST = np.array([0.0, 0.6, 1.5, 1.5])
 """rad of a contact's swing in a sample, of body and object together, up to which so many parts of it follow."""
 
 STIFFEST_AT_REST = np.array([0.0, 0.5, 2.2, 3.6])
@@ -136,7 +137,7 @@ def _step(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, times
     if net.lasts == 1:
         _keep_at_rest(blocks, net)
     _sweep(contacts, blocks, net, times)
-    if not _conserve(contacts, blocks, net, n, times):
+    if not _conserve(contacts, blocks, net, times):
         for i in range(net.size):
             blocks[net.block[i]].gained = blocks[net.block[i]].kept
         return False
@@ -156,8 +157,8 @@ def _sweep(contacts: Items[Member], blocks: Items[Block], net: Net, times: tuple
 
 
 @kernel
-def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, times: tuple[float, ...]) -> bool:
-    """Change the forces of sample n so that no contact's energy grows by too much; false if that takes too much.
+def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, times: tuple[float, ...]) -> bool:
+    """Change the forces so that no contact's energy grows by too much; false if that takes too much.
 
     False, too, where a contact leaves that ends its block so. Of several contacts, each is found anew with the others'
     forces where they have changed by too much for that.
@@ -167,7 +168,7 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, t
         for i in range(net.size):
             if net.size > 1 or turn > 0:
                 _rate(contacts, blocks, net, i, times)
-            excess = _account(contacts, blocks, net, i, n, times)
+            excess = _account(contacts, blocks, net, i, times)
             block = blocks[net.block[i]]
             if block.solved == 0 or not math.isfinite(excess) or (block.leaves == 1 and not _pushes(block)):
                 return False
@@ -213,18 +214,45 @@ def _mend(block: Block, excess: float) -> bool:
 def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float, ...]) -> None:
     """Find compression and rate at the nodes with no force but that at rest, and a first guess of the forces: by the
     line through those of the last two samples."""
-    h, rest, first = contact.period, contact.rest_force, (n + 1) * (2 * len(times) + 1)
+    forces = len(times)
+    h, rest, parts = contact.period, contact.rest_force, forces // NODES_PER_PART
+    first = (n + 1) * (5 * parts - 1)
+    rows, middles, end = block.rows, first + 3 * parts, first + 5 * parts - 2
     pushed = h * h * (contact.push - rest) / contact.m
     moved, held = h * contact.v, block.tables[i].give_all
-    for k in range(len(times)):
-        at = AT[len(times) // NODES_PER_PART, k]
-        x = contact.position + at * (moved + 0.5 * at * pushed) - block.rows[first + 2 * k]
-        v = moved - block.rows[first + 2 * k + 1]
-        block.free[k] = block.seen[k] = x + (block.height[k] + rest * held[k])
-        block.free[FORCES + k] = block.seen[FORCES + k] = v + (at * pushed + block.slope[k] + rest * held[FORCES + k])
+    begin, tilted = contact.position - contact.motion[0], 0.0
+    for k in range(forces):
+        at, part = AT[parts, k], k // NODES_PER_PART
+        before = rows[middles + part - 1] if part > 0 else begin
+        after = rows[middles + part] if part < parts - 1 else rows[end]
+        tilt = rows[first + forces + part]
+        rate = parts * (after - before) + (tilt if k % NODES_PER_PART == 1 else -tilt)
+        x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[k] - rows[first + k]
+        v = moved + at * pushed + block.slope[k] - rate
+        tilted += SHARES[parts, k] * (2.0 * at - 1.0) * v
+        block.free[k] = block.seen[k] = x + rest * held[k]
+        block.free[FORCES + k] = block.seen[FORCES + k] = v + rest * held[FORCES + k]
         block.last[k] = block.force[k]
         block.force[k] = max(2.0 * block.force[k] - block.before[k], 0.0)
+    block.travel[0] = moved + 0.5 * pushed + block.rise + (begin - rows[end])
+    block.travel[1] = tilted
+    _bend(block, middles + parts - 1, times)
     block.kept = block.gained
+
+
+@kernel
+def _bend(block: Block, first: int, times: tuple[float, ...]) -> None:
+    """Set the means of higher P_l times the compression's rate, by rows from `first` on and by the path's slope."""
+    parts = len(times) // NODES_PER_PART
+    for moment in range(2, MOMENTS_AHEAD):
+        total = 0.0
+        if moment <= parts:
+            total = -block.rows[first + moment - 2]
+            for k in range(len(times)):
+                s = 2.0 * AT[parts, k] - 1.0
+                value = 1.5 * s * s - 0.5 if moment == 2 else (2.5 * s * s - 1.5) * s
+                total += SHARES[parts, k] * value * block.slope[k]
+        block.travel[moment] = total
 
 
 @kernel
@@ -232,15 +260,15 @@ def _keep_at_rest(blocks: Items[Block], net: Net) -> None:
     """Add what series miss of forces that last, as they were at the end of the sample before."""
     for i in range(net.size):
         block = blocks[net.block[i]]
-        block.missed_end = 0.0
         for j in range(net.size):
             tables, other = block.tables[j], blocks[net.block[j]]
             if other.leaves == 1:
                 force = (ratio_of(net, i, j) if i != j else 1.0) * other.last[forces_of(other) - 1]
-                block.missed_end += force * tables.missed_end
                 for k in range(MOTIONS):
                     block.free[k] += force * tables.missed[k]
                     block.seen[k] += force * tables.missed[k]
+                for k in range(MOMENTS_AHEAD):
+                    block.travel[k] += force * tables.missed_travel[k]
 
 
 @kernel
@@ -330,28 +358,27 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
 
 
 @kernel
-def _account(
-    contacts: Items[Member], blocks: Items[Block], net: Net, i: int, n: int, times: tuple[float, ...]
-) -> float:
+def _account(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times: tuple[float, ...]) -> float:
     """Find a contact's compression at the sample's end, and its energy's growth beyond its force's work.
 
-    Return by how much (J) that is above half of what it may be, where it is more than it may be; else 0.
+    The work is sum_l (2 l + 1) J_l int P_l x' dt, with J_l the moments that later samples feel: body and modes get so
+    much. Return by how much (J) the growth is above half of what it may be, where it is more than it may be; else 0.
     """
     contact, block = contacts[net.contact[i]].coupled, blocks[net.block[i]]
-    h, forces = contact.period, len(times)
-    moved = h * (contact.v + 0.5 * h * (contact.push - contact.rest_force) / contact.m) + block.rise
-    end, work = contact.position + moved - block.rows[(n + 2) * (2 * forces + 1) - 1], 0.0
-    if net.lasts == 1:
-        end += block.missed_end
-    for j in range(net.size):
-        tables, other = block.tables[j], blocks[net.block[j]]
-        rest, ratio = contacts[net.contact[j]].coupled.rest_force, ratio_of(net, i, j) if i != j else 1.0
-        for p in range(forces):
-            end -= tables.give_end[p] * ratio * (other.force[p] - rest)
-    for k in range(forces):
-        work += SHARES[forces // NODES_PER_PART, k] * block.force[k] * block.v[k]
-    block.end = end
-    stored = elastic(end, contact.k, contact.a)
+    forces = len(times)
+    moved, work = block.travel[0], 0.0
+    for moment in range(forces // NODES_PER_PART + 1):
+        travel = block.travel[moment]
+        for j in range(net.size):
+            own, f, rest = block.tables[j], blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
+            ratio = ratio_of(net, i, j) if i != j else 1.0
+            for p in range(forces):
+                travel -= own.travel[moment * FORCES + p] * ratio * (f[p] - rest)
+        if moment == 0:
+            moved = travel
+        work += (2 * moment + 1) * _moment(block, moment, 0.0, times) * travel
+    block.end = contact.motion[0] + moved
+    stored = elastic(block.end, contact.k, contact.a)
     block.most = max(block.scale, stored)
     grown = block.kept + stored - elastic(contact.motion[0], contact.k, contact.a) - work
     block.gained = max(grown, 0.0)
@@ -359,15 +386,23 @@ def _account(
 
 
 @kernel
+def _moment(block: Block, moment: int, rest: float, times: tuple[float, ...]) -> float:
+    """Return a moment of the force beyond `rest`, in N, as later samples feel it: none above the number of parts."""
+    parts = len(times) // NODES_PER_PART
+    total = 0.0
+    if moment <= parts:
+        for k in range(len(times)):
+            total += FORCE_MOMENTS[parts, moment, k] * (block.force[k] - rest)
+    return total
+
+
+@kernel
 def _move(contact: Coupled, block: Block, times: tuple[float, ...]) -> None:
     """Go on to the sample's end."""
     h, rest, forces = contact.period, contact.rest_force, len(times)
     total = 0.0
-    for k in range(MOMENTS_AHEAD):
-        moment = 0.0
-        for j in range(forces):
-            moment += FORCE_MOMENTS[forces // NODES_PER_PART, k, j] * (block.force[j] - rest)
-        block.moments[k] = h * moment
+    for moment in range(MOMENTS_AHEAD):
+        block.moments[moment] = h * _moment(block, moment, rest, times)
     for j in range(forces):
         total += block.force[j]
         block.before[j] = block.last[j]

@@ -4,6 +4,9 @@ Tables by the number of parts, for contacts that are solved in blocks (block.py)
 each does to the displacement and its rate there and at the sample's end, and its Legendre moments.
 """
 
+import math
+from functools import cache
+
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -22,8 +25,15 @@ MOTIONS = 2 * FORCES  # compression and rate at all nodes
 MOMENTS_AHEAD = MOST_PARTS + 1
 """Legendre moments of the force over a sample that later ones feel, at most: one more than it has parts."""
 
+TILT = math.sqrt(3.0)
+"""A line over [-1, 1] is its mean at a part's nodes, and its mean with x times TILT more at the second, less at the
+first."""
+
 _WITHIN = (legendre.leggauss(NODES_PER_PART)[0] + 1.0) / 2.0
 _CARDINAL = np.linalg.inv(np.vander(_WITHIN, increasing=True))
+
+
+_gauss = cache(legendre.leggauss)
 
 
 def nodes_of(parts: int) -> Array:
@@ -42,7 +52,7 @@ def _padded(tables: list[Array]) -> Array:
 def _answers(parts: int, time: float, powers: int) -> Array:
     """Return int_0^time (time - s)^n l_j(s) ds for n < powers, with l_j the force of a node that is 1: a column for
     each node."""
-    x, w = legendre.leggauss(FINE)
+    x, w = _gauss(FINE)
     found = np.zeros((powers, parts * NODES_PER_PART))
     for part in range(parts):
         begin, end = part / parts, min((part + 1) / parts, time)
@@ -55,20 +65,22 @@ def _answers(parts: int, time: float, powers: int) -> Array:
     return found
 
 
-def _to_nodes(parts: int) -> Array:
-    """Return those of the displacement at each node: (nodes, FINE, nodes)."""
-    return np.array([_answers(parts, float(c), FINE) for c in nodes_of(parts)])
-
-
 def _rates(parts: int) -> Array:
-    """Return their derivatives over the time."""
-    powers = np.arange(1, FINE)[:, None]
-    return np.array([np.concatenate([0.0 * each[:1], powers * each[:-1]]) for each in _to_nodes(parts)])
+    """Return their derivatives over the time at each node, by the line of least squares over the node's part: (nodes,
+    FINE, nodes)."""
+    x, w = _gauss(FINE // 2 + 1)
+    found = np.zeros((parts * NODES_PER_PART, FINE, parts * NODES_PER_PART))
+    for i, c in enumerate(nodes_of(parts)):
+        part = i // NODES_PER_PART
+        shares = 0.5 * w * (1.0 + 3.0 * (2.0 * (parts * c - part) - 1.0) * x)
+        for time, share in zip((part + 0.5 * (x + 1.0)) / parts, shares, strict=True):
+            found[i, 1:] += share * np.arange(1, FINE)[:, None] * _answers(parts, float(time), FINE - 1)
+    return found
 
 
 def _moments(parts: int) -> Array:
     """Return the Legendre moments of the force of each node over a sample of unit length: (MOMENTS_AHEAD, nodes)."""
-    x, w = legendre.leggauss(8)
+    x, w = _gauss(8)
     found = np.zeros((MOMENTS_AHEAD, parts * NODES_PER_PART))
     for part in range(parts):
         u = 0.5 * (x + 1.0)
@@ -78,14 +90,31 @@ def _moments(parts: int) -> Array:
     return found
 
 
+def _travels(parts: int) -> Array:
+    """Return int_0^1 P_l(2 t - 1) r'(t) dt for each moment that later samples feel, with r the answers to that of a
+    force of which they feel no others: (MOMENTS_AHEAD, FINE, nodes)."""
+    x, w = _gauss(FINE)
+    t, n, kept = 0.5 * (x + 1.0), np.arange(1, FINE), parts + 1
+    values = legendre.legvander(x, kept - 1)  # of P_l
+    lag = np.zeros((FINE, FINE, kept))  # [t, n]: the derivative of int_0^t (t - s)^n P_l(2 s - 1) ds
+    lag[:, 0] = values
+    s = t[:, None] * t
+    kernels = 0.5 * w * t[:, None] * n[:, None, None] * (t[:, None] - s) ** (n[:, None, None] - 1)
+    lag[:, 1:] = np.einsum("nts,tsl->tnl", kernels, legendre.legvander(2.0 * s - 1.0, kept - 1))
+    felt = (2.0 * np.arange(kept) + 1.0)[:, None] * _moments(parts)[:kept]  # of each force, by P_l
+    found = np.zeros((MOMENTS_AHEAD, FINE, parts * NODES_PER_PART))
+    found[:kept] = np.einsum("tl,t,tnm,mj->lnj", values, 0.5 * w, lag, felt)
+    return found
+
+
 _PARTS = range(1, MOST_PARTS + 1)
 AT = _padded([nodes_of(parts) for parts in _PARTS])
 """The nodes, in [0, 1] of a sample, by parts."""
 TIMES_OF_ONE = tuple(float(time) for time in nodes_of(1))
 TIMES_OF_TWO = tuple(float(time) for time in nodes_of(2))
 TIMES_OF_THREE = tuple(float(time) for time in nodes_of(3))
-TO_NODES = _padded([_to_nodes(parts) for parts in _PARTS])  # [parts, i, n, j]
+TO_NODES = _padded([np.array([_answers(p, float(c), FINE) for c in nodes_of(p)]) for p in _PARTS])  # [parts, i, n, j]
 RATES = _padded([_rates(parts) for parts in _PARTS])
-TO_END = _padded([_answers(parts, 1.0, FINE) for parts in _PARTS])
+TRAVELS = _padded([_travels(parts) for parts in _PARTS])  # [parts, l, n, j]
 FORCE_MOMENTS = _padded([_moments(parts) for parts in _PARTS])
 SHARES = _padded([np.tile(_CARDINAL.T @ (1.0 / np.arange(1, NODES_PER_PART + 1)) / parts, parts) for parts in _PARTS])

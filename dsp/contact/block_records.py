@@ -6,14 +6,15 @@ from ..native.jit import kernel
 from ..native.typed import Record, View
 from ..numerics.legendre import AHEAD
 from ..numerics.sums import AT_ONCE
-from .block_nodes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
+from .block_nodes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 
 TOGETHER = 4
 """Contacts that are solved together, at most."""
 
-ROWS = 2 * FORCES + 1
-"""Rows of the free motion, at most: displacement and its derivative at each node, and displacement at the sample's
-end."""
+ROWS = 5 * MOST_PARTS - 1
+"""Rows of the free motion, at most. The displacement at each node; of each part the tilt of its rate's line of least
+squares (block_nodes.TILT); the displacement between parts; the means of P_2 and so on, as far as moments are felt,
+times the rate; and the displacement at the sample's end."""
 
 
 class Tables(Record):
@@ -24,12 +25,13 @@ class Tables(Record):
     later: Annotated[View[float], MOMENTS_AHEAD * AHEAD * ROWS + AT_ONCE]
     # What each force takes off at all nodes, one after the other: m/N, then of the rate, m/(N sample).
     give: Annotated[View[float], FORCES * MOTIONS]
-    give_end: Annotated[View[float], FORCES]  # m/N
+    # m/N: what each takes off the compression's course in the work that moments do, one moment after the other.
+    travel: Annotated[View[float], MOMENTS_AHEAD * FORCES]
     give_all: Annotated[View[float], MOTIONS]  # all forces together
     # m/N: by how much compression and rate at the nodes come out too small under a force that lasts, as series end, and
-    # the compression at the sample's end.
+    # the compression's course, as in `travel`.
     missed: Annotated[View[float], MOTIONS]
-    missed_end: float
+    missed_travel: Annotated[View[float], MOMENTS_AHEAD]
 
 
 class Net(Record):
@@ -72,8 +74,8 @@ class Block(Record):
     t: float  # s
     s: float  # m
     end: float  # m: compression then
-    missed_end: float  # m: of it, beyond what tables give
     solved: int  # 1: so Newton's method has ended
+    travel: Annotated[View[float], MOMENTS_AHEAD]  # m: means of P_l x' over the sample, with the force at rest
     free: Annotated[View[float], MOTIONS]  # compression and rate with no force but that at rest,
     seen: Annotated[View[float], MOTIONS]  # and with those of the others,
     v: Annotated[View[float], FORCES]  # m per sample
@@ -89,7 +91,7 @@ def forces_of(block: Block) -> int:
 @kernel
 def rows_of(block: Block) -> int:
     """Return the number of rows that a block has."""
-    return 2 * forces_of(block) + 1
+    return 5 * block.parts - 1
 
 
 @kernel

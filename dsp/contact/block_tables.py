@@ -4,7 +4,7 @@ from ..native.jit import kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, add_tables, line_of
-from .block_nodes import AT, FORCES, MOTIONS, NODES_PER_PART, RATES, TO_END, TO_NODES
+from .block_nodes import AT, FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART, RATES, SHARES, TO_NODES, TRAVELS
 from .block_records import Block, Net, Tables, forces_of, moments_of, ratio_of, rows_of
 from .power_series import POWERS
 
@@ -28,10 +28,11 @@ def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
     for i in range(MOTIONS):
         tables.give_all[i] = 0.0
     for j in range(NODES_PER_PART * parts):
-        end = 0.0
-        for n in range(FINE):
-            end += answer[n] * TO_END[parts, n, j]
-        tables.give_end[j] = end
+        for moment in range(MOMENTS_AHEAD):
+            travel = 0.0
+            for n in range(FINE):
+                travel += answer[n] * TRAVELS[parts, moment, n, j]
+            tables.travel[moment * FORCES + j] = travel
         for i in range(NODES_PER_PART * parts):
             x = v = 0.0
             for n in range(1, FINE):
@@ -47,14 +48,23 @@ def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
 def take_missed(block: Block, tables: Tables, laid: View[float], place: float, own: float) -> None:
     """Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the rows of their
     motion if they are let go. own: the striker's answer in the tables, m/(N sample^2); 0 if there is none."""
-    forces = forces_of(block)
+    forces, parts, end = forces_of(block), block.parts, (rows_of(block) - 1) * AHEAD
+    for moment in range(MOMENTS_AHEAD):
+        tables.missed_travel[moment] = 0.0
     for k in range(forces):
-        at = AT[block.parts, k]
-        tables.missed[k] = laid[2 * k * AHEAD] + tables.give_all[k] - 0.5 * own * at * at - place
-        tables.missed[FORCES + k] = laid[(2 * k + 1) * AHEAD] + tables.give_all[FORCES + k] - own * at
-    tables.missed_end = laid[2 * forces * AHEAD] - 0.5 * own - place
-    for k in range(forces):
-        tables.missed_end += tables.give_end[k]
+        at, part = AT[parts, k], k // NODES_PER_PART
+        before = laid[(3 * parts + part - 1) * AHEAD] if part > 0 else place
+        after = laid[(3 * parts + part) * AHEAD] if part < parts - 1 else laid[end]
+        tilt = laid[(forces + part) * AHEAD]
+        rate = parts * (after - before) + (tilt if k % NODES_PER_PART == 1 else -tilt)
+        tables.missed[k] = laid[k * AHEAD] + tables.give_all[k] - 0.5 * own * at * at - place
+        tables.missed[FORCES + k] = rate + tables.give_all[FORCES + k] - own * at
+        tables.missed_travel[0] += SHARES[parts, k] * tables.missed[FORCES + k]
+        tables.missed_travel[1] += SHARES[parts, k] * (2.0 * at - 1.0) * tables.missed[FORCES + k]
+    for moment in range(2, parts + 1):
+        tables.missed_travel[moment] = laid[(4 * parts + moment - 3) * AHEAD]
+        for k in range(forces):
+            tables.missed_travel[moment] += tables.travel[moment * FORCES + k]
 
 
 @kernel

@@ -2,7 +2,7 @@
 sample."""
 
 import numpy as np
-from numpy.polynomial import Legendre
+from numpy.polynomial import Legendre, legendre
 
 from ..native.jit import simd_kernel
 from ..native.typed import View
@@ -12,12 +12,21 @@ from .bank import MOBILITY, RESPONSES, Modes, Point
 from .simd import LANES, dot, put_product
 from .simd_rows import COURSE, add_courses, put_courses, put_factors
 
+_SERIES = [Legendre.basis(k, domain=[0, 1]) for k in range(FINE)]
 
-def row_weights(time: float, derivative: bool) -> Array:
+
+def row_weights(time: float) -> Array:
     """Return the weights of the table that answers forces (coefficients.py) for a displacement at a time in [0, 1] of a
-    sample, or its derivative: FINE of them."""
-    series = [Legendre.basis(k, domain=[0, 1]) for k in range(FINE)]
-    return np.array([(-1) ** k * (each.deriv() if derivative else each)(time) for k, each in enumerate(series)])
+    sample: FINE of them."""
+    return np.array([(-1.0) ** k * each(time) for k, each in enumerate(_SERIES)])
+
+
+def course_weights(degree: int, begin: float, end: float) -> Array:
+    """Return those for the mean of a displacement's rate from `begin` to `end`, times the Legendre polynomial of a
+    degree over that time."""
+    x, w = legendre.leggauss(FINE)
+    times, shares = begin + (end - begin) * 0.5 * (x + 1.0), 0.5 * w * Legendre.basis(degree)(x)
+    return np.array([(-1.0) ** k * (shares @ each.deriv()(times)) for k, each in enumerate(_SERIES)])
 
 
 def room_for_rows(rows: int) -> int:
@@ -31,9 +40,9 @@ def lay_rows(
 ) -> float:
     """Add the point's motion over the coming AHEAD samples without a force to `out`: one row after the other.
 
-    Return the point's displacement now (m). weights: a tuple for each row, by `row_weights`; the last one's is the
-    displacement at the sample's end. Displacements are in m, derivatives in m per sample. `room`
-    (float64) has `room_for_rows` values.
+    Return the point's displacement now (m). weights: a tuple for each row, by `row_weights` or `course_weights`; the
+    last one's is the displacement at the sample's end. Displacements are in m, rates in m per sample. `room` (float64)
+    has `room_for_rows` values.
     """
     w = point.weights[0], point.weights[1], point.weights[2], point.weights[3]
     course = 2 * len(weights) * LANES

@@ -9,14 +9,14 @@ does a sample that they don't follow; then another block begins.
 
 from ...contact.accuracy import PARTS
 from ...contact.block import begin_block, end_block, parts_for, renew_block, step_blocks
-from ...contact.block_nodes import AT, MOMENTS_AHEAD, MOST_PARTS
+from ...contact.block_nodes import MOMENTS_AHEAD, MOST_PARTS, TILT, nodes_of
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, rows_of
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
-from ...resonator.rows import lay_rows, row_weights
+from ...resonator.rows import course_weights, lay_rows, row_weights
 from ...rolling.block_path import is_even, project_path, roll_back, roll_evenly
 from ...rolling.body import share_of
 from ...rolling.coupled_roll import lead_coupled_roll
@@ -31,14 +31,18 @@ from .contact_list import take_place, take_room_again
 from .rolls import feed_of, register_roll
 from .trace import trace_press, trace_roll
 
-WEIGHTS = tuple(
-    tuple(
-        tuple(float(x) for x in row_weights(time, slope))
-        for time, slope in [(float(time), slope) for time in AT[parts, : 2 * parts] for slope in (False, True)]
-        + [(1.0, False)]
-    )
-    for parts in range(1, MOST_PARTS + 1)
-)
+
+def _weights_of(parts: int) -> tuple[tuple[float, ...], ...]:
+    """Return the weights of all rows of a sample of so many parts (block_records.py)."""
+    spans = [(part / parts, (part + 1) / parts) for part in range(parts)]
+    rows = [row_weights(float(time)) for time in nodes_of(parts)]
+    rows += [TILT * course_weights(1, *span) for span in spans]
+    rows += [row_weights(end) for _, end in spans[:-1]]
+    rows += [course_weights(moment, 0.0, 1.0) for moment in range(2, parts + 1)]
+    return tuple(tuple(row.tolist()) for row in [*rows, row_weights(1.0)])
+
+
+WEIGHTS = tuple(_weights_of(parts) for parts in range(1, MOST_PARTS + 1))
 
 _FEWEST = 8  # frames that are worth a block
 _BENT = -1  # in the place of a moment: a force that lasts
