@@ -2,9 +2,10 @@
 on the object, or on those that share contacts with it.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
-decided for each quantum anew: where a contact of another kind acts in it, or too many do, where a body moves over its
-object, and where a contact is too stiff for the parts of a sample, they go on sample by sample (contact_groups.py). So
-does a sample that they don't follow; then another block begins.
+decided for each quantum anew: where a contact of another kind acts in it, or too many do, and where a contact is too
+stiff for the parts of a sample, they go on sample by sample (contact_groups.py). So does a sample that they don't
+follow; then another block begins. A body that moves over its object feels the modes at one place in each block; its
+force moves on meanwhile.
 """
 
 from ...contact.accuracy import PARTS
@@ -23,11 +24,13 @@ from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of, point_of
 from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker, press_striker
+from ..bodies.surface import put
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import BEHIND, COUPLING, QUANTUM, State
 from ..output.fade import note_force
 from .contact_force import find_transfer, observe_points
 from .contact_list import take_place, take_room_again
+from .coupled_rolls import position_of
 from .rolls import feed_of, register_roll
 from .trace import trace_press, trace_roll
 
@@ -155,7 +158,7 @@ def _is_listed(net: Net, index: int) -> bool:
 def _can_be(state: State, contact: Contact) -> bool:
     """True if a contact is a roll, a rest or a press that may be solved over the quantum."""
     begun = contact.start + contact.fraction <= state.position - 1
-    if contact.solver != COUPLING or contact.travel > 0.0 or not begun:
+    if contact.solver != COUPLING or not begun:
         return False
     if contact.trait.rests == 1:
         return contact.touching == 1 and _has_place(state, contact)
@@ -189,6 +192,8 @@ def _look(state: State, net: Net) -> int:
     parts = 1
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
+        if contact.travel > 0.0:
+            _stand_between(state, contact)
         if contact.unsettled == 1:
             observe_points(state, contact)
         take_room_again(state, contact)
@@ -198,6 +203,15 @@ def _look(state: State, net: Net) -> int:
             return 0
         parts = max(parts, needed)
     return parts
+
+
+@kernel
+def _stand_between(state: State, contact: Contact) -> None:
+    """Put a body that moves over its object where it will be after half a quantum: it feels the modes there."""
+    roll = state.rolls[contact.roll]
+    contact.rolled, contact.rolls = roll.s + 0.5 * QUANTUM * roll.modulated_speed / state.rate, 0.0
+    put(state, state.objects[contact.point[0].slot], contact, position_of(contact, 0))
+    contact.unsettled = 1
 
 
 @noinline_kernel
@@ -270,9 +284,19 @@ def _run(state: State, net: Net, frame: int) -> int:
             contact.led = 1 if end < QUANTUM else 0
             if end < QUANTUM and block.piece >= 0:
                 roll_back(state.rolls[contact.roll], contact.coupled, block)
-            contact.rolled = state.rolls[contact.roll].s
+            _roll_through(state, contact, end)
         state.steps_taken += end - frame
     return end
+
+
+@kernel
+def _roll_through(state: State, contact: Contact, end: int) -> None:
+    """Tell where a roll's force acts over the quantum, whose frames up to `end` are solved."""
+    roll = state.rolls[contact.roll]
+    contact.rolls = QUANTUM * roll.modulated_speed / state.rate
+    contact.rolled = roll.s - contact.rolls * (end / QUANTUM)
+    if end < QUANTUM and contact.travel > 0.0:
+        contact.unsettled = 1  # its force moves on, and leaves it elsewhere
 
 
 @kernel

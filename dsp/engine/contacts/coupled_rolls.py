@@ -1,8 +1,8 @@
 """Rolls that feel the modes of the object under them.
 
-On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). At -60 it is solved
-a quantum at a time where it can be (blocks.py). On one that hardly gives way, at the accuracy -40, where steps are
-held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the effective mass
+On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
+solved a quantum at a time where it can be (blocks.py). On one that hardly gives way, where steps are held, where
+`/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the effective mass
 on the contact), and under a slide the object is a dashpot, which costs as much for any number of modes
 (rolling/contact_step.py).
 
@@ -30,12 +30,12 @@ from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, State
 from .solver_choice import tolerance_of
 
-GIVING = np.array([math.inf, 1e-3, 3e-4, 3e-5, 0.0])
+GIVING = np.array([1e-3, 1e-3, 3e-4, 3e-5, 0.0])
 """Sum, by accuracy, above which a roll feels each of the object's modes. Where four modes ring for seconds a dashpot is
 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 
 _FINE = LEVELS.index("-80")  # of the accuracies, from which on short steps err no more
-_SHARE = 1.0 / 16.0  # of the room for coupled modes, which rolls take at most: they last
+_SHARE = 1.0 / 4.0  # of the room for coupled modes, which rolls take at most: they last
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _PLACED = 16  # frames after which one that feels all modes acts at another place
 
@@ -114,7 +114,7 @@ def lead_roll(state: State, contact: Contact) -> None:
     begin = contact.fraction if roll.t == 0.0 else 0.0
     if lead_coupled_roll(roll, contact.coupled, begin):
         contact.unsettled = 1
-    contact.rolled = roll.s
+    contact.rolled, contact.rolls = roll.s, 0.0
     if contact.travel > 0.0 and frame % _PLACED == 0:
         put(state, state.objects[contact.point[0].slot], contact, position_of(contact, 0))
         contact.unsettled = 1
