@@ -8,6 +8,7 @@ from itertools import chain
 from pathlib import Path
 
 from ...dsp.runtime.engine import Engine
+from ...dsp.schema import GESTURES
 from ..osc.addresses import calls
 from ..osc.score import format_line
 from ..osc.sensor_verbs import SENSOR
@@ -64,7 +65,7 @@ class Log:
         lines = []
         for number, sample in self._engine.noted():
             sent = self._waiting.pop(number, None)
-            if sent and sample >= 0.0 and not self.error:
+            if sent and sample >= 0.0 and not self.error and not self._rests_on_nothing(sent):
                 try:
                     lines.append(format_line(sample / self._engine.rate, self._named(sent)) + "\n")
                 except ValueError as error:
@@ -99,16 +100,25 @@ class Log:
         name = self._names.pop(serial) if action == "free" else self._names[serial]
         return Message(f"/object/{name}/{action}", self._struck(sent) if sent.by else message.args)
 
+    def _rests_on_nothing(self, sent: Sent) -> bool:
+        """True if an object was to rest on another that was told to go before: it does not rest then."""
+        action = sent.message.address.rsplit("/", 1)[1]
+        return action in GESTURES and bool(GESTURES[action].what) and sent.by > 0 and sent.by not in self._names
+
     def _struck(self, sent: Sent) -> tuple[Argument, ...]:
-        """Return the arguments that name the striking object as the log does; its mass alone, where it was told to go
-        before."""
+        """Return the arguments that name the other object as the log does. Where that was told to go before, a
+        striking object is its mass alone."""
         args = sent.message.args
-        first = next(n for n, arg in enumerate(args) if isinstance(arg, str))
         verb = calls(sent.message)[0].verb
         assert verb
+        if GESTURES[verb.action].what:
+            return self._names.get(sent.by, args[0]), *args[1:]
+        first = next(n for n, arg in enumerate(args) if isinstance(arg, str))
         keys = dict(verb.pairs(args[first:]))
         if sent.by in self._names:
-            keys["by"] = self._names[sent.by]
+            keys["onto" if GESTURES[verb.action].breaks else "by"] = self._names[sent.by]
+        elif GESTURES[verb.action].breaks:
+            del keys["onto"]
         else:
             keys = {key: value for key, value in keys.items() if key not in ("by", "by_position", "by_point")}
             keys["mass"] = sent.mass

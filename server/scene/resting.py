@@ -42,7 +42,7 @@ def rest(to: ObjectCall) -> None:
         raise Refused(f"resistance = {resistance:g}: expected none, as {what} is an object")
     message, time = to.canonical, _time(to, other)
     if other or not resistance:
-        _add(to, message, command._replace(time=time, values=values, by=other.handle if other else None))
+        _add(to, message, command._replace(time=time, values=values, by=other.handle if other else None), other)
         return
     engine = to.transaction.engine
     handle, layout = engine.lay_out(ground(resistance, engine.top_frequency), 1.0)
@@ -95,9 +95,7 @@ def _time(to: ObjectCall, other: PlayedObject | None) -> float:
     return max(objects.start_of(each, time) for each in (to.obj, other) if each)
 
 
-def _add(to: ObjectCall, message: Message, command: Command) -> None:
-    """Add a command of a rest, for which a message stands."""
-    handle = command.handle or to.obj.handle
-    by = command.by.serial if command.by else 0
-    sent = Sent(message, handle.serial, by, command.values.get("mass", 0.0))
-    to.transaction.add(command._replace(handle=handle), sent)
+def _add(to: ObjectCall, message: Message, command: Command, on: PlayedObject | None = None) -> None:
+    """Add a command of a rest, for which a message stands; `on`: the object that it rests on."""
+    sent = Sent(message, to.obj.handle.serial, on.handle.serial if on else 0, 0.0)
+    to.transaction.add(command._replace(handle=command.handle or to.obj.handle), sent)

@@ -64,6 +64,7 @@ def _add(to: ObjectCall, objects: tuple[PlayedObject, ...], *commands: Command) 
     """Add the commands that the message stands for, for when all objects are there."""
     transaction = to.transaction
     time = max(transaction.objects.start_of(each, transaction.time) for each in objects)
-    sent = Sent(to.canonical, to.obj.handle.serial, 0, 0.0)
+    other = objects[1] if objects[1] is not to.obj else None
+    sent = Sent(to.canonical, to.obj.handle.serial, other.handle.serial if other else 0, 0.0)
     for command in commands:
         transaction.add(command._replace(time=max(time, transaction.time)), sent)

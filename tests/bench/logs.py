@@ -13,8 +13,10 @@ from pathlib import Path
 import soundfile
 
 from carom.clients.client import Client
+from carom.server.osc.addresses import VERBS
 from carom.server.osc.score import read
 from carom.server.osc.wire import Message
+from tests.bench.declared import declared
 from tests.support import render_lines, serving
 
 
@@ -83,6 +85,28 @@ def random_gesture(rng: random.Random, ids: int) -> Message:
             return Message(f"/gesture/{id}/stop")
         case _:
             return Message("/quality", (rng.randrange(9),))
+
+
+_SCORED = frozenset(address for address, verb in VERBS.items() if verb.scored)
+_SMALL = ("wood-block", "glockenspiel-bar", "triangle", "wine-glass", "tin-lid", "wood-board", "plastic-cup", "mug")
+_REST = frozenset(("/object/new", "/world/body", "/panic"))
+
+
+def any_message(rng: random.Random) -> Message:
+    """Return a message to any address of a score, its arguments within their ranges; one in three makes or strikes an
+    object."""
+    kind, name = rng.random(), rng.choice("abcdefgh")
+    if kind < 0.12:
+        return Message("/object/new", (name, rng.choice(_SMALL)))
+    if kind < 0.35:
+        return Message(f"/object/{name}/impact", (rng.uniform(0.0, 2.0),))
+    while True:
+        message = declared(rng)
+        _, container, *rest = message.address.split("/")
+        target = {"object": "NAME", "gesture": "ID"}.get(container)
+        address = f"/{container}/{target}/{rest[1]}" if target and len(rest) == 2 else message.address
+        if address in _SCORED - _REST:
+            return message
 
 
 HEAVY = ("cymbal", "gong", "tom")

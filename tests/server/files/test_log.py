@@ -21,7 +21,7 @@ from carom.server.osc.score import Line, read, sample_at
 from carom.server.osc.wire import Message
 from carom.server.render import Options, blocks
 from carom.server.scene.session import Session
-from tests.bench.logs import random_gesture, random_message
+from tests.bench.logs import any_message, random_gesture, random_message
 from tests.support import CAROM, render_lines, serving
 
 PRESETS = Presets()
@@ -101,6 +101,33 @@ def test_a_session_of_anything_at_any_time(tmp_path, seed):
     rng = random.Random(seed)
     lines = replay(tmp_path, rng, lambda: [random_message(rng) for _ in range(rng.randrange(1, 4))], 300)
     assert len(lines) > 100 and {"/panic", "/contact", "/object/new"} < {line.message.address for line in lines}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 7))
+def test_a_session_of_all_that_is_declared(tmp_path, seed):
+    """Messages to all addresses of scores: what rests, breaks and scatters among them, on objects that come and go."""
+    rng = random.Random(seed)
+    lines = replay(tmp_path, rng, lambda: [any_message(rng) for _ in range(rng.randrange(1, 4))], 120)
+    assert len(lines) > 50
+
+
+@pytest.mark.slow
+def test_a_rest_on_another_object_is_one_line(tmp_path):
+    rng = random.Random(1)
+    begin = [Message("/object/new", each) for each in (("a", "wine-glass"), ("b", "wood-board"))]
+    rests = [Message("/object/a/rest", args) for args in (("b", 0.5, "load", 2.0), ("table",), ("felt", "id", "mat"))]
+    todo = [[each] for each in reversed(begin)]
+
+    def messages() -> list[Message]:
+        if todo:
+            return todo.pop()
+        if rests and rng.random() < 0.2:
+            return [rests.pop()]
+        return [Message(f"/object/{rng.choice('ab')}/impact", (rng.random(),))]
+
+    lines = replay(tmp_path, rng, messages, 80)
+    assert [line.message.address for line in lines].count("/object/a/rest") == 3
 
 
 @pytest.mark.slow
