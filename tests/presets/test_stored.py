@@ -58,6 +58,7 @@ def test_modes_are_read_as_they_were_made(monkeypatch: pytest.MonkeyPatch, name:
 def test_presets_with_changes_are_not_written(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     """Objects of any size that a client thinks of do not fill the disk."""
     later(monkeypatch, thickness=0.002)
+    later(monkeypatch, size=1.01)
     assert not folder.exists()
 
 
