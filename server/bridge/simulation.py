@@ -32,6 +32,7 @@ from .telling import (
     link_engine,
     tell,
 )
+from .tracking.skins import round_of, skin_of
 from .tracking.state import BLOW, BODIES, CHANGING, EVENTS, LIE, MATERIALS, MOVE, POINTS, REST, new_state
 
 
@@ -68,6 +69,7 @@ class Simulation:
         self._maker = BodyMaker(presets, top, progress)
         self._surfaces = Surfaces(presets)
         self._numbers: dict[str, int] = {}
+        self._skins: list[NDArray[np.float64]] = []
         self._pairs: dict[tuple[int, int], Pair] = {}
         self._materials: list[Material] = []
         self.surfaces: list[str] = []
@@ -193,6 +195,10 @@ class Simulation:
         record["reach"][number] = 0.5 * max(body.shape.edges)
         record["edges"][number], record["strip"][number] = body.shape.edges, body.shape.strip
         record["round"][number], record["ringing"][number] = body.shape.round, body.ringing
+        if body.surfaced and body.modes and body.modes.faces:
+            self._skins.append(skin_of(body.modes.faces))
+            record["skin"][number], record["skin_faces"][number] = self._skins[-1].ctypes.data, len(self._skins[-1])
+            record["round"][number] = round_of(body.modes.faces, float(record["reach"][number]))
         record["loudness"][number], record["material"][number] = body.loudness(), self._material(body)
         if pose is not None:
             put_pose(self.state, number, checked_pose(pose, f"body {name}"))

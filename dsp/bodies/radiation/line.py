@@ -3,7 +3,7 @@
 R = (rho c k b/(2 pi)) int_0^pi |V(k cos t)|^2 S(k b sin t) dt, V(q) = int phi exp(-i q x) dx: t is the angle to the
 axis, S the resistance per length, over rho c b, of an endless line of that section. A free bar's modes carry no net
 momentum: the integral knows. Waves slower than sound radiate from the ends: there a flat bar is taken as
-a rectangle.
+a rectangle. Of a thick bar S is that of its section (`thick`).
 """
 
 import math
@@ -19,6 +19,7 @@ from .closed import cylinder_efficiency
 from .quadrature import segment, spherical_bessel
 from .rectangle import free_rectangle, jump_terms, side
 from .strip_table import MASS, REACH, RESISTANCE
+from .thick import swaying
 
 _NEGLIGIBLE = 24  # orders above the argument, from which on spherical Bessel functions are less than 1e-9
 _LEAST = 1e-9  # rad/m
@@ -34,25 +35,31 @@ class Outline(NamedTuple):
     """A bar's section as the air feels it.
 
     Half its width (or its radius), m; at places along the bar the area (m^2) that it displaces, and the area of the
-    air that moves along with it.
+    air that moves along with it. aspect: its thickness, along which it moves, over its width, on average.
     """
 
     half_width: float
     displaced: Array
     added: Array
     is_round: bool
+    aspect: float = 0.0
+
+
+def dipole_of(aspect: float) -> float:
+    """Return the dipole of a section of a thickness over its width, over that of a flat strip of its width."""
+    return float(np.interp(aspect, _ASPECTS, _ADDED)) + 4 * aspect / math.pi
 
 
 def rectangular(width: float, depth: Array) -> Outline:
     """Return the outline of a bar that moves across its width, `depth` (m) thick at places along it."""
     added = np.interp(depth / width, _ASPECTS, _ADDED) * math.pi * (width / 2) ** 2
-    return Outline(width / 2, width * depth, added, False)
+    return Outline(width / 2, width * depth, added, False, float(np.mean(depth)) / width)
 
 
 def on_edge(width: float, depth: Array) -> Outline:
     """Return the outline of the same bar as it moves along its width, its edges foremost."""
     added = np.interp(width / depth, _ASPECTS, _ADDED) * math.pi * (depth / 2) ** 2
-    return Outline(float(depth.max()) / 2, width * depth, added, False)
+    return Outline(float(depth.max()) / 2, width * depth, added, False, width / float(np.mean(depth)))
 
 
 def tubular(diameter: float, bore: float, x: Array) -> Outline:
@@ -116,7 +123,7 @@ def _of_rectangle(bar: Bar, shape: Array, k: float, wave: float) -> float:
 
     The bar is a flat rectangle, as wide and as long, and of its moving area: exact where it is thin.
     """
-    half_width, displaced, added, _ = bar.outline
+    half_width, displaced, added, _, aspect = bar.outline
     counts = [math.ceil(wave * half) + _MARGIN for half in (bar.half, half_width)]
     dipole = displaced + added
     low = 1 / (1 + (k * half_width) ** 2)
@@ -138,11 +145,11 @@ def _of_rectangle(bar: Bar, shape: Array, k: float, wave: float) -> float:
     sides = side(bar.half, counts[0]), side(half_width, counts[1])
     flat = 2 * IMPEDANCE * k * free_rectangle(k, *sides, parts)[0].real
     excess = (dipole.max() / (math.pi * half_width**2)) ** 2 - 1
-    return float(flat * (1 + excess * low**2))
+    return float(flat * (1 + excess * low**2) * swaying(np.array([k * half_width]), aspect)[0])
 
 
 def _resistance(bar: Bar, shapes: Array, k: Array) -> Array:
-    half_width, displaced, added, is_round = bar.outline
+    half_width, displaced, added, is_round, aspect = bar.outline
     angle, weights = segment(0, math.pi / 2, 16 + 0.8 * bar.half * k.max())
     x = np.outer(k * half_width, np.sin(angle))
     phase = np.outer(k * bar.half, np.cos(angle))
@@ -160,7 +167,7 @@ def _resistance(bar: Bar, shapes: Array, k: Array) -> Array:
             other = _spectrum(bar, shapes * (dipole / largest)[:, None], bessel)
             even, odd = even + (other[0] - even) * low, odd + (other[1] - odd) * low
         excess = (largest / (math.pi * half_width**2)) ** 2 - 1
-        power = (even**2 + odd**2) * _strip_resistance(x) * (1 + excess * low**2)
+        power = (even**2 + odd**2) * _strip_resistance(x) * (1 + excess * low**2) * swaying(x, aspect)
     resistance: Array = IMPEDANCE * k * half_width / math.pi * (power @ weights)
     return resistance
 

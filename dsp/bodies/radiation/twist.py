@@ -3,7 +3,8 @@
 R = (rho c k b/(2 pi)) int_0^pi |V(k cos t)|^2 S(k b sin t) dt, V(q) = int phi exp(-i q x) dx, as of a bar that bends:
 phi is the velocity of the edges, the twist times b, half the width. S is the resistance per length, over rho c b, of an
 endless strip whose velocity is y/b across it, free in the air: one side pushes where the other draws, two dipoles
-against each other. A thick bar's narrow faces push air too: FLATNESS says by how much more or less its quadrupole is.
+against each other. A thick bar's narrow faces push air too: FLATNESS says by how much more or less its quadrupole is,
+and `thick` what its whole section does where it is not small against the wave.
 """
 
 import math
@@ -13,6 +14,7 @@ import numpy as np
 from ..air import IMPEDANCE, wavenumber
 from ..material import Array
 from ..ritz import quadrature
+from .thick import turning
 
 REACH = (0.1, 40.0)
 RESISTANCE = (
@@ -45,6 +47,8 @@ class Twist:
         self._nodes, self._share = nodes, weights * self._half
         self._twist = twist
         ratio = thickness / (2 * self._half_width)
+        usual = float(np.mean(ratio))
+        self._aspect, self._larger = min(usual, 1 / usual), max(usual, 1.0)
         self._strength = np.interp(np.minimum(ratio, 1 / ratio), THICKNESS, FLATNESS) * np.where(ratio > 1, ratio**4, 1)
 
     def resistance(self, frequency: Array) -> Array:
@@ -60,6 +64,7 @@ class Twist:
             flat, thick = phase @ phi, phase @ (phi * self._strength / (strongest or 1.0))
             low = 1 / (1 + x**2)
             power = np.abs(flat + (thick - flat) * low) ** 2 * strip(x) * (1 + (strongest**2 - 1) * low**2)
+            power *= turning(x * self._larger, self._aspect)
             found[mode] = IMPEDANCE * k * self._half_width / math.pi * (math.pi / 4 * power @ weights)
         return found
 

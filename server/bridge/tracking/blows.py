@@ -13,8 +13,9 @@ from ....dsp.contact.law import restitution_of
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.native.typed import View2D
 from .microphones import MicrophoneState
+from .skins import curvature_of
 from .state import EVENTS, HIT, OCTAVES, Blow, State
-from .strips import place_on, radius_at
+from .strips import place_on
 
 _IN = 0.05  # s: the time over which blows are counted
 _RECENT = 0.1  # s: what was louder so lately hides what is fainter
@@ -109,13 +110,6 @@ def _find_law(state: State, blow: Blow, local: View2D[float]) -> None:
     law = state.law[state.material[blow.a], state.material[blow.b]]
     blow.stiffness = law[0] * math.sqrt(contact_radius(curvature_of(state, blow.a, blow.b, local)))
     blow.dissipation, blow.exponent = law[1], law[2]
-
-
-@kernel
-def curvature_of(state: State, a: int, b: int, local: View2D[float]) -> float:
-    """Return the curvature (1/m) of a contact of two bodies, at points in their axes."""
-    first = radius_at(state.round[a], state.edges[a], local[0])
-    return 1.0 / first + 1.0 / radius_at(state.round[b], state.edges[b], local[1])
 
 
 @noinline_kernel

@@ -13,8 +13,9 @@ import math
 
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.numerics.constants import STANDARD_GRAVITY
-from .blows import contact_radius, curvature_of, loudness_of, masked_at, time_of_contact
+from .blows import contact_radius, loudness_of, masked_at, time_of_contact
 from .microphones import MicrophoneState, gain_at
+from .skins import curvature_of
 from .state import AT, EVENTS, HEARD, LIE, LOAD, MOVE, POSITION, Pair, State
 from .strips import place_on
 

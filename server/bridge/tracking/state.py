@@ -225,6 +225,8 @@ class State(Record):
     strip: Annotated[View2D[int], BODIES, 3]  # its object's strike path, as in strips.py
     round: Annotated[View[float], BODIES]  # m: radius of its side, 0 for one with edges
     surfaced: Annotated[View[int], BODIES]  # 1: its object has a surface, in its axes, and is touched at points of it
+    skin: Annotated[View[int], BODIES]  # address of the triangles of that surface, as in skins.py,
+    skin_faces: Annotated[View[int], BODIES]  # and how many
     material: Annotated[View[int], BODIES]
     loudness: Annotated[View2D[float], BODIES, OCTAVES]  # Pa rms at 1 m of a blow of 1 N s
     ringing: Annotated[View[float], BODIES]  # s for which it is heard after a blow

@@ -9,6 +9,8 @@ import pytest
 import carom
 from carom.clients.cli import main
 from carom.dsp.bodies import bar
+from carom.dsp.bodies.curved import EDGE_RADIUS
+from carom.dsp.bodies.material import CONTACT_RADIUS
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.surface import Surface
 from carom.server.bridge.bodies import NoModel, WorldError
@@ -196,3 +198,24 @@ def test_a_mesh_without_a_volume_rings_as_a_box_and_a_warning_says_so():
     boxes = carom.mujoco.Bridge(model, data, meshes=False)
     assert not any(body.surfaced for body in boxes.world.simulation.bodies)
     boxes.world.close()
+
+
+def stiffness_of(score):
+    """Return the stiffness of the one blow of a score."""
+    (blow,) = (line.split() for line in score.splitlines() if "/impact" in line)
+    return float(blow[blow.index("stiffness") + 1])
+
+
+def test_the_stiffness_of_a_contact_is_that_of_the_surface_there():
+    """A ball of triangles is as stiff as a sphere; a bar's edges are as stiff as their radius has it."""
+    made = forms.ball(0.03, 3)
+    law = {}
+    for name, body in {"mesh": ("mesh", (made.points, made.faces)), "sphere": ("sphere", 0.03)}.items():
+        with carom.World(keep=True) as world:
+            world.body("floor", "plate", (1, 1, 0.02), "steel", held=True)
+            world.body("ball", *body, "steel", carom.Pose((0, 0, 0)))
+            world.step(0.01, [carom.Touch("floor", "ball", (0.01, 0.0, -0.0283), (0, 0, 1), approach=1.0)])
+            law[name] = stiffness_of(world.score())
+    assert law["mesh"] == pytest.approx(law["sphere"], rel=0.03)
+    face, edge = (stiffness_of(heard(True, (0.02, y, -0.004))[1]) for y in (0.0, 0.015))
+    assert face / edge == pytest.approx((CONTACT_RADIUS / (2 * EDGE_RADIUS)) ** 0.5, rel=1e-6)

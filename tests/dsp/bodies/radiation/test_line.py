@@ -95,4 +95,4 @@ def test_the_air_lowers_a_light_broad_bar():
 def test_a_bars_loss_is_what_it_radiates():
     modes = bodies.bar(STEEL, length=0.3, width=0.05, thickness=0.004, top=12000)
     assert modes.decay - STEEL.decay(modes.frequency) == pytest.approx(radiated(modes) / 2, rel=1e-6)
-    assert radiated(modes)[-1] / 2 > STEEL.decay(0)
+    assert radiated(modes).max() / 2 > STEEL.decay(0)
