@@ -37,7 +37,8 @@ def _mount(transaction: Transaction, call: Call, values: Values) -> None:
     found = {} if is_pattern(target) else transaction.objects.at(target, transaction.time)
     if target not in found:
         known = list(transaction.objects.there(transaction.time))
-        raise Refused(f"object = {shown(target)}: no such object; {transaction.suggestion(target, known)}")
+        near = transaction.suggestion(target, known)
+        raise Refused(f"object = {shown(target)}: no such object{f'; {near}' if near else ''}")
     obj = found[target]
     sensor, full, number = sensor_asked(values), values.number("full"), table.free_number()
     position = values.numbers.get("position", obj.preset.position)

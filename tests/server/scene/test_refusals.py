@@ -83,6 +83,10 @@ def test_bad_messages_are_told_why(session, address, args, reason):
     assert (session.engine.room(), list(session.objects)) == before
 
 
+def test_a_sensor_on_an_object_that_is_not_there_is_refused(session):
+    assert refusal(session, "/sensor/new", "tip", "quagmire").endswith("object = quagmire: no such object")
+
+
 def test_a_note_on_what_has_no_mode_is_refused(session):
     say(session, "/object/new", "b", "glass-ball", "radius", 0.005)
     assert "it has no mode that is heard" in refusal(session, "/object/b/note", 60, 100)
