@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..dsp.bodies.modes import Modes
 from ..dsp.engine.bodies.objects import GONE, sigma_of, weigh
 from ..dsp.engine.memory.channels import pan_gains
-from ..dsp.resonator.bank import NYQUIST_SHARE
+from ..dsp.resonator.bank import top_of
 from ..dsp.runtime.plan import planned
 
 _ROWS = 4  # between which mode shapes are interpolated
@@ -90,8 +90,8 @@ def mode_table(
     """Return the table of modes that were laid out at a level (amplitude), heard with gains (channels,), struck at a
     position (0 to 1), for a rate in Hz."""
     frequencies = modes.frequency * settings.tune
-    made = modes.frequency <= NYQUIST_SHARE * 0.5 * rate
-    heard = np.flatnonzero(made & (frequencies <= NYQUIST_SHARE * 0.5 * rate))
+    top = top_of.py_func(rate)
+    heard = np.flatnonzero((modes.frequency <= top) & (frequencies <= top))
     sides = _sides(modes, len(gains))
     shape = _shape_at(modes.along, position)[heard]
     clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in modes.clicks)
@@ -120,7 +120,7 @@ class Places(NamedTuple):
 def places_of(modes: Modes, level: float, settings: Settings, gains: NDArray[np.float64], rate: float) -> Places:
     """Return the shapes of the modes of `mode_table` along the strike path; arguments as there."""
     frequencies = modes.frequency * settings.tune
-    top = NYQUIST_SHARE * 0.5 * rate
+    top = top_of.py_func(rate)
     heard = np.flatnonzero((modes.frequency <= top) & (frequencies <= top))
     rows = modes.along if len(modes.along) >= _ROWS else np.repeat(modes.strike[:1], _ROWS, axis=0)
     plan = planned(modes, top, 0.5 * rate, len(gains) == 2)
@@ -155,7 +155,7 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
 def _relief(modes: Modes, tune: float, gains: NDArray[np.float64], position: float, rate: float) -> Relief:
     """Return the relief of modes that are heard with gains (channels,), as the engine has it
     (engine/bodies/objects.py)."""
-    top = NYQUIST_SHARE * 0.5 * rate
+    top = top_of.py_func(rate)
     plan = planned(modes, top, 0.5 * rate, len(gains) == 2)
     found = plan.relief
     frequency = found.frequency * tune

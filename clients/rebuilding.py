@@ -6,8 +6,8 @@ per sample, is at the sample's end
     z' = exp(s) z + sum_k (2k+1) (-1)^k exp(s/2) i_k(s/2) m_k,   and heard as gain Im z,
 
 with i_k the modified spherical Bessel functions. The force of a slide, and of a roll that feels no modes, drives modes
-by one number a frame instead, as `dsp.resonator.fed` says. A click is the same in continuous time, smoothed as the
-engine does it (`dsp.resonator.click` says how and why).
+by one number a frame instead, as `dsp.resonator.fed` says. A click is the same in continuous time, where it is
+that of a small body smoothed as the engine does it (`dsp.resonator.click` says how and why).
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ from scipy.special import spherical_in
 from ..dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ..dsp.errors import CaromError
 from ..dsp.numerics.legendre import KEPT
-from ..dsp.resonator.click import FAR, FIRST, GAIN, LEAST, NEAR, SECOND, TAPS, WIDEST
+from ..dsp.resonator.click import FAR, FIRST, GAIN, LEAST, NEAR, SECOND, TAPS, WIDEST, is_direct
 from ..dsp.resonator.fed import HALF, LINE, REACH, WINDOW, feed_tap
 
 Array = NDArray[Any]
@@ -174,9 +174,7 @@ def _strike(sound: Array, striker: Row, force: Array, first: int, rate: float) -
     for click in striker["clicks"]:
         _click(sound, click, force, first, rate)
     for frequency, decay, gain in zip(*_columns(striker["ringing"]), strict=True):
-        s = complex(-decay, 2 * np.pi * frequency) / rate
-        heard = complex(s.real / s.imag, 1.0) * _mode(s, force, len(sound) - first)
-        sound[first:] += np.outer(heard.imag, gain)
+        sound[first:] += np.outer(_in_phase(frequency, decay, force, len(sound) - first, rate), gain)
     for frequency, decay, gain in zip(*_columns(striker["second"]), strict=True):
         s = complex(-decay, 2 * np.pi * frequency) / rate
         for time, impulse in striker["snaps"]:
@@ -270,8 +268,18 @@ def _mode(s: complex, force: Array, left: int) -> Array:
     return np.concatenate([driven, after])
 
 
+def _in_phase(frequency: float, decay: float, force: Array, left: int, rate: float) -> Array:
+    """Return exp(-decay t) (cos(omega t) - decay/omega sin(omega t)), for so many frames from a force's first on."""
+    s = complex(-decay, 2 * np.pi * frequency) / rate
+    return np.asarray((complex(s.real / s.imag, 1.0) * _mode(s, force, left)).imag)
+
+
 def _click(sound: Array, click: Row, force: Array, first: int, rate: float) -> None:
-    """Add a click under a force, as the engine smoothes it."""
+    """Add a click under a force, as the engine has it."""
+    if is_direct.py_func(click["frequency"], click["decay"], rate):
+        heard = _in_phase(click["frequency"], click["decay"], force, len(sound) - first, rate)
+        sound[first:] += np.outer(heard, click["gain"])
+        return
     s = complex(-click["decay"], 2 * np.pi * click["frequency"]) / rate
     own = max(np.exp(s.real), LEAST) * np.exp(1j * min(s.imag, WIDEST))
     poles = np.poly([own, own.conjugate(), NEAR, NEAR.conjugate(), FAR, FAR.conjugate()]).real

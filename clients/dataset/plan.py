@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...dsp.bodies.modes import Modes
 from ...dsp.numerics.blas import on_one_thread
-from ...dsp.resonator.bank import NYQUIST_SHARE
+from ...dsp.resonator.bank import top_of
 from ...dsp.schema import SETTINGS
 from ...presets import Presets
 from ...presets.making import keep, kept
@@ -104,4 +104,4 @@ def shared_objects(recipe: Recipe, presets: Presets) -> list[Message]:
 def make_modes(recipe: Recipe, message: Message, presets: Presets) -> None:
     """Make the modes of an object; they are kept."""
     (call,) = calls(message)
-    new_object(call, presets, NYQUIST_SHARE * 0.5 * recipe.rate)
+    new_object(call, presets, top_of.py_func(recipe.rate))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...dsp.bodies.modes import Modes
 from ...dsp.engine.memory.records import SLID
 from ...dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
-from ...dsp.resonator.bank import NYQUIST_SHARE
+from ...dsp.resonator.bank import top_of
 from ...dsp.resonator.click import CLICK_MODES
 from ...dsp.resonator.simd import LANES
 from ...dsp.schema import GESTURES
@@ -112,7 +112,7 @@ def about_object(
     table = mode_table(placed.modes, level, settings, gains, position, rate)
     relief = table.relief
     bends = placed.modes.glide > 0.0 or placed.modes.sheet is not None
-    made = int((placed.modes.frequency <= NYQUIST_SHARE * 0.5 * rate).sum())
+    made = int((placed.modes.frequency <= top_of.py_func(rate)).sum())
     return {
         "name": name,
         "preset": preset.name,
@@ -136,7 +136,7 @@ def about_object(
 def _by_moments(modes: Modes, tune: float, rate: int) -> list[int]:
     """Return which of the modes in its table even a contact that is fed drives by moments: those beyond whole lanes, as
     the engine lays them out by their decays."""
-    top = NYQUIST_SHARE * 0.5 * rate
+    top = top_of.py_func(rate)
     order = np.argsort(modes.decay, kind="stable")
     order = order[modes.frequency[order] <= top]
     heard = np.flatnonzero((modes.frequency <= top) & (modes.frequency * tune <= top))

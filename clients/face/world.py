@@ -24,7 +24,7 @@ from .clients.commands.progress import shown_mesh
 from .clients.performer import Folders, Performer, chosen
 from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.memory.state import QUANTUM
-from .dsp.resonator.bank import NYQUIST_SHARE
+from .dsp.resonator.bank import top_of
 from .dsp.runtime.batch import Batch
 from .dsp.wording import near
 from .scene import Scene
@@ -103,7 +103,7 @@ class World(Closing):
         self.rate = int(rate)
         self.latency = 0.0 if client else QUANTUM / rate
         self.simulation = Simulation(
-            library, NYQUIST_SHARE * 0.5 * rate, hearing, gravity=gravity, start=start, progress=shown_mesh
+            library, top_of.py_func(rate), hearing, gravity=gravity, start=start, progress=shown_mesh
         )
         """The simulation as it is told, and what comes of it; bridges reach into it."""
         self._client = client

@@ -32,8 +32,8 @@ RESPONSES = FED + 4 * LANES
 """Coefficients of one group of modes: for injection by moment, by sample (last, last but one), by mode; then two rows
 that `observe` and `receptance` need, sigma/omega, and those of fed.py."""
 
-NYQUIST_SHARE = 0.95
-"""No mode is made above this share of the Nyquist frequency."""
+_NYQUIST_SHARE = 0.95
+_AUDIBLE = 20_000.0  # Hz
 
 
 class Driver(Record):
@@ -359,6 +359,15 @@ def project(n: int, response: View[float], work: View[float], coefficients: View
         put_projections(coefficients, first, response, 2 * first * LANES, RESPONSES, work, n)
     for k in range(1, FINE, 2):
         coefficients[k] = -coefficients[k]
+
+
+@kernel
+def top_of(rate: float) -> float:
+    """Return the frequency (Hz) above which modes are not heard at a sampling rate (Hz).
+
+    It is the same from 42.2 kHz on, so that a body sounds alike at all of these rates.
+    """
+    return min(_NYQUIST_SHARE * 0.5 * rate, _AUDIBLE)
 
 
 @kernel

@@ -1,7 +1,13 @@
-"""A body's click (see bodies/acceleration.py) as modes of the bank, without aliasing.
+"""A body's click (see bodies/acceleration.py) as modes of the bank.
 
-The sound of a body that is accelerated follows the force as fast as that changes: it would alias, were it only sampled.
-So the air's answer is smoothed first, exactly, in continuous time, by B + 0.15 B' + 0.05 B'', where B is the cubic
+A click whose natural frequency is at most DIRECT, or SHARE of the rate where that is less, is one mode whose output has
+a phase. It is exact at each sample, whatever the rate, as the body's modes are, and comes with them. As with these,
+what it has above half the rate folds down. Of a steel ball of 13 mm that strikes steel at 1 m/s, the hardest blow of
+the largest click, this moves the spectrum at 44.1 kHz by up to 1.3 dB at 12 kHz and 4 dB at 19 kHz, by where between
+two samples it falls; at 96 kHz by less than 0.1 dB.
+
+The sound of a smaller body follows the force as fast as that changes: it would be all alias, were it only sampled. So
+the air's answer is smoothed first, exactly, in continuous time, by B + 0.15 B' + 0.05 B'', where B is the cubic
 B-spline of four samples. A filter of two pairs of poles makes up for the treble that this takes. An impulse is then
 answered by a sequence that rings as one mode from its sixth sample on:
 
@@ -23,6 +29,7 @@ from numpy.polynomial import legendre
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
 from .bank import RESPONSES, Modes
+from .coefficients import set_mode
 from .simd import LANES
 
 CLICK_MODES = 3
@@ -35,10 +42,18 @@ FIRST, SECOND = 0.15, 0.05  # samples, samples^2: of the B-spline's derivatives
 NEAR = 0.4781 * complex(math.cos(3.1117), math.sin(3.1117))
 FAR = 0.188 * complex(math.cos(1.2404), math.sin(1.2404))
 GAIN = abs((1.0 - NEAR) * (1.0 - FAR)) ** 2
+DIRECT, SHARE = 12_000.0, 0.27  # Hz, and of the rate
 LEAST, WIDEST = 0.03, 0.97 * math.pi  # of a pole: faster clicks are over with the six taps
 _SMALL = 1.0  # |x| up to which exp(x) is summed as a series
 _TERMS = 18
 _NODES, _WEIGHTS = (each.copy() for each in legendre.leggauss(16))
+
+
+@kernel
+def is_direct(frequency: float, decay: float, rate: float) -> bool:
+    """True if a click (Hz, 1/s) is sampled as it is at a rate (Hz)."""
+    omega = 2.0 * math.pi * frequency
+    return math.sqrt(omega * omega + decay * decay) <= 2.0 * math.pi * min(DIRECT, SHARE * rate)
 
 
 @kernel
@@ -47,12 +62,24 @@ def set_click(modes: Modes, i: int, frequency: float, decay: float, rate: float,
 
     They have been at rest; no contact feels them.
     """
+    if is_direct(frequency, decay, rate):
+        set_mode(modes, i, frequency, decay, rate, strength * complex(-decay / (2.0 * math.pi * frequency), 1.0))
+        _set_idle(modes, i + 1)
+        _set_idle(modes, i + 2)
+        return
     s = complex(-decay / rate, 2.0 * math.pi * frequency / rate)
     own = _polar(max(math.exp(s.real), LEAST), min(s.imag, WIDEST))
     weight = strength * complex(s.real / s.imag, 1.0)
     _set_section(modes, i, own, NEAR, FAR, own, s, weight)
     _set_section(modes, i + 1, NEAR, own, FAR, own, s, weight)
     _set_section(modes, i + 2, FAR, own, NEAR, own, s, weight)
+
+
+@kernel
+def _set_idle(modes: Modes, i: int) -> None:
+    """Make mode i one that answers nothing."""
+    set_mode(modes, i, 0.0, 0.0, 1.0, 0.0j)
+    modes.a2[i] = -LEAST * LEAST  # it is made
 
 
 @kernel

@@ -16,7 +16,7 @@ from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
 from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
-from ..resonator.bank import NYQUIST_SHARE
+from ..resonator.bank import top_of
 from ..schema import FORMS
 from .arena import EngineFull
 from .entry import MODULE, callback
@@ -175,8 +175,8 @@ class Engine:
 
     @property
     def top_frequency(self) -> float:
-        """Hz: modes above it are not made."""
-        return NYQUIST_SHARE * 0.5 * self.rate
+        """Hz: modes above it are not heard."""
+        return float(top_of.py_func(self.rate))
 
     @property
     def stats(self) -> Stats:

@@ -7,7 +7,7 @@ import numpy as np
 from ...native.jit import kernel
 from ...native.records import set_field
 from ...native.typed import View
-from ...resonator.bank import NYQUIST_SHARE, RESPONSES, Modes, Point, reach, state_of
+from ...resonator.bank import RESPONSES, Modes, Point, reach, state_of, top_of
 from ...resonator.mode import mode_energy, recurring
 from ...resonator.simd import LANES
 from ...schema import SETTINGS
@@ -90,7 +90,7 @@ def sigma_of(state: State, obj: Object, i: int) -> float:
 @kernel
 def highest_of(state: State) -> float:
     """Return the frequency (Hz) above which modes are silent."""
-    return NYQUIST_SHARE * 0.5 * state.rate
+    return top_of(state.rate)
 
 
 @kernel
@@ -130,12 +130,12 @@ def relief_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
 def ringing_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     """Return frequency (Hz), decay (1/s) and weight of the answer to forces of mode i of an object, as it rings now.
 
-    Nothing excites a mode above `highest_of`, and its ringing fades there; but those that were made so high are felt
-    (runtime/unheard.py).
+    Nothing excites a mode that is tuned above `highest_of`, and its ringing fades there; but those that are felt alone
+    are as high as they like (runtime/unheard.py).
     """
     frequency, sigma = frequency_of(state, obj, i), sigma_of(state, obj, i)
     highest = highest_of(state)
-    if state.bank.frequency[obj.first + i] > highest:
+    if i >= obj.unheard:
         return recurring(frequency, 0.5 * state.rate), sigma, state.bank.weight[obj.first + i]
     if frequency > highest:
         return highest, sigma + _FADE, 0.0

@@ -3,7 +3,7 @@
 import math
 
 from ...native.jit import kernel
-from ...resonator.bank import NYQUIST_SHARE, Modes
+from ...resonator.bank import Modes, top_of
 from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode
 from ...resonator.simd import LANES
@@ -58,7 +58,7 @@ def rescale(state: State, voice: Voice, contact: Contact, ratio: float) -> None:
         if i < striker.clicks:
             if i == 0:
                 set_click(modes, i, frequency, sigma, state.rate, weight)
-        elif 0.0 < frequency < 0.5 * NYQUIST_SHARE * state.rate:
+        elif 0.0 < frequency < top_of(state.rate):
             turned = complex(-sigma / (2.0 * math.pi * frequency), 1.0)
             set_mode(modes, i, frequency, sigma, state.rate, weight * turned)
         else:
