@@ -22,7 +22,7 @@ def growth(seed: int) -> float:
     objects = []
     for _ in range(2):
         count = int(chance.integers(1, 33))
-        frequency = np.sort(chance.uniform(50.0, 0.4 * engine.rate, count))
+        frequency = np.sort(chance.uniform(50.0, min(0.4 * engine.rate, engine.top_frequency), count))
         shape = chance.uniform(-1.0, 1.0, (8, count)) * 10.0 ** chance.uniform(-1.0, 1.0)
         objects.append((engine.add(plain(frequency, 0.0, shape)), count))
     a = chance.uniform(1.0, 3.0)

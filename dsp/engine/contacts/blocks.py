@@ -198,7 +198,7 @@ def _look(state: State, net: Net) -> int:
             observe_points(state, contact)
         take_room_again(state, contact)
         net.gain[i] = contact.now.gain
-        needed = parts_for(contact.coupled, least)
+        needed = parts_for(contact.coupled, least, contact.trait.rests == 1)
         if needed == 0:
             return 0
         parts = max(parts, needed)
