@@ -254,7 +254,7 @@ for accuracy in ("-40", "-50", "-60", "-80", "exact"):
         carom.render(f"0 /accuracy {accuracy}\\n{ROLL}{keys}", seconds=0.5).samples for keys in ("", " looseness 0.5")
     )
     ratio = np.sqrt(np.mean(np.square(loose)) / np.mean(np.square(plain)))
-    assert abs(20 * np.log10(ratio) + 6.02) < 1.5, (accuracy, ratio)  # what yields answers half as much, too
+    assert abs(20 * np.log10(ratio) + 6.02) < 3.0, (accuracy, ratio)  # what yields answers half as much, but for hops
 
 # a slide's, as a key and steered, at every accuracy: what is greased is bowed no more
 BOW = "0 /object/new a cello-string\\n0 /object/a/slide 0.2 id bow"

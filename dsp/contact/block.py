@@ -66,7 +66,7 @@ _FIRST = 0.25  # of a sample: the first step to try after a block
 @kernel
 def parts_for(contact: Coupled, least: int, rests: bool) -> int:
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
-    gets with its energy; 0 if no number does. A soft rest takes one. rests: it is one, and neither rolls nor presses."""
+    gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest."""
     swing = math.sqrt(_stiffness(contact) / contact.mass) * contact.period
     if rests and swing < _SOFT:
         return 1

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from carom.dsp.resonator.bank import state_of
+from carom.dsp.resonator.bank import state_of, top_of
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets import Presets
 from carom.server.osc.wire import Message
@@ -65,7 +65,7 @@ def test_partials_and_decays_are_the_presets(name):
     Strings and membranes are told not to glide, and no plate's modes are coupled; test_glide.py and test_sheets.py have
     them glide and coupled.
     """
-    modes = PRESETS.object(name).modes(0.95 * RATE / 2)
+    modes = PRESETS.object(name).modes(top_of(RATE))
     over = touched(name)
     seconds = over + min(0.5, 5.0 / modes.decay.min())
     sound = struck(name, seconds, *linear(name))[0][round(over * RATE) :, 0]

@@ -35,7 +35,7 @@ GIVING = np.array([1e-3, 1e-3, 3e-4, 3e-5, 0.0])
 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 
 _FINE = LEVELS.index("-80")  # of the accuracies, from which on short steps err no more
-_SHARE = 1.0 / 4.0  # of the room for coupled modes, which rolls take at most: they last
+_SHARE = 1.0 / 7.0  # of the room for coupled modes, which rolls take at most: they last
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _PLACED = 16  # frames after which one that feels all modes acts at another place
 

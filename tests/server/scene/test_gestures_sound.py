@@ -100,10 +100,12 @@ def faded_spectrum(sound: np.ndarray, rate: int) -> np.ndarray:
 @pytest.mark.slow
 @pytest.mark.parametrize("roll", ROLLS)
 def test_a_roll_sounds_the_same_at_any_rate(render, roll):
-    """The spectra below 16 kHz, where all modes are, agree within -60 dB: two seconds of what rings, phases and all."""
+    """The spectra below 16 kHz, where all modes are, agree within -60 dB: two seconds of what rings, phases and all, on
+    a dashpot."""
 
     def spectrum(rate: int) -> np.ndarray:
-        text = f"0 /accuracy -40\n0 /object/new a seven\n0.01 /object/a/roll {roll.format('silent-')} seed 3\n"
+        begin = "0 /accuracy -40\n0 /quality 1\n0 /object/new a seven\n"
+        text = f"{begin}0.01 /object/a/roll {roll.format('silent-')} seed 3\n"
         return faded_spectrum(render(text, 2.0, rate)[:, 0], rate)[:32_000]
 
     reference = spectrum(96_000)
@@ -122,10 +124,13 @@ def third_octaves(sound: np.ndarray, rate: int, low: float, high: float) -> np.n
 @pytest.mark.slow
 @pytest.mark.parametrize("gesture", [*(f"roll {roll} seed 3" for roll in ROLLS), "impact 1 striker {}steel"])
 def test_what_strikes_is_heard_alike_at_any_rate(render, gesture):
-    """A body's own sound, in thirds of an octave up to 0.4 of the lowest rate, within 0.6 dB."""
+    """A body's own sound, in thirds of an octave up to 0.4 of the lowest rate, within 0.6 dB.
+
+    Clicks have the right values at each sample: a marble's treble folds, and covers what little it has below 320 Hz.
+    """
     text = f"0 /limiter off\n0 /object/new a wall gain 40\n0.01 /object/a/{gesture.format('')}\n"
     rates = (44_100, 48_000, 96_000)
-    bands = [third_octaves(render(text, 1.0, rate)[:, 0], rate, 200.0, 0.4 * rates[0]) for rate in rates]
+    bands = [third_octaves(render(text, 1.0, rate)[:, 0], rate, 320.0, 0.4 * rates[0]) for rate in rates]
     assert (bands[-1] > 0).all()
     for each in bands[:-1]:
         np.testing.assert_allclose(10 * np.log10(each / bands[-1]), 0.0, atol=0.6)
@@ -205,6 +210,7 @@ def test_a_ringing_striker_rests_too(render):
 def test_a_roll_sounds_the_same_beside_other_contacts(render):
     """Other contacts cut an object's time into single samples; a roll's own is several of them at a time."""
     rolls = """0 /accuracy -40
+0 /quality 1
 0 /object/new pane glass-plate
 0 /object/new glass wine-glass
 0.01 /object/pane/roll 0.4 striker glass-marble surface glass travel 0.3 seed 1 id one
