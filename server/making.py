@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from ..dsp.bodies.modes import Modes
 from ..dsp.engine.memory.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.swarm.tables import pulse_table
@@ -59,8 +60,8 @@ class Making:
         """True if all are made."""
         return not (self._left or self._exponents)
 
-    def make_next(self, presets: Presets, top: float) -> None:
-        """Make the next one, with modes up to `top` (Hz)."""
+    def make_next(self, presets: Presets, top: float, plan: Callable[[Modes], object]) -> None:
+        """Make the next one, with modes up to `top` (Hz), and plan how these lie in the engine."""
         if self._exponents:
             with suppress(Exception):  # it is met again by who carries the call out
                 pulse_table(self._exponents[0])
@@ -71,19 +72,22 @@ class Making:
         if place >= OBJECTS or self.bytes > _MOST_BYTES:
             made = EngineFull("no room for all objects of this packet: expected fewer of them in one")
         else:
-            made = _made(call, presets, top)
+            made = _made(call, presets, top, plan)
         self.made[id(call)] = made
         if not isinstance(made, Exception) and made.modes:
             self.bytes += made.modes.strike.nbytes
         self._left.popleft()
 
 
-def _made(call: Call, presets: Presets, top: float) -> "Made":
+def _made(call: Call, presets: Presets, top: float, plan: Callable[[Modes], object]) -> "Made":
     """Make what a call asks for, or return the error: whoever carries the call out meets it again."""
     assert call.verb
     try:
-        return _MAKERS[call.verb.address](call, presets, top)
-    except (Refused, PresetError) as error:
+        made = _MAKERS[call.verb.address](call, presets, top)
+        if not isinstance(made, Exception) and made.modes:
+            plan(made.modes)
+        return made
+    except (EngineFull, Refused, PresetError) as error:
         return error.with_traceback(None)  # whose frames hold those who keep the error: a circle
     except Exception as error:  # a fault, which is told with its place
         return error
@@ -97,10 +101,12 @@ def _until(due: float) -> float | None:
 class Maker:
     """A thread that makes what packets ask for, one after the other; packets take turns. `close` it."""
 
-    def __init__(self, presets: Presets, top: float, finished: Callable[[], object]) -> None:
+    def __init__(
+        self, presets: Presets, top: float, finished: Callable[[], object], plan: Callable[[Modes], object]
+    ) -> None:
         """Start idle. top: Hz, of the modes. finished: called in the thread whenever all that a packet asks for is
-        made."""
-        self._presets, self._top, self._finished = presets, top, finished
+        made. plan: called in the thread with the modes of each object, as `Engine.plan`."""
+        self._presets, self._top, self._finished, self._plan = presets, top, finished, plan
         self._changed = threading.Condition()
         self._waiting: deque[Making] = deque()
         self._bytes = 0  # of what is made and was not taken yet
@@ -138,7 +144,7 @@ class Maker:
                     self._waiting.rotate(-1)  # else the one that came first is done first
                 making = self._waiting[0]
             before = making.bytes
-            making.make_next(self._presets, self._top)
+            making.make_next(self._presets, self._top, self._plan)
             with self._changed:
                 self._bytes += making.bytes - before
                 if making.done:

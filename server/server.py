@@ -93,7 +93,7 @@ class Server:
         self.recording = Recording(log, self._reply, self._warn)
         self.midi = Midi(network.doorway, self._session, self._warn)
         self._handlers = self._all_handlers()
-        self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look())
+        self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look(), engine.plan)
         self._waiting = Waiting(network, self._maker)
         self.early: deque[tuple[bytes, Source]] = deque()
         """Packets that came before there was an engine; `run` carries them out first."""

@@ -183,7 +183,7 @@ def _made_names(calls: Iterable[Call]) -> frozenset[str]:
             names.update(_values(call, ("id",)))
             if call.verb and call.verb.action in _ALONG:  # it has the object's name for an id
                 names.add(call.target)
-    return frozenset(name for name in names if isinstance(name, str))
+    return frozenset(name for name in names if isinstance(name, str) and name)
 
 
 def _given_names(calls: Iterable[Call]) -> frozenset[str]:

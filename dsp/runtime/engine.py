@@ -340,6 +340,14 @@ class Engine:
         """
         return self._memory.lay_out(modes, level, self.top_frequency)
 
+    def plan(self, modes: Modes) -> None:
+        """Plan the layout of modes, which `lay_out` takes then if it is asked for it soon. Any thread may ask; a plan
+        takes up to 40 ms.
+
+        EngineFull if there are more modes than an object holds.
+        """
+        self._memory.plan(modes, self.top_frequency)
+
     def add(self, modes: Modes, level: float = 1.0, time: float = NOW, **settings: float) -> Handle:
         """Make an object: lay out its modes and send its NEW command, with settings by name in the engine's units.
 

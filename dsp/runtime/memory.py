@@ -45,7 +45,7 @@ class Memory:
         self._collect()
         key = id(modes), top
         plan, table = self._plans.get(key, (None, -1))
-        plan = plan or planned(modes, top, self._nyquist, self._has_sides)
+        plan = plan or self.plan(modes, top)
         size = plan.shape.shape[1]
         if not self.free:
             raise EngineFull(f"no room for another object: all {self._most} are taken")
@@ -79,6 +79,10 @@ class Memory:
         slot = self._slots.pop() if self._slots else self.reached
         self.reached = max(self.reached, slot + 1)
         return Handle(slot, self._serial, first, table, sheet), layout
+
+    def plan(self, modes: Modes, top: float) -> Plan:
+        """Return the plan of an object's modes up to a frequency (Hz), as `planned` does."""
+        return planned(modes, top, self._nyquist, self._has_sides)
 
     def _give_sheet(self, sheet: int) -> None:
         """Take back the place of a plate, if there is one."""

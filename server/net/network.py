@@ -124,6 +124,8 @@ class Network:
             packet = connection.arrived.popleft()
             if connection.arrived:
                 self._turns.append(connection)
+            elif connection in self._connections:
+                self._watch(connection)
             if packet is not None:
                 return packet, connection
             if isinstance(connection, Remote):
@@ -255,8 +257,7 @@ class Network:
         try:
             if events & selectors.EVENT_WRITE:
                 connection.flush()
-            # TCP makes a client wait and loses nothing: so a client is read again once all it sent is carried out.
-            if events & selectors.EVENT_READ and not connection.arrived:
+            if events & selectors.EVENT_READ:
                 for packet in connection.packets():
                     self._enqueue(packet, connection)
                 if connection.over:
@@ -271,8 +272,12 @@ class Network:
         connection.arrived.append(packet)
 
     def _watch(self, connection: Connection) -> None:
-        """Watch a client for reading while its stream goes on, and for writing while replies wait."""
-        wanted = selectors.EVENT_READ * (not connection.over) | selectors.EVENT_WRITE * connection.waiting
+        """Watch a client for reading once all that it sent is carried out, and for writing while replies wait.
+
+        TCP makes it wait meanwhile, and loses nothing.
+        """
+        reads = not (connection.over or connection.arrived)
+        wanted = selectors.EVENT_READ * reads | selectors.EVENT_WRITE * connection.waiting
         key = self._selector.get_map().get(connection.socket)
         if key and not wanted:
             self._selector.unregister(connection.socket)

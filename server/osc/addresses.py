@@ -308,8 +308,8 @@ def _meant(address: str) -> list[str]:
         return []
     whole = [verb for verb in VERBS if _are_near(given, verb.split("/")[1:])]
     exact = [verb for verb in _TARGETED.values() if verb.action == given[-1]]
-    acting = exact or [verb for verb in _TARGETED.values() if near(given[-1], [verb.action])]
-    there = [verb for verb in acting if len(given) > 1 and near(given[0], [verb.address.split("/")[1]])]
+    acting = exact or [verb for verb in _TARGETED.values() if _is_near(given[-1], verb.action)]
+    there = [verb for verb in acting if len(given) > 1 and _is_near(given[0], verb.address.split("/")[1])]
     if len(given) == 3 and any(given[0] == container for container, _ in _TARGETED):  # it was not misspelt
         acting = [verb for verb in acting if verb.action == given[-1]]
     found = whole or [_filled(verb.address, given, bool(there)) for verb in there or acting]
@@ -317,7 +317,12 @@ def _meant(address: str) -> list[str]:
 
 
 def _are_near(given: Sequence[str], known: Sequence[str]) -> bool:
-    return len(given) == len(known) and all(near(one, [other]) for one, other in zip(given, known, strict=True))
+    return len(given) == len(known) and all(map(_is_near, given, known))
+
+
+@lru_cache(maxsize=1_024)
+def _is_near(word: str, known: str) -> bool:
+    return bool(near(word, [known]))
 
 
 def _filled(template: str, given: Sequence[str], has_container: bool) -> str:

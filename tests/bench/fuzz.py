@@ -99,7 +99,9 @@ class Junk:
         """Return the framed packets, some of them broken in their framing too."""
         framed = self.chance.choice([Sized.framed, Slip.framed])
         stream = b"".join(framed(self.packet()) for _ in range(packets))
-        return self._mutated(stream) if self.chance.random() < 0.7 else stream
+        if self.chance.random() < 0.7:
+            stream = self._mutated(stream)
+        return b"" if b"/quit" in stream else stream
 
     def _valid(self) -> bytes:
         chance = self.chance.random()

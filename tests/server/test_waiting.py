@@ -8,13 +8,15 @@ from carom.presets import Presets
 from carom.server.making import Maker
 from carom.server.net.network import Network
 from carom.server.net.remote import Remote
+from carom.server.osc import wire
+from carom.server.packets import read
 from carom.server.waiting import MOST_BYTES, Waiting
 from tests.support import answer_times, serving
 
 
 def test_a_streams_packet_finds_room_where_a_datagram_does_not():
     packet, flood, page = bytes(1 << 16), ("127.0.0.1", 9), Remote(lambda packet: True)
-    with closing(Network("127.0.0.1", 0)) as network, closing(Maker(Presets(), 1e3, lambda: None)) as maker:
+    with closing(Network("127.0.0.1", 0)) as network, closing(Maker(Presets(), 1e3, lambda: None, id)) as maker:
         waiting = Waiting(network, maker)
         sent = 0
         while not waiting.is_full:
@@ -30,6 +32,15 @@ def test_a_streams_packet_finds_room_where_a_datagram_does_not():
         while waiting.in_a_hurry:
             found += waiting.ready()
     assert found.count((packet, page)) == 1 and found.count((packet, flood)) == 2 * sent - lost
+
+
+@pytest.mark.parametrize("name", ["", "a"])
+def test_a_question_waits_for_no_object_that_it_does_not_name(name):
+    with closing(Network("127.0.0.1", 0)) as network, closing(Maker(Presets(), 1e3, lambda: None, id)) as maker:
+        waiting = Waiting(network, maker)
+        new, question = wire.encode("/object/new", name, "wood-block"), wire.encode("/status")
+        assert waiting.hold(read(new, ("127.0.0.1", 9)))
+        assert not waiting.hold(read(question, ("127.0.0.1", 10)))
 
 
 @pytest.mark.slow

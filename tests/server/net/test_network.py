@@ -241,6 +241,18 @@ def test_a_client_that_is_paused_waits_and_loses_nothing(net, stack, between):
     assert [source is first[1] for _, source in taken(net)] == [True] * 4
 
 
+def test_a_client_that_is_paused_with_more_to_say_takes_no_time_of_the_processor(net, stack):
+    waits = client(net, stack)
+    waits.sendall(Sized.framed(A) * 2)
+    first = net.receive(1.0)
+    net.pause(first[1])
+    waits.sendall(Sized.framed(A))
+    used = time.thread_time()
+    assert net.receive(0.5) is None and time.thread_time() - used < 0.05
+    net.resume(first[1])
+    assert len(taken(net)) == 2
+
+
 def test_whoever_waits_for_a_packet_can_be_woken(net):
     started = time.monotonic()
     thread = threading.Timer(0.1, net.wake)
