@@ -7,6 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..dsp.bodies.material import Array
+from ..dsp.bodies.mesh import Table
+from ..dsp.bodies.modes import Modes
 from ..dsp.contact.sampled import METHODS
 from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, TRAIT_NAMES, Parameter
 from ..presets import ObjectPreset, PresetError, Presets
@@ -19,6 +22,7 @@ from .scene.session import Session
 
 _MOST_MODES = 64  # of an object that are shown
 _MOST_POINTS = 65  # along its strike path
+_PLACES = 5  # of points in m
 _T60 = float(np.log(1e3))
 
 
@@ -127,7 +131,8 @@ class Knowledge:
             "frequency": [round(tuning_of(obj) * float(f), 3) for f in modes.frequency[:count]],
             "t60": [round(_T60 / float(d), 4) if d > 0 else 0.0 for d in modes.decay[:count]],
             "loud": [float(f"{each:.4g}") for each in loud],
-            "strike": [[float(f"{each:.4g}") for each in row] for row in shapes],
+            "strike": _short(shapes),
+            **_surface_shapes(modes, count),
         }
 
     def session(self) -> bytes | None:
@@ -149,6 +154,7 @@ def _described(preset: ObjectPreset) -> dict[str, Any]:
         "striker": preset.striker,
         "velocity": preset.velocity,
         "position": preset.position,
+        **_surface(preset),
         "gestures": {
             kind: {"striker": usual.striker, "surface": usual.surface, **usual.numbers}
             for kind, usual in preset.gestures.items()
@@ -156,9 +162,31 @@ def _described(preset: ObjectPreset) -> dict[str, Any]:
     }
 
 
+def _surface(preset: ObjectPreset) -> dict[str, Any]:
+    """Return points (m) and triangles of the surface of an object of a mesh."""
+    table = preset.geometry.get("table")
+    if not isinstance(table, Table):
+        return {}
+    return {"surface": {"points": table.points.round(_PLACES).tolist(), "faces": table.faces.tolist()}}
+
+
+def _surface_shapes(modes: Modes, count: int) -> dict[str, Any]:
+    """Return a body's surface, and the shapes of its lowest modes at the points."""
+    if modes.faces is None:
+        return {}
+    rows = (modes.faces.rows[:, None] + np.arange(3)).reshape(-1)
+    points, first, faces = np.unique(modes.faces.corners.reshape(-1, 3), axis=0, return_index=True, return_inverse=True)
+    surface = {"points": points.round(_PLACES).tolist(), "faces": faces.reshape(-1, 3).tolist()}
+    return {"surface": surface, "shapes": _short(modes.strike[rows[first], :count])}
+
+
 def _plain(geometry: Mapping[str, Any]) -> dict[str, Any]:
     """Return the lengths, words and points of a geometry, without what modes are listed by."""
     return {k: v for k, v in geometry.items() if isinstance(v, int | float | str) or k in ("path_from", "path_to")}
+
+
+def _short(rows: Array) -> list[list[float]]:
+    return [[float(f"{each:.4g}") for each in row] for row in rows]
 
 
 def _parameter(parameter: Parameter) -> dict[str, Any]:

@@ -1,15 +1,11 @@
 // The shapes of objects: how large they are on the table, where a point of them lies along their strike path, and back.
 // Lengths are in pixels about the middle of the body.
 
-import { ball, bar, bell, block, bowl, disc, fork, plate, ring, string, triangle } from "./drawing.js";
+import { ball, bar, bell, block, bowl, disc, fork, pixels, plate, ring, string, triangle } from "./drawing.js";
+import { meshBody } from "./meshes.js";
 
 const TAU = 2 * Math.PI;
 const SIZE = 0.2; // m, of a body of which only the modes are known
-
-/** Pixels for a length in m: what is ten times as long is drawn three and a half times as long. */
-function pixels(metres) {
-  return 150 * (metres / 0.3) ** 0.55;
-}
 
 const clamp = (x, low = 0, high = 1) => Math.min(high, Math.max(low, x));
 
@@ -169,10 +165,17 @@ function triangleBody(length, material) {
 
 /** The body of an object of a preset, as its shape, its geometry and its material have it: size, drawing, and the way
  * between its points and its strike path. `metres`: its width; `key`: alike for those that look alike. */
-export function bodyOf({ shape, geometry, name, material }) {
+export function bodyOf({ shape, geometry, name, material, surface, view }) {
+  if (surface) return keyed(meshBody(surface, material, view), name, material);
   const body = shaped(shape, geometry, name, material);
   const metres = geometry.radius ? 2 * geometry.radius : geometry.length ?? SIZE; // a ring's length is across
   return { metres, ...body, key: JSON.stringify([shape, geometry, name, material]) };
+}
+
+/** A body that is turned with a key for each side that one sees. */
+function keyed(body, ...named) {
+  const { view, turned } = body;
+  return { ...body, key: JSON.stringify([...named, view]), turned: (...by) => keyed(turned(...by), ...named) };
 }
 
 function shaped(shape, geometry, name, material) {

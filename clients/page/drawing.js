@@ -4,7 +4,12 @@ import { look, disc as polished, sheen } from "./materials.js";
 
 const TAU = 2 * Math.PI;
 
-function shadowed(g, draw) {
+/** Pixels for a length in m: what is ten times as long is drawn three and a half times as long. */
+export function pixels(metres) {
+  return 150 * (metres / 0.3) ** 0.55;
+}
+
+export function shadowed(g, draw) {
   g.save();
   g.shadowColor = "rgba(0,0,0,.42)";
   g.shadowBlur = 16;

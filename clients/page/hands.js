@@ -6,6 +6,7 @@ import { strokeOn } from "./strokes.js";
 const SURFACES = { glass: "glass", polycarbonate: "glass", wood: "polished-wood", rosewood: "polished-wood", ceramic: "tile" };
 const OTHERWISE = "steel";
 const USUAL = { bounce: 0.2, roll: 0.5, press: 5, spin: 3, slide: 0.1 };
+const KEPT = 256; // gestures whose points are known
 const SMALLEST = 0.004; // m: a smaller body is caught in every groove
 
 export const GRAVITY = 9.80665;
@@ -20,6 +21,7 @@ export class Hands extends EventTarget {
     this.gestures = scene.catalogue.gestures;
     this.chosen = Object.fromEntries(Object.keys(this.gestures).map((name) => [name, {}]));
     this.count = 0;
+    this.points = new Map(); // by gesture, the point of a surface where it touches
   }
 
   strikerOf(object) {
@@ -29,6 +31,14 @@ export class Hands extends EventTarget {
   /** An id that no other page uses. */
   id(kind) {
     return `${kind}-${this.link.client.slice(0, 6)}-${++this.count}`;
+  }
+
+  /** A place on an object as arguments: a position, or a point of its surface, which is kept for the marks. */
+  placed(place, id) {
+    if (!Array.isArray(place)) return [place];
+    this.points.set(id, place);
+    if (this.points.size > KEPT) this.points.delete(this.points.keys().next().value);
+    return ["point", ...place];
   }
 
   keys(gesture, object, more = {}) {
@@ -70,7 +80,7 @@ export class Hands extends EventTarget {
     const id = this.id(name);
     const { what } = this.gestures[name];
     const first = what?.length ? this.chosen[name].what ?? what[0] : value;
-    this.link.send(`/object/${object.name}/${name}`, first, position, ...this.keys(name, object, { ...more, id }));
+    this.link.send(`/object/${object.name}/${name}`, first, ...this.placed(position, id), ...this.keys(name, object, { ...more, id }));
     const { falls, argument } = this.gestures[name];
     if (falls && argument.name === "height") this.tell("dropped", { object, position, value, id, gesture: name });
     return id;
@@ -78,8 +88,9 @@ export class Hands extends EventTarget {
 
   /** `stamp`: when a finger asked for it, ms of the page's clock. */
   strike(object, position, speed = this.velocity(object), stamp = undefined) {
-    this.link.send(`/object/${object.name}/impact`, speed, position, ...this.keys("impact", object));
-    this.tell("struck", { object, position, stamp });
+    const own = Array.isArray(position) ? { id: this.id("impact") } : {};
+    this.link.send(`/object/${object.name}/impact`, speed, ...this.placed(position, own.id), ...this.keys("impact", object, own));
+    this.tell("struck", { object, position, stamp, ...own });
   }
 
   drop(object, position, height = this.argument(object, "bounce")) {
@@ -130,6 +141,13 @@ export class Hands extends EventTarget {
     return this.link.steer(`/gesture/${id}/${key}`, value);
   }
 
+  /** Steer a gesture to a place on its object. */
+  lead(id, place) {
+    if (!Array.isArray(place)) return this.steer(id, "position", place);
+    this.points.set(id, place);
+    return this.link.steer(`/gesture/${id}/point`, ...place);
+  }
+
   stop(id) {
     this.link.send(`/gesture/${id}/stop`);
   }
@@ -140,7 +158,7 @@ export class Hands extends EventTarget {
     this.chosen.impact = {};
     const keys = this.keys("impact", object, more);
     this.chosen.impact = chosen;
-    this.link.send(`/object/${object.name}/impact`, speed, position, ...keys);
+    this.link.send(`/object/${object.name}/impact`, speed, ...this.placed(position), ...keys);
   }
 
   note(object, note, velocity) {

@@ -2,6 +2,7 @@
 
 const PIANO = "awsedftgyhujkolp";
 const STEP = 0.02;
+const TURN = Math.PI / 12; // rad for an arrow key
 
 export class Keys {
   constructor(scene, hands, table, silence) {
@@ -47,7 +48,8 @@ export class Keys {
   onPill(key, event, object) {
     const { position } = object.preset;
     const step = { arrowleft: [-STEP, 0], arrowright: [STEP, 0], arrowup: [0, -STEP], arrowdown: [0, STEP] }[key];
-    if (step) {
+    if (step && event.shiftKey) this.table.turn(object, TURN * Math.sign(step[0]), TURN * Math.sign(step[1]));
+    else if (step) {
       this.scene.place(object.name, object.x + step[0], object.y + step[1]);
       this.scene.moved(object.name);
     } else if (key === "delete" || key === "backspace") this.scene.remove(object.name);

@@ -17,6 +17,7 @@ import { Touch } from "./touch.js";
 import { Views } from "./views.js";
 
 const $ = (id) => document.getElementById(id);
+const MODES = ["play", "move", "turn"];
 const SHOWN = 6000; // ms of a notice
 
 function notice(text, kind = "") {
@@ -183,13 +184,14 @@ async function start() {
     const chosen = hands.chosen[detail.gesture];
     table.marks.follow(detail, { ...hands.strikerOf(detail.object), ...chosen }, chosen.gravity);
   });
-  for (const moves of [false, true]) {
-    $(moves ? "mode-move" : "mode-play").onclick = () => {
-      touch.moves = moves;
-      pressed($("mode-move"), moves);
-      pressed($("mode-play"), !moves);
+  for (const mode of MODES) {
+    $(`mode-${mode}`).onclick = () => {
+      touch.mode = mode;
+      for (const each of MODES) pressed($(`mode-${each}`), each === mode);
     };
   }
+  const showTurn = () => ($("mode-turn").hidden = ![...scene.objects.values()].some(({ body }) => body.turned));
+  scene.addEventListener("changed", showTurn);
   $("silence").onclick = silence;
   $("undo").onclick = () => scene.undo();
   scene.addEventListener("done", () => ($("undo").disabled = !scene.done.length));

@@ -24,6 +24,7 @@ export class Marks {
   hit(name, id, sample, position, speed, impulse, seconds, velocity) {
     const object = this.table.scene.objects.get(name) ?? this.table.scene.objects.get(name.replace(/\.\d+(\.\d+)?$/, ""));
     if (!object) return;
+    position = this.table.touch?.hands.points.get(id) ?? position;
     this.flashes.push({ object, position, speed, since: performance.now() });
     if (this.flashes.length > 60) this.flashes.shift();
     const ball = this.balls.get(id);
@@ -202,16 +203,16 @@ export class Marks {
     const touch = this.table.touch;
     const hover = touch && !touch.pointers.size ? touch.hover : null;
     const modes = hover?.object.modes;
-    if (!modes || modes.strike.length < 2 || !this.table.scene.objects.has(hover.object.name)) return;
+    if (!modes || (modes.strike.length < 2 && !modes.shapes) || !this.table.scene.objects.has(hover.object.name)) return;
+    const { body } = hover.object;
     const rows = modes.strike.length;
-    const here = modes.strike[Math.round(hover.position * (rows - 1))];
+    const here = body.nodes ? modes.shapes[body.nearest(hover.position)] : modes.strike[Math.round(hover.position * (rows - 1))];
     // While it rings, the mode that does so the loudest; at rest the one of the most energy after an even blow.
     const rings = this.table.scene.glow(hover.object) > 0;
     const loud = (phi, i) =>
       rings ? ((hover.object.amps.get(i) ?? 0) * Math.abs(phi)) / (hover.object.peaks[i] || 1) : Math.abs(phi * modes.loud[i]) * Math.sqrt(modes.t60[i]);
     let best = 0;
     here.forEach((phi, i) => loud(phi, i) > loud(here[best], best) && (best = i));
-    const { body } = hover.object;
     const s = this.table.scale;
     const [x, y] = this.table.middle(hover.object);
     g.save();
@@ -220,7 +221,8 @@ export class Marks {
     g.strokeStyle = this.color("--node");
     g.lineWidth = 1.6;
     g.setLineDash([4, 4]);
-    for (let n = 1; n < rows; n++) {
+    if (body.nodes) body.nodes(g, modes.shapes.map((row) => row[best]));
+    for (let n = 1; n < rows && !body.nodes; n++) {
       const [a, b] = [modes.strike[n - 1][best], modes.strike[n][best]];
       if (a * b < 0) body.cross(g, (n - 1 + a / (a - b)) / (rows - 1));
     }

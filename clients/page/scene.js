@@ -96,8 +96,8 @@ export class Scene extends EventTarget {
     object.settings = object.modes.settings;
     object.made = object.modes.made;
     object.material = object.modes.material;
-    object.body = bodyOf({ ...object.preset, ...object.modes, name: object.preset.name });
-    object.peaks = object.modes.frequency.map((_, i) => Math.max(...object.modes.strike.map((row) => Math.abs(row[i]))));
+    object.body = bodyOf({ ...object.preset, ...object.modes, name: object.preset.name, view: object.body.view });
+    object.peaks = object.modes.frequency.map((_, i) => Math.max(...(object.modes.shapes ?? object.modes.strike).map((row) => Math.abs(row[i]))));
     this.dispatchEvent(new CustomEvent("known", { detail: object.name }));
   }
 

@@ -26,6 +26,13 @@ function least(items, value) {
   return found;
 }
 
+/** How far each of some points swings now, as a share of the farthest. */
+function swingOf(shapes, amps, peaks) {
+  const swing = shapes.map((row) => Math.hypot(...[...amps].map(([i, amp]) => (amp * (row[i] ?? 0)) / (peaks[i] || 1))));
+  const most = Math.max(...swing) || 1;
+  return swing.map((each) => each / most);
+}
+
 export class Table extends EventTarget {
   constructor(main, scene) {
     super();
@@ -195,6 +202,15 @@ export class Table extends EventTarget {
     return pill;
   }
 
+  /** Turn an object about so many radians, if one can see it from all sides. */
+  turn(object, about, above) {
+    const { body } = object;
+    if (!body.turned) return;
+    this.pictures.delete(body.key);
+    object.body = body.turned(about, above);
+    this.arrange();
+  }
+
   wake() {
     draw(this.frame);
   }
@@ -268,6 +284,10 @@ export class Table extends EventTarget {
   /** How far each part of an object swings now, as light: the sum of its loud modes' shapes. */
   drawModes(object, glow) {
     const { modes, body, amps, peaks } = object;
+    if (body.shine) {
+      body.shine(this.g, swingOf(modes.shapes, amps, peaks), glow);
+      return;
+    }
     const rows = modes.strike.length;
     const count = rows > 1 ? SEGMENTS : 1;
     const swing = new Float64Array(count);

@@ -4,10 +4,12 @@ import { speedOf } from "./strokes.js";
 
 const MOVED = 11; // px before a touch is a drag
 const OFF = 26; // px beside an object, from which on a drag pulls the striker back
+const SECOND = 2; // button of a mouse
 const HOLD = 380; // ms until a touch is a hold
 const SLOWEST = 0.01, FASTEST = 5; // m/s of a stroke; the first where it rests under the finger
 const FORGETS = 90; // ms after which a pointer that does not move has no speed
 const SMOOTH = 0.04; // s over which a pointer's speed is taken
+const TURNED = 0.01; // rad per px
 const PULLED = 260; // px for the hardest strike
 const LOWEST = 0.03, HIGHEST = 1.2, RISE = 1100; // m, m, ms: how a striker that is carried rises
 
@@ -16,7 +18,7 @@ export class Touch {
     this.table = table;
     this.hands = hands;
     this.pointers = new Map();
-    this.moves = false; // what a drag does
+    this.mode = "play"; // what a drag does: play, move or turn
     stage.addEventListener("pointerdown", (event) => this.down(event, stage));
     stage.addEventListener("pointermove", (event) => this.move(event));
     stage.addEventListener("pointerup", (event) => this.up(event));
@@ -34,15 +36,19 @@ export class Touch {
   }
 
   down(event, stage) {
-    if (event.button > 0) return;
+    if (event.button > 0 && event.button !== SECOND) return;
     event.preventDefault();
     stage.setPointerCapture(event.pointerId);
     const [x, y] = this.table.spot(event);
     const found = this.table.find(x, y);
     const pointer = { x, y, x0: x, y0: y, vx: 0, vy: 0, at: event.timeStamp, ...found };
     this.pointers.set(event.pointerId, pointer);
-    if (!found) Object.assign(pointer, { kind: "carry", since: 0, over: null });
-    else if (this.moves) this.lift(pointer);
+    if ((event.button === SECOND || this.mode === "turn") && found?.object.body.turned) {
+      pointer.kind = "turn";
+      this.hands.scene.choose(found.object.name);
+    } else if (event.button === SECOND) pointer.kind = "none";
+    else if (!found) Object.assign(pointer, { kind: "carry", since: 0, over: null });
+    else if (this.mode === "move") this.lift(pointer);
     else if (this.hands.swarm) {
       pointer.kind = "swarm";
       pointer.id = this.hands.scatter(found.object, found.position);
@@ -93,8 +99,9 @@ export class Touch {
     const share = 1 - Math.exp(-dt / SMOOTH);
     pointer.vx += ((x - pointer.x) / dt - pointer.vx) * share;
     pointer.vy += ((y - pointer.y) / dt - pointer.vy) * share;
+    const moved = [x - pointer.x, y - pointer.y];
     Object.assign(pointer, { x, y, at });
-    this[`go_${pointer.kind}`]?.(pointer);
+    this[`go_${pointer.kind}`]?.(pointer, ...moved);
     this.table.wake();
   }
 
@@ -105,13 +112,17 @@ export class Touch {
     this.go_roll(pointer);
   }
 
+  go_turn({ object }, dx, dy) {
+    this.table.turn(object, -TURNED * dx, TURNED * dy);
+  }
+
   go_swarm(pointer) {
     if (pointer.id) this.go_hold(pointer);
   }
 
   go_hold(pointer) {
     const position = this.table.positionOn(pointer.object, pointer.x, pointer.y);
-    if (position !== null) this.hands.steer(pointer.id, "position", (pointer.position = position));
+    if (position !== null) this.hands.lead(pointer.id, (pointer.position = position));
   }
 
   go_roll(pointer) {
@@ -131,7 +142,7 @@ export class Touch {
     if (!pointer.id) pointer.id = this.hands.draw(object, position, speed);
     else {
       this.hands.steer(pointer.id, "speed", speed);
-      this.hands.steer(pointer.id, "position", position);
+      this.hands.lead(pointer.id, position);
     }
   }
 
