@@ -5,21 +5,28 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import tell
 from .options import RATE, SCORE, add_presets
 from .parser import Command, one_of, whole
 
-TARGETS = ("web", "c")
+if TYPE_CHECKING:
+    from ...presets import Presets
+
+TARGETS = ("web", "c", "clap")
 """The targets of an export."""
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("score", metavar="SCORE", help=f"{SCORE}, or a table that the page has saved")
+    parser.add_argument(
+        "score", metavar="SCORE", help=f"{SCORE}, or a table that the page has saved, or the name of an object"
+    )
     parser.add_argument("folder", metavar="OUT", help="folder for the files; made if missing")
     text = (
         "web: static files with the engine as WebAssembly, a page that plays the scene, and a JavaScript module; "
-        "c: a header, a static and a shared library for this machine, and an example"
+        "c: a header, a static and a shared library for this machine, and an example; "
+        "clap: a CLAP plug-in for this machine, whose instruments are the scene's objects"
     )
     parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
@@ -56,29 +63,48 @@ def _export(arguments: argparse.Namespace) -> int:
     from ...presets import Presets
     from ...server.osc.score import parse
     from ...server.render import Options
-    from ..export.scene import bake_scene, made_folder
-    from ..streams import STREAM, score_name, score_path
+    from ..export.scene import Scene, bake_scene, made_folder
 
-    name = score_name(arguments.score)
-    is_stream = arguments.score == STREAM
-    content = sys.stdin.buffer.read() if is_stream else score_path(arguments.score).read_bytes()
-    title = name if is_stream else score_path(arguments.score).stem
+    presets = Presets(arguments.presets)
+    name, title, content = read_scene(arguments.score, presets)
     text = content.decode("utf-8", "replace")
     warnings: list[str] = []
     folder = made_folder(Path(arguments.folder))
-    options = Options(arguments.rate)
-    scene = bake_scene(parse(content, name), text, title, Presets(arguments.presets), options, warnings.append)
+
+    def baked(rate: int) -> Scene:
+        return bake_scene(parse(content, name), text, title, presets, Options(rate), warnings.append)
+
     if arguments.to == "web":
         from ..export.web import write_page
 
-        write_page(scene, folder)
-    else:
+        write_page(baked(arguments.rate), folder)
+    elif arguments.to == "c":
         from ..export.c import write_library
 
-        write_library(scene, folder)
-    for warning in warnings:
+        write_library(baked(arguments.rate), folder)
+    else:
+        from ..export.clap import RATES, write_plugin
+
+        write_plugin([baked(rate) for rate in sorted({*RATES, arguments.rate})], folder)
+    for warning in dict.fromkeys(warnings):
         tell("export", warning)
     return 0
+
+
+def read_scene(word: str, presets: "Presets") -> tuple[str, str, bytes]:
+    """Return a score's name in errors, its title and its bytes; a preset's name is a score that makes that object."""
+    from ...server.osc.score import ScoreError
+    from ..streams import STREAM, score_name, score_path
+
+    if word == STREAM:
+        return score_name(word), score_name(word), sys.stdin.buffer.read()
+    try:
+        path = score_path(word)
+    except ScoreError:
+        if word not in presets.names("objects"):
+            raise
+        return word, word, f"0 /object/new {word} {word}\n".encode()
+    return score_name(word), path.stem, path.read_bytes()
 
 
 COMMAND = Command("export", "SCORE OUT", "write a scene as files that play without Python", _options, _run)

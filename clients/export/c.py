@@ -19,6 +19,10 @@ PREFIX = "carom_engine_"
 
 _FILES = Path(__file__).parent / "c"
 _SHARED = {"darwin": "libcarom.dylib"}
+_ALL = {
+    "darwin": ("-Wl,-force_load,libcarom.a",),
+}.get(system(), ("-Wl,--whole-archive", "libcarom.a", "-Wl,--no-whole-archive"))
+"""The words by which a linker takes all of the static library."""
 _FLAGS = ("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden")
 
 
@@ -27,27 +31,38 @@ def write_library(scene: Scene, folder: Path) -> None:
 
     ExportError where this machine has no C compiler.
     """
+    compiler = write_static(folder)
+    shutil.copyfile(_FILES / "example.c", folder / "example.c")
+    (folder / "scene.carom").write_bytes(scene.file())
+    run(*compiler, "-shared", "-o", _SHARED.get(system(), "libcarom.so"), *_ALL, "-lm", cwd=folder)
+
+
+def write_static(folder: Path) -> list[str]:
+    """Write the static library and its header into a folder that is there; return the words that call the compiler.
+
+    ExportError where this machine has no C compiler.
+    """
     compiler = shlex.split(os.environ.get("CC", "cc"))
     if system() == "windows" or not shutil.which(compiler[0]):
         raise ExportError(f"{compiler[0]}: no such C compiler here; expected one, as the environment's CC names it")
-    for name in ("carom.h", "example.c"):
-        shutil.copyfile(_FILES / name, folder / name)
-    (folder / "scene.carom").write_bytes(scene.file())
+    shutil.copyfile(_FILES / "carom.h", folder / "carom.h")
     with tempfile.TemporaryDirectory() as made:
         engine = Path(made) / "engine.o"
         engine.write_bytes(whole_object(callback.__name__, Target(system(), PORTABLE), prefix=PREFIX))
         rest = Path(made) / "library.o"
-        _run(*compiler, *_FLAGS, "-c", _FILES / "library.c", "-o", rest)
+        run(*compiler, *_FLAGS, "-c", _FILES / "library.c", "-o", rest)
         static = folder / "libcarom.a"
         static.unlink(missing_ok=True)
-        _run("ar", "rcs", static, engine, rest)
-        _run(*compiler, "-shared", "-o", folder / _SHARED.get(system(), "libcarom.so"), engine, rest, "-lm")
+        run("ar", "rcs", static, engine, rest)
+    return compiler
 
 
-def _run(*words: object) -> None:
+def run(*words: object, cwd: Path | None = None) -> None:
+    """Run a program in a folder; ExportError with the error that it says if it fails."""
     try:
-        done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
+        done = subprocess.run([str(word) for word in words], capture_output=True, text=True, cwd=cwd)
     except OSError as error:
         raise ExportError(f"{words[0]}: {error.strerror}") from None
     if done.returncode:
-        raise ExportError(f"{words[0]}: {done.stderr.strip().partition(chr(10))[0]}")
+        lines = done.stderr.strip().split("\n")
+        raise ExportError(f"{words[0]}: {next((line for line in lines if 'rror: ' in line), lines[0])}")

@@ -1,10 +1,12 @@
 /* A baked scene in the engine's memory: its words and commands at their samples, and messages while it plays. */
 #include "inner.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MAGIC "carom 1\n"
+#define GRID 256.0 /* to a sample */
 
 enum { HEAD = 12, LINE = 64, BLOCK = 4096 };
 
@@ -250,9 +252,12 @@ static int opened(carom *scene, const uint8_t *baked, size_t size) {
     scene->state = (uint8_t *)scene->memory + (LINE - (uintptr_t)scene->memory % LINE) % LINE;
     scene->object_room = (int)number_of(item(scene->map, "state"), "objects");
     if (scene->object_room < 0 || scene->object_room > 1 << 20) return 0;
+    scene->gesture_room = (int)number_of(item(scene->map, "state"), "events");
+    if (scene->gesture_room < 0 || scene->gesture_room > 1 << 20) return 0;
     scene->objects = calloc((size_t)scene->object_room + 1, sizeof *scene->objects);
+    scene->gestures = malloc(((size_t)scene->gesture_room + 1) * sizeof *scene->gestures);
     scene->inbox = malloc((size_t)(scene->ring * scene->command_size));
-    return scene->objects && scene->inbox;
+    return scene->objects && scene->gestures && scene->inbox;
 }
 
 carom *carom_open(const void *baked, size_t size, int live) {
@@ -266,8 +271,14 @@ carom *carom_open(const void *baked, size_t size, int live) {
     return scene;
 }
 
+/* The sample of a time: that of the engine's grid, if only rounding lies between. */
+static double sample_at(const carom *scene, double at) {
+    double sample = at * scene->rate, nearest = floor(sample * GRID + 0.5) / GRID;
+    return fabs(sample - nearest) <= 4.0 * (nextafter(sample, INFINITY) - sample) ? nearest : sample;
+}
+
 int carom_send(carom *scene, const char *message, double at) {
-    return messages_perform(scene, message, at < 0.0 ? -1.0 : at * scene->rate);
+    return messages_perform(scene, message, at < 0.0 ? -1.0 : sample_at(scene, at));
 }
 
 const char *carom_told(const carom *scene) {
@@ -286,8 +297,17 @@ long long carom_frames(const carom *scene) {
     return (long long)number_of(scene->map, "frames");
 }
 
+long carom_delay(const carom *scene) {
+    return (long)(number_of(scene->map, "delay") + number_of(scene->map, "quantum") - 1.0);
+}
+
 const char *carom_object(const carom *scene, int number) {
     return number < 0 ? NULL : item_at(item(scene->map, "objects"), number)->key;
+}
+
+double carom_pitch(const carom *scene, int number) {
+    double lowest = number < 0 ? 0.0 : number_of(item_at(item(scene->map, "objects"), number), "lowest");
+    return lowest > 0.0 ? 69.0 + 12.0 * log2(lowest / 440.0) : NAN;
 }
 
 static int64_t told_of(const carom *scene, const char *name) {
@@ -308,7 +328,6 @@ void carom_report(const carom *scene, carom_state *state) {
 
 void carom_close(carom *scene) {
     if (!scene) return;
-    messages_end(scene);
     json_free(scene->map);
     free(scene->text);
     free(scene->data);

@@ -1,7 +1,7 @@
 /* A scene that Carom has baked, for programs in C: no Python, no other library than libc and libm.
 
-   Two threads may use a scene: one that sends and asks, one that computes the sound (carom_process). That one neither
-   allocates nor locks. Whatever is not said to, takes no thread into account: open, load and close alone. */
+   Two threads may use a scene: one that sends and asks, one that computes the sound (carom_process); or one does both.
+   Neither allocates nor locks. Open, load and close take no thread into account: call these alone. */
 #ifndef CAROM_H
 #define CAROM_H
 
@@ -35,7 +35,7 @@ carom *carom_open(const void *baked, size_t size, int live);
 void carom_load(carom *scene, int live);
 
 /* Send a message, as a score's line has it without its time: "/object/bell/impact 1.0 0.3 striker wood". at: when, s of
-   the scene; below 0: now. Returns 1; 0 if it is refused, and nothing happens. */
+   the scene, to the sample and finer; below 0: as soon as can be. Returns 1; 0 if it is refused, and nothing happens. */
 int carom_send(carom *scene, const char *message, double at);
 
 /* The reason for which the last message was refused; else the id of the gesture that it began, "" if none lasts. */
@@ -48,9 +48,13 @@ void carom_process(carom *scene, float *out, size_t frames);
 int carom_channels(const carom *scene);
 double carom_rate(const carom *scene);      /* Hz */
 long long carom_frames(const carom *scene); /* of its score, with its tail */
+long carom_delay(const carom *scene);       /* frames: a message for so many after those computed comes in time */
 
 /* The name of an object, from 0 on in the order of the score; NULL from the last one on. */
 const char *carom_object(const carom *scene, int number);
+
+/* The note of an object's lowest mode, a real number (A4 is 69); NAN where there is none. */
+double carom_pitch(const carom *scene, int number);
 
 void carom_report(const carom *scene, carom_state *state);
 

@@ -38,19 +38,21 @@ typedef struct {
     int whole;
 } field;
 
+enum { LONGEST_NAME = 256 };
+
 typedef struct {
-    char *name;
+    char name[LONGEST_NAME];
     const value *said, *preset;
     int64_t slot, serial;
     double settings[16];
     unsigned given; /* bits: settings that a message has set */
 } object;
 
+/* A gesture that goes on; several may share an id, and then their number. */
 typedef struct {
-    char *id;
+    char id[LONGEST_NAME], target[LONGEST_NAME];
+    const char *action; /* in the map */
     int64_t number;
-    char **addresses; /* of its gestures that go on, the oldest first */
-    int count;
 } running;
 
 typedef struct {
@@ -77,7 +79,7 @@ struct carom {
     /* of messages */
     object *objects;
     int object_count, object_room;
-    running *gestures;
+    running *gestures; /* the oldest first */
     int gesture_count, gesture_room;
     int64_t made, ends_read, serial, slot, mode, gesture_number;
     char told[512];
@@ -91,7 +93,6 @@ INNER double field_read(const carom *scene, const uint8_t *command, const char *
 INNER void field_write(const carom *scene, uint8_t *command, const char *prefix, const char *name, double number);
 INNER int post(carom *scene, const uint8_t *command); /* 0: there is no room */
 INNER void messages_begin(carom *scene);
-INNER void messages_end(carom *scene);
 INNER int messages_perform(carom *scene, const char *message, double time);
 
 #endif

@@ -1,7 +1,6 @@
 /* Messages, as OSC has them, to the engine's commands. All that it knows of gestures, values and ranges is in the map. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "messages.h"
@@ -50,10 +49,9 @@ static void send_points(carom *scene, command *made, const call *told) {
     }
 }
 
-static char *copied(carom *scene, const char *text) {
-    char *copy = malloc(strlen(text) + 1);
-    if (!copy) refuse(scene, "no memory is left");
-    return strcpy(copy, text);
+static void name_into(carom *scene, char *into, const char *text) {
+    if (strlen(text) >= LONGEST_NAME) refuse(scene, "%.80s...: expected a name of at most 255 bytes", text);
+    strcpy(into, text);
 }
 
 /* --- what goes on --- */
@@ -65,20 +63,22 @@ running *running_by(const carom *scene, const char *id) {
 }
 
 int goes_on(const carom *scene, const char *id, const char *target, const char *action) {
-    const running *found = running_by(scene, id);
-    size_t size = strlen(target);
-    for (int n = 0; found && n < found->count; n++) {
-        const char *each = found->addresses[n];
-        if (!strncmp(each, target, size) && each[size] == '/' && !strcmp(each + size + 1, action)) return 1;
+    for (int n = 0; n < scene->gesture_count; n++) {
+        const running *each = &scene->gestures[n];
+        if (!strcmp(each->id, id) && !strcmp(each->target, target) && !strcmp(each->action, action)) return 1;
     }
     return 0;
 }
 
-static void forget(carom *scene, running *gone) {
-    for (int n = 0; n < gone->count; n++) free(gone->addresses[n]);
-    free(gone->addresses);
-    free(gone->id);
-    *gone = scene->gestures[--scene->gesture_count];
+/* Forget the oldest gesture of a number, or the youngest. */
+static void forget(carom *scene, int64_t number, int youngest) {
+    int gone = -1;
+    for (int n = 0; n < scene->gesture_count; n++)
+        if (scene->gestures[n].number == number && (gone < 0 || youngest)) gone = n;
+    if (gone < 0) return;
+    scene->gesture_count--;
+    running *place = &scene->gestures[gone];
+    memmove(place, place + 1, (size_t)(scene->gesture_count - gone) * sizeof *place);
 }
 
 /* Learn which gestures have ended. */
@@ -87,44 +87,23 @@ void collect(carom *scene) {
     int64_t n = count - scene->most_ended > scene->ends_read ? count - scene->most_ended : scene->ends_read;
     for (; n < count; n++) {
         int64_t at = scene->ends + 16 * (n % scene->most_ended);
-        int64_t number = whole_at(scene, at), end = whole_at(scene, at + 8);
-        for (int place = scene->gesture_count - 1; place >= 0; place--) {
-            running *each = &scene->gestures[place];
-            if (each->number != number) continue;
-            int gone = end == joined ? each->count - 1 : 0;
-            free(each->addresses[gone]);
-            each->count--;
-            memmove(each->addresses + gone, each->addresses + gone + 1,
-                    (size_t)(each->count - gone) * sizeof *each->addresses);
-            if (!each->count) forget(scene, each);
-        }
+        forget(scene, whole_at(scene, at), whole_at(scene, at + 8) == joined);
     }
     scene->ends_read = count;
 }
 
 /* The number of a gesture that begins. */
 int64_t start(carom *scene, const char *id, const char *target, const char *action) {
-    running *known = running_by(scene, id);
-    if (!known) {
-        if (scene->gesture_count == scene->gesture_room) {
-            int room = 2 * scene->gesture_room + 64;
-            running *more = realloc(scene->gestures, (size_t)room * sizeof *more);
-            if (!more) refuse(scene, "no memory is left");
-            scene->gestures = more;
-            scene->gesture_room = room;
-        }
-        char *own = copied(scene, id);
-        known = &scene->gestures[scene->gesture_count++];
-        *known = (running){own, ++scene->gesture_number, NULL, 0};
-    }
-    char **more = realloc(known->addresses, (size_t)(known->count + 1) * sizeof *more);
-    if (!more) refuse(scene, "no memory is left");
-    known->addresses = more;
-    char joined[2 * LONGEST_NAME];
-    snprintf(joined, sizeof joined, "%s/%s", target, action);
-    known->addresses[known->count] = copied(scene, joined);
-    known->count++;
-    return known->number;
+    if (scene->gesture_count == scene->gesture_room)
+        refuse(scene, "no room for another gesture with an id: %d go on", scene->gesture_room);
+    const running *known = running_by(scene, id);
+    running *begun = &scene->gestures[scene->gesture_count];
+    name_into(scene, begun->id, id);
+    name_into(scene, begun->target, target);
+    begun->action = item(part(scene, "gestures"), action)->key;
+    begun->number = known ? known->number : ++scene->gesture_number;
+    scene->gesture_count++;
+    return begun->number;
 }
 
 /* --- objects --- */
@@ -141,12 +120,11 @@ static int64_t laid(const carom *scene, const object *of, const char *name) {
 
 static void add_object(carom *scene, object made, const char *name) {
     if (scene->object_count == scene->object_room) refuse(scene, "no room for another object");
-    made.name = copied(scene, name);
+    name_into(scene, made.name, name);
     scene->objects[scene->object_count++] = made;
 }
 
 static void remove_object(carom *scene, object *gone) {
-    free(gone->name);
     scene->object_count--;
     memmove(gone, gone + 1, (size_t)(scene->objects + scene->object_count - gone) * sizeof *gone);
 }
@@ -326,13 +304,8 @@ int messages_perform(carom *scene, const char *text, double time) {
     return 1;
 }
 
-void messages_end(carom *scene) {
-    while (scene->gesture_count) forget(scene, &scene->gestures[0]);
-    while (scene->object_count) free(scene->objects[--scene->object_count].name);
-}
-
 void messages_begin(carom *scene) {
-    messages_end(scene);
+    scene->object_count = scene->gesture_count = 0;
     scene->made = scene->ends_read = scene->mode = scene->serial = 0;
     scene->slot = -1;
     scene->gesture_number = LIVE;
@@ -344,12 +317,8 @@ void messages_begin(carom *scene) {
         if (made.serial > scene->serial) scene->serial = made.serial;
         if (made.slot > scene->slot) scene->slot = made.slot;
         if (end > scene->mode) scene->mode = end;
-        made.name = malloc(strlen(each->key) + 1);
-        if (!made.name || scene->object_count == scene->object_room) {
-            free(made.name);
-            continue;
-        }
-        scene->objects[scene->object_count++] = made;
+        if (scene->object_count == scene->object_room || strlen(each->key) >= LONGEST_NAME) continue;
         strcpy(made.name, each->key);
+        scene->objects[scene->object_count++] = made;
     }
 }

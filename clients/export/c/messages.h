@@ -4,7 +4,7 @@
 
 #include "words.h"
 
-enum { LONGEST_NAME = 256, LARGEST = 4096 };
+enum { LARGEST = 4096 };
 
 typedef struct {
     uint8_t bytes[LARGEST];

@@ -5,6 +5,7 @@ import { Messages } from "./messages.js";
 const STACK = 1 << 18; // bytes
 const BLOCK = 4096; // most frames at once
 const NOW = -1;
+const GRID = 256; // to a sample
 
 const aligned = (at, to = 64) => Math.ceil(at / to) * to;
 
@@ -87,6 +88,13 @@ export class Scene {
     this.bytes.set(bytes, entry);
     this.view.setBigInt64(entry + command.fields.number[0], BigInt(written), true);
     this.view.setBigInt64(this.base + state.written, BigInt(written + 1), true);
+  }
+
+  /** The sample of a time in s: that of the engine's grid, if only rounding lies between. */
+  sampleAt(time) {
+    const sample = time * this.map.rate;
+    const nearest = Math.floor(sample * GRID + 0.5) / GRID;
+    return Math.abs(sample - nearest) <= 4 * Number.EPSILON * sample ? nearest : sample;
   }
 
   get position() {

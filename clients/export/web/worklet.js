@@ -29,7 +29,7 @@ class Carom extends AudioWorkletProcessor {
     if (load !== undefined) this.scene.load(load);
     if (address === undefined) return;
     try {
-      const time = at === undefined ? undefined : at * this.scene.map.rate;
+      const time = at === undefined ? undefined : this.scene.sampleAt(at);
       const id = this.scene.messages.perform(address, args, time);
       if (ask) this.port.postMessage({ ask, id });
     } catch (error) {

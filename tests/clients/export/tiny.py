@@ -1,8 +1,9 @@
 """An engine of one screen in the place of Carom's, which compiles in a second: it sounds by all that an export carries.
 
-It takes commands when their block begins. What a command makes it read of its memory and of the command itself moves
-the sound from there on, by functions of the portable library and by sums over modes that become vectors. So a word or a
-command that is missing, wrong or late, and a function or a sum that differs by a bit, is heard.
+It takes commands at their samples, in the order in which they came. What a command makes it read of its memory and of
+the command itself moves the sound from there on, by functions of the portable library and by sums over modes that
+become vectors. So a word or a command that is missing, wrong or late, and a function or a sum that differs by a bit, is
+heard.
 """
 
 import math
@@ -49,16 +50,24 @@ def _take(state: State, event: Event) -> float:
     return told
 
 
+@kernel
+def _is_due(state: State, position: int) -> bool:
+    """True if the next command is to be taken at a sample."""
+    if state.ring.read[0] >= state.ring.written[0]:
+        return False
+    return state.ring.entries[state.ring.read[0] % RING].time <= position
+
+
 @c_function(*SIGNATURE)
 def callback(_input: int, output: int, frames: int, _times: int, _flags: int, userdata: int) -> int:
     """Fill `output` with `frames` frames, as Carom's callback does."""
     state: State = carray(userdata, (1,), STATE)[0]
-    while state.ring.read[0] < state.ring.written[0]:
-        told = _take(state, state.ring.entries[state.ring.read[0] % RING])
-        state.stats.load = _folded(state.stats.load + told)
-        state.ring.read[0] += 1
     out: View[np.float32] = carray(output, (frames * state.output.channels,), np.float32)
     for n in range(frames * state.output.channels):
+        while _is_due(state, state.position + n // state.output.channels):
+            told = _take(state, state.ring.entries[state.ring.read[0] % RING])
+            state.stats.load = _folded(state.stats.load + told)
+            state.ring.read[0] += 1
         out[n] = state.stats.load * math.cos(0.01 * (state.position * state.output.channels + n))
     state.position += frames
     return 0

@@ -1,0 +1,151 @@
+"""A scene as a CLAP plug-in: a host that speaks CLAP's interface in C hears the bits of a render."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from carom.clients.commands.export import read_scene
+from carom.clients.export import clap
+from carom.presets import Presets
+from carom.server.osc.score import ScoreError, parse
+from tests.clients.export.conftest import TINY
+from tests.clients.export.make_plugin import FRAMES, RATE
+from tests.clients.export.pages import ENGINE
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(shutil.which("cc") is None or sys.platform != "linux", reason="no C compiler, or not on Linux"),
+]
+
+HERE = Path(__file__).parent
+SOURCES = Path(clap.__file__).parent / "clap"
+STRICT = ["-std=c11", "-Wall", "-Wextra", "-Werror"]
+
+
+class Told(NamedTuple):
+    """A host's findings by their first word, the state that it saved, and the sound."""
+
+    lines: dict[str, list[str]]
+    state: str
+    sound: "np.ndarray[tuple[int, int], np.dtype[np.float32]]"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a plug-in, events, what they shall sound like, and the host."""
+    folder = tmp_path_factory.mktemp("plugin")
+    subprocess.run([sys.executable, "-m", "tests.clients.export.make_plugin", folder, TINY], env=ENGINE, check=True)
+    subprocess.run(["cc", *STRICT, "-I", SOURCES, HERE / "host.c", "-ldl", "-o", folder / "host"], check=True)
+    return folder
+
+
+def played(
+    folder: Path, events: str, block: int = 700, frames: int = 2_000, rate: int = RATE, state: str | None = None
+) -> Told:
+    """Return the findings of a host that plays events; block: the most frames at once."""
+    words = ["./host", "./two-of-them.clap", "carom.two-of-them.bell", rate, frames, block, "out.f32"]
+    if state is not None:
+        (folder / "state").write_text(state)
+        words.append("state")
+    done = subprocess.run([*map(str, words)], cwd=folder, input=events, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    said, _, saved = done.stdout.partition("state\n")
+    lines: dict[str, list[str]] = {}
+    for line in said.splitlines():
+        word, _, rest = line.partition(" ")
+        lines.setdefault(word, []).append(rest)
+    return Told(lines, saved, np.fromfile(folder / "out.f32", np.float32).reshape(-1, 2))
+
+
+@pytest.mark.parametrize("block", [1, 64, 700, 4_096])
+def test_a_host_hears_the_bits_of_a_render(made: Path, block: int) -> None:
+    """Notes, expressions and macros sound to the bit as their score does, in blocks of any size, without an
+    allocation; the host learns which notes have ended."""
+    wanted = np.fromfile(made / "sound.f32", np.float32).reshape(-1, 2)
+    told = played(made, (made / "played.txt").read_text(), block, FRAMES)
+    assert np.array_equal(told.sound, wanted) and wanted.any()
+    assert told.lines["allocations"] == ["0"]
+    ends = told.lines["end"]
+    assert ends[1:] == ["12000 61 8 1", "21000 60 9 0", "21500 83 3 5"]
+    assert ends[0].endswith(" 60 7 0") and 7_001 <= int(ends[0].split()[0]) <= 9_000  # released, and all is silent
+
+
+def test_a_plugin_says_what_it_is(made: Path) -> None:
+    """A scene's objects are instruments of eight parameters, whose texts read back, at the rates that were baked."""
+    told = played(made, "").lines
+    names = [line.split("|")[:2] for line in told["plugin"]]
+    assert names == [["carom.two-of-them.bell", "Carom bell"], ["carom.two-of-them.block", "Carom block"]]
+    assert [line.split("|")[0] for line in told["param"]] == [
+        "Position", "Striker", "Tune", "Decay", "Damp", "Release damp", "Gain", "Pan",
+    ]  # fmt: skip
+    for line in told["param"]:
+        _, _, high, _, _, back = line.split("|")
+        assert float(back) == float(high)
+    assert told["ports"] == ["2 stereo 7"] and told["latency"] == ["127"]
+    assert played(made, "", rate=44_100).lines["latency"] == ["127"]
+
+
+def test_a_state_is_kept(made: Path) -> None:
+    """Parameters that are set before a plug-in is active are saved, read again, and heard as if they were set; what is
+    no state is refused."""
+    asked = "-1 param 0 0.3\n-1 param 1 7\n-1 param 2 3.25\n-1 param 6 -6.1\n-1 param 7 5\n"
+    notes = "10 on 60 0.5 1 0\n500 on 64 0.5 2 0\n"
+    first = played(made, asked + notes)
+    assert "Tune=3.25\n" in first.state and "Pan=1\n" in first.state and "Gain=-6.0999999999999996\n" in first.state
+    again = played(made, notes, state=first.state)
+    assert again.lines["loaded"] == ["1 1"] and again.state == first.state
+    assert np.array_equal(again.sound, first.sound)
+    assert not np.array_equal(played(made, notes).sound, first.sound)
+    for wrong in ("", "carom 2\n", first.state[:5]):
+        assert played(made, notes, state=wrong).lines["loaded"] == ["0 0"]
+    unknown = "carom 1\nColour=3\nTune=99\nStriker=nobody\nno line"
+    assert "Tune=24\n" in played(made, "", state=unknown).state
+
+
+def test_a_reset_begins_anew(made: Path) -> None:
+    """Notes make the same sound after a reset as at first."""
+    notes = "10 on 60 0.5 1 0\n500 midi 144 62 90\n700 express 2 1 60 1 0\n"
+    later = "".join(f"{int(line.split()[0]) + 1_000} {line.split(' ', 1)[1]}\n" for line in notes.splitlines())
+    told = played(made, f"{notes}1000 reset\n{later}", block=300)
+    assert np.array_equal(told.sound[:1_000], told.sound[1_000:]) and told.sound.any()
+
+
+def test_channels_of_mpe_bend_far_and_follow_their_manager(made: Path) -> None:
+    """A member's bend is of 48 semitones once its zone is laid out, and of two before; the manager's is added; a
+    registered parameter sets the range."""
+    note, zone = "10 midi 145 60 90\n", "".join(f"0 midi 176 {c} {v}\n" for c, v in ((101, 0), (100, 6), (6, 15)))
+    far = f"{zone}{note}50 midi 225 0 96\n"  # half of 48
+    tuned = f"{note}50 express 2 %s 60 -1 1\n"
+    assert np.array_equal(played(made, far).sound, played(made, tuned % 24).sound)
+    near = f"{note}50 midi 225 0 96\n"
+    assert np.array_equal(played(made, near).sound, played(made, tuned % 1).sound)
+    both = f"{far}900 midi 224 0 0\n"  # the manager's: two down
+    assert np.array_equal(played(made, both).sound, played(made, tuned % 24 + "900 express 2 22 60 -1 1\n").sound)
+    ranged = "".join(f"0 midi 177 {c} {v}\n" for c, v in ((101, 0), (100, 0), (6, 12))) + near
+    assert np.array_equal(played(made, ranged).sound, played(made, tuned % 6).sound)
+
+
+def test_an_object_is_a_score_of_its_own() -> None:
+    """The name of an object stands for a score that makes it; a name of neither is refused."""
+    name, title, content = read_scene("church-bell", Presets())
+    assert (name, title) == ("church-bell", "church-bell") and parse(content, name)[0].message.args[1] == "church-bell"
+    assert read_scene("demo", Presets())[1] == "demo"
+    with pytest.raises(ScoreError, match="no score 'church-bel'"):
+        read_scene("church-bel", Presets())
+
+
+def test_the_sources_compile_without_a_warning(made: Path) -> None:
+    """The sources that are exported make a plug-in by the command that they name, which shows its entry alone."""
+    told = (made / "plugin.c").read_text().split("*/")[0].partition("\n   cc ")[2]
+    words = ["cc", *told.replace("\\\n", " ").split()]
+    words[words.index("NAME.clap")] = "own.clap"
+    done = subprocess.run([*words, "-Wall", "-Wextra", "-Werror"], cwd=made, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    for name in ("own.clap", "two-of-them.clap"):
+        shown = subprocess.run(["nm", "-D", "--defined-only", made / name], capture_output=True, text=True).stdout
+        assert [line.split()[-1] for line in shown.splitlines()] == ["clap_entry"]
