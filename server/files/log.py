@@ -65,7 +65,7 @@ class Log:
         lines = []
         for number, sample in self._engine.noted():
             sent = self._waiting.pop(number, None)
-            if sent and sample >= 0.0 and not self.error and not self._rests_on_nothing(sent):
+            if sent and sample >= 0.0 and not self.error:
                 try:
                     lines.append(format_line(sample / self._engine.rate, self._named(sent)) + "\n")
                 except ValueError as error:
@@ -99,11 +99,6 @@ class Log:
         action = message.address.rsplit("/", 1)[1]
         name = self._names.pop(serial) if action == "free" else self._names[serial]
         return Message(f"/object/{name}/{action}", self._struck(sent) if sent.by else message.args)
-
-    def _rests_on_nothing(self, sent: Sent) -> bool:
-        """True if an object was to rest on another that was told to go before: it does not rest then."""
-        action = sent.message.address.rsplit("/", 1)[1]
-        return action in GESTURES and bool(GESTURES[action].what) and sent.by > 0 and sent.by not in self._names
 
     def _struck(self, sent: Sent) -> tuple[Argument, ...]:
         """Return the arguments that name the other object as the log does. Where that was told to go before, a

@@ -49,13 +49,15 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
 
 
 def _require_surfaces(transaction: Transaction, ids: list[GestureId], action: str, values: Values) -> None:
-    """Refuse a point of gestures on objects that have no surface."""
+    """Refuse a point of a gesture whose objects all have no surface."""
     point = tuple(values.numbers[each.name] for each in POINT if each.name in values.numbers)
     for id in ids:
-        for address, _ in id.running:
-            name = address.split("/")[2]
-            for obj in transaction.objects.at(name, transaction.time).values():
-                require_surface(name, obj, action, point)
+        names = {address.split("/")[2] for address, _ in id.running}
+        there = {name: transaction.objects.at(name, transaction.time).get(name) for name in names}
+        if all(obj and obj.modes.faces is None for obj in there.values()):
+            for name, obj in there.items():
+                if obj:
+                    require_surface(name, obj, action, point)
 
 
 def _running(transaction: Transaction, target: str) -> str:

@@ -38,7 +38,7 @@ from ..output.space_lines import leave_space, listen, place_object
 from ..panic import let_fade
 from .gestures import start_gesture
 from .queue import has_room, order_heap, pop, push, sink, swap
-from .steering import is_running, steer, stop_gesture, stop_gestures_on
+from .steering import is_running, is_steered, steer, stop_gesture, stop_gestures_on
 
 _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
 _PATIENCE = 1.0  # s that an event waits for its object
@@ -136,13 +136,22 @@ def _is_early(state: State, event: Event) -> bool:
 
 @kernel
 def _is_ignored(state: State, event: Event) -> bool:
-    """True if an event is meant for an object or a gesture that is gone."""
-    obj = state.objects[event.slot]
-    if event.kind == KIND_STEER or event.kind == KIND_STOP:
+    """True if an event is meant for an object or a gesture that is gone, or nothing rests on what is."""
+    if event.kind == KIND_STEER:
+        return not is_steered(state, event)
+    if event.kind == KIND_STOP:
         return not is_running(state, event.gesture)
-    return event.serial > 0 and event.kind != KIND_NEW and (
-        obj.used == 0 or obj.serial != event.serial or obj.dying > 0
-    )  # fmt: skip
+    rests = event.kind == KIND_GESTURE and state.traits[event.what].rests == 1
+    if rests and event.by_serial > 0 and _is_gone(state, event.by_slot, event.by_serial):
+        return True
+    return event.serial > 0 and event.kind != KIND_NEW and _is_gone(state, event.slot, event.serial)
+
+
+@kernel
+def _is_gone(state: State, slot: int, serial: int) -> bool:
+    """True if an object is not there, or was told to go."""
+    obj = state.objects[slot]
+    return obj.used == 0 or obj.serial != serial or obj.dying > 0
 
 
 @kernel

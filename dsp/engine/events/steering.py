@@ -42,7 +42,7 @@ def steer(state: State, event: Event) -> None:
     """Give a running gesture's parameter a new target."""
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
-        if contact.gesture == event.gesture:
+        if _takes(state, contact, event):
             _count_command(state, i)
             if STEERS[contact.kind, event.parameter] and not takes_time(state, event, i, contact.command):
                 set_target(state, contact, event.parameter, event.value)
@@ -89,6 +89,24 @@ def _count_command(state: State, index: int) -> None:
     """Remember that a command was about a gesture that lasts: it counts as new."""
     if state.contacts[index].trait.single == 0:
         state.last_command[index] = state.queue.carried_out
+
+
+@kernel
+def is_steered(state: State, event: Event) -> bool:
+    """True if there is anything of a gesture that takes a change."""
+    found = False
+    for i in range(len(state.contacts)):
+        found |= _takes(state, state.contacts[i], event)
+    return found
+
+
+@kernel
+def _takes(state: State, contact: Contact, event: Event) -> bool:
+    """True if a contact is of the gesture that an event steers; to a point, if its object has a surface."""
+    to_point = _POINT <= event.parameter < _POINT + 3
+    slot = contact.point[0].slot
+    has_surface = slot >= 0 and state.objects[slot].faces > 0
+    return contact.gesture == event.gesture and (not to_point or has_surface)
 
 
 @kernel
