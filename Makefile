@@ -79,9 +79,10 @@ picture: $(DEV)  ## take the picture of the page, in Chromium
 documents: $(DEV)  ## write the tables of all pages
 	@$(BIN)/python -m tests.documents.pages
 
-study: $(DEV)  ## the hour-long stress tests: recordings, data sets, simulators, meshes, extreme contacts, a long evening, threads that hog, a million packets
+study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simulators, meshes, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.listening build/listening.html
+	$(BIN)/python -m tests.bench.gongs
 	$(BIN)/python -m tests.bench.fits
 	$(BIN)/python -m tests.bench.worlds
 	$(BIN)/python -m tests.bench.simulators

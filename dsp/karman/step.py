@@ -186,19 +186,23 @@ def give_back(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
 
 
 @simd_kernel
-def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float) -> None:
+def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float, h: float) -> None:
     """Bring psi nearer to the grid's by a share of the difference in energy, which the coupled modes pay, or get.
 
-    The highest pay most.
+    The highest pay most. psi is that of half a sample of h seconds before the grid was looked at, as half of a kick is
+    still to come.
     """
     n = 2 * sheet.functions - sheet.plain
     velocity, before, pushed, drained = sheet.seen[0], sheet.seen[1], sheet.pushed, sheet.drained
-    wanted = 0.5 * share * (sheet.truth * sheet.truth - sheet.psi * sheet.psi)
-    first = second = 0.0
+    g = sheet.gradient[0]
+    first = second = along = 0.0
     for i in range(n):
         v = velocity[i] * y1[i] + before[i] * y2[i]
+        along += g[i] * v
         first += drained[i] * v * v
         second += drained[i] * drained[i] * v * v
+    now = sheet.psi + 0.5 * h * along
+    wanted = 0.5 * share * (sheet.truth * sheet.truth - now * now)
     if second <= _LEAST:
         return
     paid = min(wanted, 0.25 * first * first / second)

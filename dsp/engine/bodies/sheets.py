@@ -36,7 +36,7 @@ _MOST_STRETCHED = 0.25  # of the energy: more must not be taken from the modes a
 _LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
 _UNHEARD = 1e-9  # output
 _GIVEN, _GIVEN_STRUCK = 0.999, 0.9  # of what modes have lost: how much they may get back, and in a contact
-_FOLLOWS = 0.003  # s in which psi follows the grid's
+_FOLLOWS = 0.001  # s in which psi follows the grid's
 
 
 @kernel
@@ -194,7 +194,7 @@ def kick_modes(state: State, obj: Object) -> None:
     if sheet.turn == 0:
         displace(sheet, y1, space.place)
         take(sheet, stretch(sheet.grids[sheet.level], state.curves, sheet.functions, space), space.answer)
-        settle(sheet, y1, y2, min(every * h / _FOLLOWS, 1.0))
+        settle(sheet, y1, y2, min(every * h / _FOLLOWS, 1.0), h)
     else:
         extrapolate(sheet, sheet.turn / every)
     give_back(sheet, y1, y2, h)
