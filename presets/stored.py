@@ -92,7 +92,7 @@ def _makers() -> bytes:
     scipy = importlib.util.find_spec("scipy")
     libraries = [Path(scipy.origin).with_name("version.py")] if scipy and scipy.origin else []
     own = [Path(__file__).with_name("making.py")]
-    for package in ("bodies", "numerics"):
+    for package in ("bodies", "karman", "numerics"):
         own += sorted((_DSP / package).rglob("*.py"))
     found = hashlib.blake2b(f"{sys.version} {np.__version__} {platform.node()}".encode())
     for file in (*libraries, *own):
