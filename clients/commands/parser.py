@@ -64,6 +64,9 @@ class Parser(argparse.ArgumentParser):
                 others.append(word)
             elif name not in known:
                 self.error(f"{name}: no such option; {_options(name, known)}")
+            elif isinstance(number := known[name].nargs, int) and number > 1:
+                values = (waiting.pop() for _ in range(number) if waiting and not _is_option(waiting[-1]))
+                options += [word, *values]
             elif equals or not waiting or _is_option(waiting[-1]) or not _takes(known[name], waiting[-1]):
                 options.append(word)
             else:

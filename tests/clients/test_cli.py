@@ -63,6 +63,15 @@ def test_wrong_usage_is_code_2(carom):
     assert "99999: expected 1 to 65535" in carom("send", "/a", "--port", "99999").stderr
 
 
+@pytest.mark.parametrize("place", ["before", "after"])
+def test_a_render_with_a_budget(carom, tmp_path, place):
+    (tmp_path / "s.osctxt").write_text("0 /object/new a wood-board\n0 /object/a/roll 0.5\n1 /gesture/a/stop\n")
+    budget, files = ["--budget", 16, 8192], ["s.osctxt", "out.wav"]
+    assert carom("render", *(budget + files if place == "before" else files + budget)).returncode == 0
+    result = carom("render", "--budget", 16, *files)
+    assert result.returncode == 2 and "argument --budget: s.osctxt" in result.stderr.replace("'", "")
+
+
 def test_an_early_end_of_the_reader_is_no_error(tmp_path):
     run = subprocess.run(f"{' '.join(CAROM)} presets | head -1", shell=True, capture_output=True, text=True)
     assert (run.stdout, run.stderr) == ("objects:\n", "")
