@@ -5,12 +5,11 @@ Objects that share a contact are rendered together, sample by sample; every othe
 
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View2D
-from ..resonator.click import set_click
-from ..resonator.coefficients import set_mode, set_unfelt
 from ..resonator.simd import LANES
 from .bank.spectral import mix_bank, recall_struck
-from .bodies.glide import follow_tension
-from .bodies.objects import is_felt, is_heard, least_heard, modes_of, relief_of, ringing_of
+from .bodies.glide import follow_tension, step_of
+from .bodies.objects import is_heard, least_heard
+from .bodies.retuning import retune
 from .bodies.sensing import begin_sensing, clear_sensed, sense
 from .bodies.sheets import follow_sheets, is_coupled, uncouple
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
@@ -35,11 +34,14 @@ _PREPARED = 65_536  # modes of the bank that get them before they are touched; i
 @noinline_kernel
 def update_objects(state: State) -> None:
     """Bring objects and their contacts to a new quantum."""
+    follows = state.position % step_of(state) == 0
     for i in range(state.active):
         obj = state.objects[state.order[i]]
         recall_struck(state, obj)
-        follow_tension(state, obj)
-        obj.driven_gain = 0.0
+        if follows:
+            follow_tension(state, obj)
+        if follows or obj.glide == 0.0:
+            obj.driven_gain = 0.0
         obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = 0
         obj.rolls_head = -1
         obj.ahead = obj.resumes = 0
@@ -184,30 +186,7 @@ def retune_objects(state: State) -> None:
             obj.stale_modes, obj.detuned = 0, 1
         count = obj.stale_modes if touched else min(obj.stale_modes, budget)
         budget -= 0 if touched else count
-        _retune(state, obj, count)
-
-
-@kernel
-def _retune(state: State, obj: Object, count: int) -> None:
-    """Bring the next `count` modes of an object to its tune, decay and damp."""
-    modes = modes_of(state, obj, 0, obj.size)
-    for _ in range(count):
-        i = obj.retuning
-        if is_felt(obj, i):
-            frequency, sigma, weight = ringing_of(state, obj, i)
-            set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
-        elif i < obj.bent:
-            frequency, sigma, weight = relief_of(state, obj, i)
-            set_unfelt(modes, i, frequency, sigma, state.rate, weight)
-        elif modes.a2[i] == 0.0:  # not yet made: no setting changes it, and all of its modes are made at once
-            bank, j = state.bank, obj.first + i
-            if bank.frequency[j] > 0.0:
-                set_click(modes, i, bank.frequency[j], bank.sigma[j], state.rate, bank.weight[j])
-            else:
-                set_mode(modes, i, 0.0, 0.0, state.rate, 0.0j)
-        obj.retuning = (i + 1) % obj.size
-    obj.stale_modes -= count
-    obj.retuned += 1 if count > 0 else 0
+        retune(state, obj, count)
 
 
 @kernel

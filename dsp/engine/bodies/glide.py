@@ -1,4 +1,4 @@
-"""The glide of an object's pitch: its tension follows its modes and its strikers, once per quantum.
+"""The glide of an object's pitch: its tension follows its modes and its strikers, in steps of about 1.4 ms.
 
 The laws are those of resonator/mode.py, of the energy that rings, and of bodies/tension.py, of a striker that stretches
 a membrane about itself. Modes keep their energy where they are retuned, so that none is gained however often that is. A
@@ -16,8 +16,10 @@ from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
 from ...resonator.bank import Modes, inject_kept
 from ...resonator.mode import energy_of, ring_at, settle_under
+from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, Object, State
 from .objects import modes_of, point_of, ringing_of, shape_at
+from .retuning import retune
 
 _AUDIBLE = 2.0 ** (2.0 / 1200.0) - 1.0  # rise of the tension by which the pitch rises by a cent
 _STEP = 0.5 * _AUDIBLE  # the least change of it that is carried out
@@ -25,7 +27,14 @@ _HIGHEST = (
     15.0  # times its own tension that an object's tension rises at most: two octaves; no head or string bears more
 )
 _NEWTON_STEPS = 6
+_QUANTUM_AT = 48_000.0  # Hz: at rates so high, a step is a quantum; at others as many as last as long
 _SPREAD = 0.003  # s: the tension about a striker that has left spreads over the head, as its waves do
+
+
+@kernel
+def step_of(state: State) -> int:
+    """Return the frames of a step of the tension: whole quanta, so that it lasts as long at any higher rate."""
+    return QUANTUM * max(1, int(state.rate / _QUANTUM_AT + 0.5))
 
 
 @kernel
@@ -33,10 +42,10 @@ def follow_tension(state: State, obj: Object) -> None:
     """Bring an object's tension to its ringing and its strikers; nothing where it does not glide, or inaudibly."""
     if obj.glide == 0.0 or (obj.live == 0 and obj.stretch == 0.0 and obj.contact < 0):
         return
-    stretch = max(obj.glide * energy_without_gains(state, obj), _cone_of(state, obj))
+    stretch = max(obj.glide * energy_without_gains(state, obj), _cone_at(obj, _fastest_of(state, obj)))
     stretch = min(stretch + _rise_under(2.0 * obj.glide * obj.deflection), _HIGHEST)
     if stretch < obj.stretch:
-        stretch += (obj.stretch - stretch) * math.exp(-QUANTUM / (_SPREAD * state.rate))
+        stretch += (obj.stretch - stretch) * math.exp(-step_of(state) / (_SPREAD * state.rate))
     if not stretch >= _AUDIBLE:
         stretch = 0.0
     if abs(stretch - obj.stretch) < _STEP * (1.0 + stretch):
@@ -55,7 +64,7 @@ def energy_without_gains(state: State, obj: Object) -> float:
     """Return the energy (J) that rings on an object, as it were if all gestures had a gain of 1: gains are heard, not
     felt. That of modes that are bent for good is in `deflection`, and not in it.
 
-    The energy that came in a quantum counts with the gain of the loudest gesture in it.
+    The energy that came in a step counts with the gain of the loudest gesture in it.
     """
     weights = state.bank.weight[obj.first : obj.first + obj.live]
     modes = modes_of(state, obj, 0, obj.live)
@@ -135,21 +144,43 @@ def _rise_under(bend: float) -> float:
     return rise
 
 
+@noinline_kernel
+def tighten(state: State, contact: Contact) -> None:
+    """Bring the tension of an object to that about a striker that begins to touch it, before they feel each other."""
+    obj = state.objects[contact.point[0].slot]
+    if obj.glide == 0.0 or contact.trait.lasts == 1 or obj.ahead > 0:
+        return
+    stretch = min(_cone_at(obj, contact.v_in), _HIGHEST)
+    if not stretch >= _AUDIBLE or stretch - obj.stretch < _STEP * (1.0 + obj.stretch):
+        return
+    obj.stretch = stretch
+    obj.retuning = 0
+    retune(state, obj, obj.size)
+    obj.stale_modes = obj.detuned = 0
+    index = obj.contact
+    while index >= 0:
+        state.contacts[index].unsettled = 1
+        index = state.contacts[index].next
+
+
 @kernel
-def _cone_of(state: State, obj: Object) -> float:
-    """Return the rise of the tension about the fastest of the strikers that touch an object in this quantum."""
+def _fastest_of(state: State, obj: Object) -> float:
+    """Return the speed (m/s) of the fastest of the strikers that touch an object."""
     fastest = 0.0
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.touching == 1:
-            touches = contact.solver != COUPLING or contact.coupled.touching == 1
-        else:
-            touches = contact.start < state.position + QUANTUM
+        touches = contact.touching == 1 and (contact.solver != COUPLING or contact.coupled.touching == 1)
         if touches and contact.trait.lasts == 0:
             fastest = max(fastest, contact.v_in)
         index = contact.next
-    return 0.5 * (math.sqrt(1.0 + 4.0 * obj.glide * obj.cone * fastest * fastest) - 1.0)
+    return fastest
+
+
+@kernel
+def _cone_at(obj: Object, speed: float) -> float:
+    """Return the rise of an object's tension about a striker that touches it at a speed (m/s)."""
+    return 0.5 * (math.sqrt(1.0 + 4.0 * obj.glide * obj.cone * speed * speed) - 1.0)
 
 
 @kernel

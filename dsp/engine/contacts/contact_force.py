@@ -15,6 +15,7 @@ from ...native.typed import View
 from ...numerics.legendre import FINE, MOMENTS, add_held
 from ...resonator.bank import inject, inject_fine, observe, receptance, transfer_receptance
 from ...rolling.body import share_of
+from ..bodies.glide import tighten
 from ..bodies.objects import frequency_of, highest_of, modes_of, point_of, relief_of, sigma_of
 from ..bodies.sensing import push_sensed
 from ..bodies.strikers import begin_striker, drive_striker
@@ -37,6 +38,7 @@ _FEWEST_STEPS = 20  # that it may take in any case
 def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
     """Begin to touch; where `pushed`, the striker's push acts meanwhile. False if there is no room for it."""
     touch(state, contact)
+    tighten(state, contact)
     if contact.w > 0.0:
         contact.mu = contact.w / max(contact.v_in, _resting_speed(contact))
     begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)

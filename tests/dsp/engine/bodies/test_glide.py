@@ -9,10 +9,12 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from carom.dsp.bodies import Modes, listed
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.resonator.bank import state_of
-from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import HARD, gesture, panic, setting, strike
+from carom.dsp.runtime.engine import NOW, Engine
+from tests.dsp.engine.support import HARD, gesture, panic, set_limiter, setting, strike
 
 RATE = 48_000
 LIGHT = (1e-4, 1e7, 0.0, 1.5)
@@ -208,6 +210,23 @@ def test_a_striker_tightens_the_head_about_itself_while_it_touches():
     energy = energies(engine, handle).sum()
     engine.process(QUANTUM)
     assert place(engine, handle)["stretch"] == pytest.approx(glide * energy, rel=0.05, abs=1.2e-3)
+
+
+@pytest.mark.parametrize("cone", [0.0, 0.05])
+def test_a_glide_is_alike_at_any_rate(cone):
+    """The tension takes its steps at the same times, and a striker tightens the head from its first sample on."""
+
+    def sound(rate):
+        engine = Engine(rate)
+        set_limiter(engine, False)
+        engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+        handle = engine.add(string(np.linspace(100, 4_000, 64), t60=0.1, glide=2.0, cone=cone))
+        for time, velocity in ((0.0135, 1.0), (0.03, 1.5)):
+            strike(engine, handle, STICK, time * rate, velocity)
+        return engine.process(int(0.1 * rate))[:: int(rate / RATE), 0].astype(float)
+
+    coarse, fine = sound(RATE), sound(4 * RATE)
+    assert np.abs(coarse - fine).max() < 0.015 * np.abs(fine).max()
 
 
 def test_a_panic_ends_the_glide():

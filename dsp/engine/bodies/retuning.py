@@ -1,0 +1,30 @@
+"""The coefficients of an object's modes, as it is tuned and as tense as it is now."""
+
+from ...native.jit import noinline_kernel
+from ...resonator.click import set_click
+from ...resonator.coefficients import set_mode, set_unfelt
+from ..memory.state import Object, State
+from .objects import is_felt, modes_of, relief_of, ringing_of
+
+
+@noinline_kernel
+def retune(state: State, obj: Object, count: int) -> None:
+    """Bring the next `count` modes of an object to its tune, decay and damp."""
+    modes = modes_of(state, obj, 0, obj.size)
+    for _ in range(count):
+        i = obj.retuning
+        if is_felt(obj, i):
+            frequency, sigma, weight = ringing_of(state, obj, i)
+            set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
+        elif i < obj.bent:
+            frequency, sigma, weight = relief_of(state, obj, i)
+            set_unfelt(modes, i, frequency, sigma, state.rate, weight)
+        elif modes.a2[i] == 0.0:  # not yet made: no setting changes it, and all of its modes are made at once
+            bank, j = state.bank, obj.first + i
+            if bank.frequency[j] > 0.0:
+                set_click(modes, i, bank.frequency[j], bank.sigma[j], state.rate, bank.weight[j])
+            else:
+                set_mode(modes, i, 0.0, 0.0, state.rate, 0.0j)
+        obj.retuning = (i + 1) % obj.size
+    obj.stale_modes -= count
+    obj.retuned += 1 if count > 0 else 0
