@@ -44,7 +44,7 @@ def shatter(to: ObjectCall) -> None:
         to,
         (to.obj, onto or to.obj),
         Command(NOW, "shatter", here, motion),
-        Command(NOW, "shatter", below, pieces, gesture=number),
+        Command(NOW, "shatter", below, pieces, gesture=number, by=here if onto else None),
         Command(NOW, Kind.SET, here, value=1.0, parameter="damp"),
     )
 

@@ -93,6 +93,7 @@ def take_due(state: State) -> int:
         event = queue.events[index]
         # If the clock was set back meanwhile, an event that was overtaken comes now: notes are in order.
         event.time = queue.last_time = max(event.time, queue.last_time)
+        _let_pieces_fall(state, event)
         ignored = _is_ignored(state, event)
         _note(state, event.number, -1.0 if ignored else event.time)
         if not ignored:
@@ -132,6 +133,16 @@ def _is_early(state: State, event: Event) -> bool:
     if event.waits_until < 0.0:
         event.waits_until = state.position + _PATIENCE * state.rate
     return state.position < event.waits_until
+
+
+@kernel
+def _let_pieces_fall(state: State, event: Event) -> None:
+    """Say that pieces of what breaks fall on nothing if what they were to fall on is gone."""
+    if event.kind == KIND_GESTURE and state.traits[event.what].breaks == 1 and event.by_serial > 0:
+        never = _is_gone(state, event.by_slot, event.by_serial)
+        if never or _is_gone(state, event.slot, event.serial):
+            event.slot, event.serial, event.values.stage = event.by_slot, event.by_serial, 2.0
+        event.by_slot = event.by_serial = 0
 
 
 @kernel

@@ -434,6 +434,21 @@ def test_nothing_rests_on_what_was_told_to_go(logged, tmp_path):
     np.testing.assert_array_equal(render_lines(lines, limiter=False, seconds=0.2), heard[0])
 
 
+@pytest.mark.parametrize("gone", ["a", "b"])
+def test_pieces_fall_on_nothing_where_what_they_fell_on_was_told_to_go(logged, tmp_path, gone):
+    """Nothing falls where that which breaks is gone by then."""
+    engine, scene, log = logged
+    scene.perform([Message("/object/new", ("b", "wine-glass"))], NOW)
+    assert scene.perform([Message("/object/b/shatter", (2.0, "onto", "a"))], 6_400.0) == []
+    scene.perform([Message(f"/object/{gone}/free", (1,))], 1_000.0)
+    heard = engine.process(19_200)
+    log.write()
+    assert heard.any() == (gone == "a")
+    lines = read(tmp_path / "log.txt")
+    assert sum(line.message.address == "/object/b/shatter" for line in lines) == (gone == "a")
+    np.testing.assert_array_equal(render_lines(lines, limiter=False, seconds=0.4), heard)
+
+
 def test_a_point_for_gestures_of_which_one_has_no_surface(logged, tmp_path):
     """One id, two gestures: the point steers that on a surface, and the log says so."""
     engine, scene, log = logged
