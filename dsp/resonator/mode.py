@@ -80,3 +80,20 @@ def ring_at(modes: Modes, i: int, frequency: float, decay: float, rate: float) -
         y2[i] = (im * math.cos(theta) - re * math.sin(theta)) / r
     a1[i] = 2.0 * r * math.cos(theta)
     a2[i] = -r * r
+
+
+@kernel
+def ring_from(modes: Modes, i: int, frequency: float, decay: float, rate: float, share: float) -> None:
+    """Retune mode i as `ring_at` does, but as if after a share in [0, 1] of the coming sample: so its phase is that of
+    a mode that rings as before until then, whatever the rate. Modes above the Nyquist frequency change at once."""
+    y1, y2, a1, a2 = modes.y1, modes.y2, modes.a1, modes.a2
+    theta = 2.0 * math.pi * frequency / rate
+    if a2[i] != 0.0 and theta < math.pi:
+        re, im = state_of(y1[i], y2[i], a1[i], a2[i])
+        before = math.atan2(math.sqrt(-a2[i] - 0.25 * a1[i] * a1[i]), 0.5 * a1[i])
+        cosine, sine = math.cos(share * (before - theta)), math.sin(share * (before - theta))
+        re, im = re * cosine - im * sine, im * cosine + re * sine
+        r = math.sqrt(-a2[i])
+        y1[i] = im
+        y2[i] = (im * math.cos(before) - re * math.sin(before)) / r
+    ring_at(modes, i, frequency, decay, rate)

@@ -15,7 +15,7 @@ import math
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
 from ...resonator.bank import Modes, inject_kept
-from ...resonator.mode import energy_of, ring_at, settle_under
+from ...resonator.mode import energy_of, ring_from, settle_under
 from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, Object, State
 from .objects import modes_of, point_of, ringing_of, shape_at
@@ -56,7 +56,7 @@ def follow_tension(state: State, obj: Object) -> None:
         obj.stale_modes = obj.size
     else:
         obj.detuned = 1
-        _bend(state, obj)
+        _bend(state, obj, 1.0)
 
 
 @kernel
@@ -154,6 +154,7 @@ def tighten(state: State, contact: Contact) -> None:
     if not stretch >= _AUDIBLE or stretch - obj.stretch < _STEP * (1.0 + obj.stretch):
         return
     obj.stretch = stretch
+    _bend(state, obj, contact.fraction)
     obj.retuning = 0
     retune(state, obj, obj.size)
     obj.stale_modes = obj.detuned = 0
@@ -184,10 +185,10 @@ def _cone_at(obj: Object, speed: float) -> float:
 
 
 @kernel
-def _bend(state: State, obj: Object) -> None:
-    """Retune the modes that ring to the tension."""
+def _bend(state: State, obj: Object, share: float) -> None:
+    """Retune the modes that ring to the tension, after a share of the coming sample."""
     modes = modes_of(state, obj, 0, obj.live)
     for i in range(min(obj.live, obj.felt)):
         frequency, sigma, _ = ringing_of(state, obj, i)
         if frequency > 0.0:
-            ring_at(modes, i, frequency, sigma, state.rate)
+            ring_from(modes, i, frequency, sigma, state.rate, share)

@@ -12,6 +12,7 @@ from carom.dsp.contact import closed_form
 from carom.dsp.numerics.legendre import KEPT
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.resonator.bank import state_of
+from carom.dsp.resonator.mode import ring_from
 from tests import accuracy
 
 LANES = bank.LANES
@@ -210,6 +211,23 @@ def test_retuning_keeps_amplitude_and_phase():
     modes.tune(np.linspace(100, 20_000, LANES), np.linspace(1, 100, LANES))
     after = [state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
     np.testing.assert_allclose(after, before, rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.0, 0.37, 1.0])
+def test_modes_are_retuned_within_a_sample(share):
+    rate, decay = 48_000.0, 3.0
+    first, then = np.linspace(100, 15_000, LANES), np.linspace(130, 20_000, LANES)
+    modes = Bank(first, np.full(LANES, decay), rate)
+    modes.strike(np.linspace(1, 0.1, closed_form.MOMENTS))
+    modes.ring(77)
+    z = np.array([complex(*state_of(*v)) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)])
+    for i in range(LANES):
+        ring_from(modes.modes, i, then[i], decay, rate, share)
+    modes.ring(5)
+    exact = z * np.exp((-5.0 * decay + 2j * np.pi * (share * first + (5.0 - share) * then)) / rate)
+    after = [state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
+    np.testing.assert_allclose(after, np.stack([exact.real, exact.imag], axis=1), atol=1e-9 * np.abs(z).max())
 
 
 def test_a_mode_without_frequency_rests():
