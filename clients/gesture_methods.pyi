@@ -32,6 +32,7 @@ class ImpactKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    direction: str
 
 class BounceKeys(Keys, total=False):
     """Keys of bounce."""
@@ -107,6 +108,7 @@ class SlideKeys(Keys, total=False):
     travel: SupportsFloat
     surface: str
     press: str
+    direction: str
 
 class RestKeys(Keys, total=False):
     """Keys of rest."""

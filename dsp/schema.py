@@ -152,6 +152,14 @@ BY_POINT = tuple(
     dataclasses.replace(each, name=f"by_{each.name}", help="", steerable=False, glide=0.0) for each in POINT
 )
 """The same of the object that strikes."""
+DIRECTION = tuple(
+    Parameter(
+        f"direction_{axis}", -1000.0, 1000.0, "", f"{axis} in its own frame of the direction in which it is pushed",
+        useful=(-1.0, 1.0),
+    )
+    for axis in "xyz"
+)  # fmt: skip
+"""The direction of a blow's force, or of a slide's friction, at a point of a surface, in place of the normal."""
 GAIN = Parameter(
     "gain", -120.0, 40.0, "dB", "of this gesture", default=0.0, useful=(-40.0, 12.0), steerable=True, glide=0.02
 )

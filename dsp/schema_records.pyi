@@ -61,6 +61,9 @@ class Values(Record):
     by_x: float  # m
     by_y: float  # m
     by_z: float  # m
+    direction_x: float
+    direction_y: float
+    direction_z: float
     on_surface: float
     by_on_surface: float
     sound: float

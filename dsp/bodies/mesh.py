@@ -160,9 +160,9 @@ def mesh(
     strike = np.einsum("pc,pcn->pn", math.cos(angle) * normals + math.sin(angle) * aside, shapes)
     sign = strike[np.argmax(np.abs(strike), axis=0), np.arange(strike.shape[1])]
     order = table.strips[0]
-    strike = np.concatenate([strike, np.einsum("pc,pcn->pn", table.normals[order], table.shapes[order])])
+    along = np.einsum("pc,pcn->pn", table.normals[order], table.shapes[order])
     # A contact weighs four rows; the last face has one after it.
-    strike = np.concatenate([strike, np.zeros((1, strike.shape[1]))])
+    strike = np.concatenate([strike, along, *table.shapes[order].transpose(1, 0, 2), np.zeros((1, strike.shape[1]))])
     faces = _faces(table, line)
     keep = audible(table.frequency, top)
     every = heard(material, table.frequency, table.resistance, (strike, sign), table.mass)
@@ -184,7 +184,7 @@ def _faces(table: Table, line: Array) -> Faces:
     after = np.roll(of, -1, axis=1)
     sides = np.where(after == (of + 1) % 3, of, after)
     edges = np.take_along_axis(table.edges, sides, axis=1)
-    return Faces(table.points[corners], _ROWS + first, _ROWS, line, table.curvature[corners], edges)
+    return Faces(table.points[corners], _ROWS + first, _ROWS, line, table.curvature[corners], edges, len(order))
 
 
 def usual_path(table: Table) -> tuple[Array, Array]:

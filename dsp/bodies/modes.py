@@ -42,7 +42,8 @@ class Faces(NamedTuple):
     """Triangles of a body's surface: corners (f, 3, 3) in m, in the body's frame; rows (f,) of Modes.strike that hold
     the shapes at the first of them, with those at the others in the next two rows. The first `path` rows lie along the
     strike path, at the places `line` (path, 3) in m. curvature (f, 3, 2): both principal ones at the corners (1/m),
-    positive where convex; edges (f, 3): 1 where the side from a corner to the next is a sharp edge."""
+    positive where convex; edges (f, 3): 1 where the side from a corner to the next is a sharp edge. These shapes are
+    along the surface's normals; `block` rows behind each lie those along x, and behind these along y and z."""
 
     corners: Array
     rows: Indices
@@ -50,6 +51,7 @@ class Faces(NamedTuple):
     line: Array
     curvature: Array
     edges: Indices
+    block: int
 
 
 @dataclass(frozen=True)

@@ -68,6 +68,7 @@ class Memory:
             "rows": plan.rows,
             "faces": len(plan.faces),
             "surface": table + plan.shape.size,
+            "block": plan.block,
             "felt": plan.felt,
             "bent": plan.bent,
             "unheard": plan.heard,

@@ -29,9 +29,9 @@ class Plan:
     """An object's modes as they lie in the bank.
 
     columns: (4, size) of COLUMNS; shape: (R, size) float32, of which the first `rows` lie along the strike path;
-    faces: (F, FACE) float32, as engine/bodies/surface.py has them. The first `felt` modes are the body's own; up to
-    `bent` come their reliefs; the others are clicks, and from `heard` on modes that are felt alone. laid: the coupling
-    of the first of them, of a plate that has one.
+    faces: (F, FACE) float32, as engine/bodies/surface.py has them; `block` as bodies/modes.Faces has it. The first
+    `felt` modes are the body's own; up to `bent` come their reliefs; the others are clicks, and from `heard` on
+    modes that are felt alone. laid: the coupling of the first of them, of a plate that has one.
     """
 
     modes: Modes
@@ -39,6 +39,7 @@ class Plan:
     shape: NDArray[np.float32]
     rows: int
     faces: NDArray[np.float32]
+    block: int
     felt: int
     bent: int
     heard: int
@@ -77,7 +78,9 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     if not has_sides:  # a mode is heard at one point, with the power of both sides
         sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
     strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
-    still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top)
+    rows, block = (len(strike), 0) if modes.faces is None else (modes.faces.path, modes.faces.block)
+    along = rows + block if block else None
+    still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top, along)
     unheard = settled(modes.unheard, nyquist)
     felt, bands = len(order), len(still.frequency)
     starts = _starts_of_clicks(felt + 2 * bands, len(modes.clicks))
@@ -88,8 +91,7 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
         raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
     size = max(LANES, math.ceil(count / LANES) * LANES)
     columns, shape = np.zeros((len(COLUMNS), size)), np.zeros((len(strike), size), np.float32)
-    rows = len(strike) if modes.faces is None else modes.faces.path
-    plan = Plan(modes, columns, shape, rows, _faces(modes.faces), felt, bent, heard, still, laid)
+    plan = Plan(modes, columns, shape, rows, _faces(modes.faces), block, felt, bent, heard, still, laid)
     _fill(plan, 0, modes.frequency[order], modes.decay[order], *_weights(sides))
     plan.shape[:, :felt] = strike[:, order]
     for side, weights in enumerate(((1.0, 0.0), (_FAINT, 1 / _FAINT))):

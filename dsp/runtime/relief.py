@@ -27,14 +27,14 @@ class Relief(NamedTuple):
     shape: Array
 
 
-def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: float) -> Relief:
+def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: float, rows: int | None = None) -> Relief:
     """Return the relief of modes: frequency (Hz), decay (1/s) (n,), weights (s, n), shapes (P, n); none above `top`
-    (Hz)."""
+    (Hz). The first `rows` of them, or all, say how loud a mode is."""
     if not frequency.size:
         return Relief(np.empty(0), np.empty(0), np.empty((len(sides), len(strike), 0)))
     omega = 2 * np.pi * frequency
     weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
-    size = np.sqrt((strike**2).mean(axis=0) * (weight**2).mean(axis=0)) + 1e-300
+    size = np.sqrt((strike[:rows] ** 2).mean(axis=0) * (weight**2).mean(axis=0)) + 1e-300
     band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES).astype(int)
     bands = [band == each for each in np.flatnonzero(np.bincount(band))]
     middle = np.array([np.exp(np.average(np.log(omega[each]), weights=size[each])) for each in bands])

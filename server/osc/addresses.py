@@ -11,6 +11,7 @@ from ...dsp.schema import (
     BY_POSITION,
     BY_RADIUS,
     CHANNELS,
+    DIRECTION,
     FORMS,
     FULL_SCALE,
     GAIN,
@@ -48,6 +49,9 @@ STRIKER = Word("striker", "a preset; the object's own for such a gesture, or for
 _ON = "for one with a surface, in place of its position: the point of that, in its own frame, nearest to there"
 ON_SURFACE = Vector("point", POINT, f"{_ON} (m)")
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "the same of the object that strikes")
+_DIRECTED = Vector(
+    "direction", DIRECTION, "beside a point, in its own frame: that of the push, or of the slip, in place of the normal"
+)
 STRIKE: tuple[Number | Word | Vector, ...] = (
     STRIKER,
     *LAW,
@@ -65,9 +69,15 @@ STRIKE: tuple[Number | Word | Vector, ...] = (
 _SURFACE = Word("surface", "a preset; the object's own for such a gesture, or wood, if none is given")
 _PRESS = Word("press", "the id of a press on the object: its friction feels that force, in place of its own")
 _ONTO = Word("onto", "the object on which its pieces fall; nothing that sounds, if it is not given")
-_WORDS = {
-    name: (_SURFACE, *((_PRESS,) if gesture.slips else ())) for name, gesture in GESTURES.items() if gesture.along
-} | {name: (_ONTO,) for name, gesture in GESTURES.items() if gesture.breaks}
+_WORDS: dict[str, tuple[Word | Vector, ...]] = {
+    name: (
+        *((_SURFACE,) if gesture.along else ()),
+        *((_PRESS,) if gesture.slips else ()),
+        *((_ONTO,) if gesture.breaks else ()),
+        *((_DIRECTED,) if gesture.slips or (gesture.single and not gesture.breaks) else ()),
+    )
+    for name, gesture in GESTURES.items()
+}
 """Keys of gestures that are not numbers."""
 
 _RESTING: tuple[Number | Word | Vector, ...] = (*LAW, ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])

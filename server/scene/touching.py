@@ -1,16 +1,19 @@
 """The place at which a gesture touches an object: a position on its strike path, or a point of its surface."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
-from ...dsp.schema import BY_POINT, POINT, SPREAD, Gesture, Parameter
+from ...dsp.schema import BY_POINT, DIRECTION, POINT, SPREAD, Gesture, Parameter
 from ..osc.arguments import Refused, Values
 from .object_call import ObjectCall
 from .objects import PlayedObject
 
 _Point = tuple[float, ...]
 _NOWHERE = (0.0, 0.0, 0.0)
+MOST_DIRECTED = 900
+"""Modes of an object that may be struck in a direction."""
 
 
 def place_values(to: ObjectCall, by: PlayedObject | None) -> dict[str, float]:
@@ -20,6 +23,7 @@ def place_values(to: ObjectCall, by: PlayedObject | None) -> dict[str, float]:
     """
     position, point, on_surface = _place(to, "position", "point", (to.name, to.obj))
     found = {"position": position, "on_surface": on_surface, **_named(POINT, point)}
+    found |= _named(DIRECTION, _direction(to))
     if by is None:
         if "by_point" in to.values.vectors:
             shown = _shown(to.values.vectors["by_point"])
@@ -67,6 +71,23 @@ def _place(to: ObjectCall, key: str, vector: str, touched: tuple[str, PlayedObje
     if travel := to.values.numbers.get("travel"):
         raise Refused(f"travel = {travel:g}: it is along the strike path; expected none beside a point")
     return position, point, 1.0
+
+
+def _direction(to: ObjectCall) -> _Point:
+    """Return the unit vector along which a gesture pushes its object; zeros where that is the normal."""
+    given = to.values.vectors.get("direction")
+    if given is None:
+        return _NOWHERE
+    length = math.hypot(*given)
+    if not length:
+        raise Refused("direction = 0 0 0: expected a vector of some length")
+    if "point" not in to.values.vectors:
+        raise Refused(f"direction = {_shown(given)}: expected it beside a point")
+    modes = to.obj.modes
+    count = len(modes.frequency) + (len(modes.unheard.frequency) if modes.unheard else 0)
+    if count > MOST_DIRECTED:
+        raise Refused(f"direction: {to.name} has {count} modes: expected at most {MOST_DIRECTED}")
+    return tuple(each / length for each in given)
 
 
 def _on_path(obj: PlayedObject, position: float) -> tuple[float, ...]:

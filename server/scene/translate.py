@@ -250,6 +250,8 @@ def _slide(to: ObjectCall) -> None:
     if not goes_on:
         require_rollable(motion["radius"], surface, values.number("roughness"))
     motion |= {"speed": values.number("speed"), "seed": to.seed(number := to.start(id))}
+    if "direction" in values.vectors:
+        motion["along"] = values.numbers.get("along", 1.0)
     if "press" in values.words:
         motion["press"] = _press_of(to, values.words["press"])
     given = given_of(SLIDE, values)

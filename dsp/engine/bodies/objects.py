@@ -11,6 +11,7 @@ from ...resonator.bank import RESPONSES, Modes, Point, reach, state_of, top_of
 from ...resonator.mode import mode_energy, recurring
 from ...resonator.simd import LANES
 from ...schema import SETTINGS
+from ..memory.capacity import DIRECTED
 from ..memory.quality import silence_of
 from ..memory.records import ContactPoint
 from ..memory.state import Object, State
@@ -162,7 +163,15 @@ def shapes_of(state: State, obj: Object) -> View[float]:
 @kernel
 def point_of(state: State, obj: Object, point: ContactPoint) -> Point:
     """Return the point of an object that a record of POINT says."""
-    return Point(shapes_of(state, obj), obj.size, point.row, point.weights)
+    return shapes_at(state, obj, point.row, point.weights, point.directed)
+
+
+@kernel
+def shapes_at(state: State, obj: Object, row: int, weights: View[float], directed: int) -> Point:
+    """Return the point of an object at four rows, or with the shapes of the contact that has a direction."""
+    if directed > 0:
+        return Point(state.directed[(directed - 1) * DIRECTED : directed * DIRECTED], 0, 0, weights)
+    return Point(shapes_of(state, obj), obj.size, row, weights)
 
 
 @kernel
@@ -174,6 +183,8 @@ def reach_of(state: State, obj: Object, point: ContactPoint) -> tuple[float, flo
 @kernel
 def shape_at(state: State, obj: Object, point: ContactPoint, i: int) -> float:
     """Return the mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
+    if point.directed > 0:
+        return state.directed[(point.directed - 1) * DIRECTED + i]
     at = obj.table + point.row * obj.size + i
     phi = 0.0
     for n in range(4):

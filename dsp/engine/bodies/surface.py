@@ -3,7 +3,7 @@
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.triangle import nearest_on
-from ..memory.capacity import FACE
+from ..memory.capacity import DIRECTED, FACE
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import Object, State
 from .objects import place
@@ -13,12 +13,41 @@ _FAR = 1e30  # m^2
 
 @kernel
 def put(state: State, obj: Object, contact: Contact, position: float) -> None:
-    """Find rows and weights of the shapes where a contact touches an object: at its point, or else at a position."""
+    """Find rows and weights of the shapes where a contact touches an object: at its point, or else at a position; of
+    one that does not move along, also in its direction."""
     point = contact.point[0]
+    point.directed = 0
     if point.on_surface == 1 and obj.faces > 0:
         put_at(state, obj, point, contact.now.x, contact.now.y, contact.now.z)
+        if contact.trait.along == 0:
+            direct(state, obj, contact)
     else:
         place(point, position, obj.rows)
+
+
+@noinline_kernel
+def direct(state: State, obj: Object, contact: Contact) -> None:
+    """Find the shapes in the direction of a contact that was put at a point of a surface, if it has one.
+
+    Clicks are moved alike by a force in any direction.
+    """
+    point, way = contact.point[0], contact.direction
+    if (way[0] == 0.0 and way[1] == 0.0 and way[2] == 0.0) or obj.block == 0 or obj.size > DIRECTED:
+        return
+    shape, here = state.bank.shape, contact.index * DIRECTED
+    for i in range(obj.size):
+        phi = 0.0
+        at = obj.table + point.row * obj.size + i
+        is_click = obj.bent <= i < obj.unheard
+        for k in range(1 if is_click else 3):
+            share = 1.0 if is_click else way[k]
+            if not is_click:
+                at += obj.block * obj.size
+            for n in range(3):
+                phi += share * point.weights[n] * shape[at + n * obj.size]
+        state.directed[here + i] = phi
+    point.directed = 1 + contact.index
+    point.weights[0], point.weights[1], point.weights[2], point.weights[3] = 1.0, 0.0, 0.0, 0.0
 
 
 @kernel

@@ -15,12 +15,12 @@ from ...friction.located import step_located
 from ...friction.stick_slip import begin_friction, respond_along, step_whole
 from ...native.jit import kernel
 from ...numerics.legendre import FINE
-from ...resonator.bank import Point, inject_fine, inject_line
+from ...resonator.bank import inject_fine, inject_line
 from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 from ...schema import SPEED
-from ..bodies.objects import modes_of, shapes_of
+from ..bodies.objects import modes_of, point_of, shapes_at
 from ..bodies.sensing import push_sensed
-from ..bodies.surface import has_moved, keep_spot, put
+from ..bodies.surface import direct, has_moved, keep_spot, put
 from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact, Slide
 from ..memory.state import QUANTUM, State
@@ -164,12 +164,15 @@ def _settle(state: State, contact: Contact) -> None:
         obj = state.objects[point.slot]
         if side == 0:
             put(state, obj, contact, position_of(contact, 0.5 * QUANTUM))
+            if point.on_surface == 1 and obj.faces > 0:
+                direct(state, obj, contact)
+            slide.directed = point.directed
         slide.modes[side] = min(point.modes, SLID)
         slide.row[side] = point.row
         for n in range(4):
             slide.weights[side, n] = point.weights[n]
         modes = modes_of(state, obj, 0, slide.modes[side])
-        where = Point(shapes_of(state, obj), obj.size, point.row, point.weights)
+        where = point_of(state, obj, point)
         if contact.unsettled == 1:
             set_rows(modes, slide.rows[side], SLID)
         set_shapes(slide.modes[side], where, slide.along, slide.rows[side], SLID)
@@ -241,7 +244,8 @@ def _inject(state: State, contact: Contact, whole: bool, sample: int) -> None:
             continue
         obj = state.objects[contact.point[side].slot]
         modes = modes_of(state, obj, 0, slide.modes[side])
-        where = Point(shapes_of(state, obj), obj.size, slide.row[side], slide.weights[side])
+        directed = slide.directed if side == 0 else 0
+        where = shapes_at(state, obj, slide.row[side], slide.weights[side], directed)
         if obj.sensors > 0:
             push_sensed(state, obj, where, slide.modes[side], first)
         if whole:

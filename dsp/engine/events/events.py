@@ -269,7 +269,7 @@ def _new(state: State, event: Event) -> None:
     obj.dying = 0
     obj.first, obj.size = event.layout.first, event.layout.size
     obj.table, obj.rows = event.layout.table, event.layout.rows
-    obj.surface, obj.faces = event.layout.surface, event.layout.faces
+    obj.surface, obj.faces, obj.block = event.layout.surface, event.layout.faces, event.layout.block
     obj.felt, obj.bent, obj.unheard = event.layout.felt, event.layout.bent, event.layout.unheard
     obj.level = event.layout.level
     obj.glide, obj.cone = event.layout.glide, event.layout.cone

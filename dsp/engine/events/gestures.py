@@ -138,6 +138,11 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
     touched, other = contact.point[0], contact.point[1]
     touched.slot, touched.serial = event.slot, event.serial
     touched.on_surface = int(event.values.on_surface)
+    touched.directed = other.directed = 0
+    values = event.values
+    contact.direction[0], contact.direction[1], contact.direction[2] = (
+        values.direction_x, values.direction_y, values.direction_z,
+    )  # fmt: skip
     other.slot, other.serial = event.by_slot, event.by_serial
     partner = state.objects[other.slot]
     if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:

@@ -13,6 +13,7 @@ from ...rolling.surface import Profile
 from ...schema import (
     BY_POINT,
     BY_POSITION,
+    DIRECTION,
     GESTURES,
     POINT,
     RESTITUTION,
@@ -80,6 +81,7 @@ class Layout(Record):
     rows: int  # of them along the strike path
     faces: int  # triangles of its surface
     surface: int  # first value of these, after the shapes
+    block: int  # rows from their shapes along the normal to those along x, y, and z
     felt: int  # modes that are felt and heard
     bent: int  # modes of which slow forces are heard
     unheard: int  # the first of those that are felt alone
@@ -174,7 +176,7 @@ def _defaults(parameters: Iterable[Parameter]) -> dict[str, float]:
     return {each.name: each.in_engine(each.default) for each in parameters if each.default is not None}
 
 
-_ALWAYS = {each.name: 0.0 for each in (BY_POSITION, VELOCITY, RESTITUTION, *POINT, *BY_POINT)}
+_ALWAYS = {each.name: 0.0 for each in (BY_POSITION, VELOCITY, RESTITUTION, *POINT, *BY_POINT, *DIRECTION)}
 
 
 def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:

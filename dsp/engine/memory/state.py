@@ -24,7 +24,7 @@ from ...schema_records import Counters, Settings, Traits
 from ...sizes import CAPACITY
 from ...spectral.layout import PHASES, REGION, Spectral
 from ...swarm.record import PLACES, SIZES, SWARMS, Pulses, Swarm
-from .capacity import MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
+from .capacity import DIRECTED, MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
 from .clock import Clock
 from .commands import Budget, Event, Method
 from .meter_record import Meter
@@ -165,6 +165,7 @@ class Object(Record):
     rows: int
     faces: int  # triangles of its surface, 0: it has none
     surface: int  # first value of these (surface.py)
+    block: int  # rows from their shapes along the normal to those along x, y, and z
     glide: float  # 1/J: rise of its tension, as a share of it, for the energy that rings
     cone: float  # kg: how far it does about a striker
     rang: float  # J: energy of its modes as last looked at, with the gains of gestures in it
@@ -365,6 +366,7 @@ class State(Record):
     to_look_at: int  # modes that are to be looked at now, below 0: more than that were
     tails: Tails
     contacts: Annotated[View[Contact], CONTACTS]
+    directed: Annotated[View[f32], CONTACTS * DIRECTED]  # shapes where each acts, if it has a direction
     free_contact: Annotated[View[int], CONTACTS]  # stack
     last_command: Annotated[
         View[int], CONTACTS

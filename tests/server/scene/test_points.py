@@ -32,15 +32,21 @@ def mug(session):
 
 def test_each_triangle_has_its_shapes_in_three_rows_along_its_normals(modes):
     table = Presets().object("mug").geometry["table"]
-    normal = np.einsum("pc,pcn->pn", table.normals, table.shapes)[:, : modes.frequency.size]
+    heard = table.shapes[:, :, : modes.frequency.size]
+    normal = np.einsum("pc,pcn->pn", table.normals, heard)
     for number, face in enumerate(table.faces):
         row = modes.faces.rows[number]
         corners = modes.faces.corners[number]
         order = [next(p for p in face if np.array_equal(table.points[p], each)) for each in corners]
         assert sorted(order) == sorted(face)
         assert np.array_equal(modes.strike[row : row + 3], normal[order])
+        for axis in range(3):  # and behind them those along x, y and z
+            there = row + (axis + 1) * modes.faces.block
+            assert np.array_equal(modes.strike[there : there + 3], heard[order, axis])
     # A row serves up to three triangles.
-    assert len(modes.strike) - modes.faces.path < 2 * len(table.faces)
+    assert len(modes.strike) - modes.faces.path == 4 * modes.faces.block + 1 and modes.faces.block < 2 * len(
+        table.faces
+    )
 
 
 def test_the_engine_finds_the_nearest_point_of_the_surface(modes):

@@ -53,7 +53,7 @@ def plate(mass):
     positions = np.linspace(0, 1, 17)[:, None] * np.arange(1, 9)
     shape = np.cos(np.pi * positions) / math.sqrt(mass)
     corners = np.array([[[0.0, 0.0, 0.0], [0.5, 0.0, 0.1], [0.0, 0.5, 0.2]]])
-    faces = Faces(corners, np.array([17]), 17, np.zeros((17, 3)), np.zeros((1, 3, 2)), np.zeros((1, 3), int))
+    faces = Faces(corners, np.array([17]), 17, np.zeros((17, 3)), np.zeros((1, 3, 2)), np.zeros((1, 3), int), 0)
     shape = np.concatenate([shape, shape[[0, 3, 7]], shape[:1] * 0])
     return Modes(np.linspace(200.0, 6_000.0, 8), np.full(8, 6.0), shape, np.full((2, 8), 1.0), 1.0, faces=faces)
 

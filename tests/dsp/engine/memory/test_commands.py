@@ -21,7 +21,7 @@ RECORDS = {
 NEEDED = {
     Kind.NEW: (
         *("first", "size", "table", "rows", "faces", "surface", "felt", "bent", "unheard", "level", "glide", "cone"),
-        "sheet",
+        *("sheet", "block"),
     ),
     "impact": ("mass", "stiffness", "dissipation", "exponent", "position"),
     "bounce": ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
