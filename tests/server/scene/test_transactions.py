@@ -147,7 +147,7 @@ def test_messages_leave_nothing_to_the_search_for_garbage(session, messages):
     try:
         making = Making([call for call in asked if call.message.address == "/object/new"])
         while not making.done:
-            making.make_next(session.presets, session.engine.top_frequency)
+            making.make_next(session.presets, session.engine.top_frequency, session.engine.plan)
         session.perform_calls(asked, NOW, made=making.made)
         del making
         assert gc.collect() == 0
