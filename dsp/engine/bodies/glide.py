@@ -22,7 +22,8 @@ from .objects import modes_of, point_of, ringing_of, shape_at
 from .retuning import retune
 
 _AUDIBLE = 2.0 ** (2.0 / 1200.0) - 1.0  # rise of the tension by which the pitch rises by a cent
-_STEP = 0.5 * _AUDIBLE  # the least change of it that is carried out
+_STEP = 0.5 * _AUDIBLE  # the least change of it that is carried out, where modes are over soon
+_PHASE = 0.05  # rad: by which a smaller change puts the first mode out, of an object that rings longer
 _HIGHEST = (
     15.0  # times its own tension that an object's tension rises at most: two octaves; no head or string bears more
 )
@@ -48,7 +49,7 @@ def follow_tension(state: State, obj: Object) -> None:
         stretch += (obj.stretch - stretch) * math.exp(-step_of(state) / (_SPREAD * state.rate))
     if not stretch >= _AUDIBLE:
         stretch = 0.0
-    if abs(stretch - obj.stretch) < _STEP * (1.0 + stretch):
+    if abs(stretch - obj.stretch) < _least_step(state, obj) * (1.0 + stretch):
         return
     obj.stretch = stretch
     if stretch == 0.0:
@@ -57,6 +58,14 @@ def follow_tension(state: State, obj: Object) -> None:
     else:
         obj.detuned = 1
         _bend(state, obj, 1.0)
+
+
+@kernel
+def _least_step(state: State, obj: Object) -> float:
+    """Return the least change of the tension that is carried out: a change s moves a mode's phase by s omega/(2 sigma)
+    while it rings."""
+    omega, sigma = 2.0 * math.pi * state.bank.frequency[obj.first], state.bank.sigma[obj.first]
+    return min(_STEP, 2.0 * _PHASE * sigma / omega) if omega > 0.0 else _STEP
 
 
 @kernel
