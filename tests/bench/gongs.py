@@ -36,6 +36,9 @@ from tests.dsp.karman.test_grid import Reference, displacements, forced, laid_ou
 from tests.dsp.karman.test_grid import plate as heavy_plate
 from tests.dsp.karman.test_step import swung
 
+from .recordings import SOUNDFONT, Recording, difference, from_onset
+from .soundfont import SoundFont
+
 RATE = 48_000
 RATIOS = (1.0, 2.0, 3.0, 4.0, 5.0)
 """Amplitudes over the thickness."""
@@ -49,6 +52,13 @@ CYMBALS = ("crash-cymbal", "china-cymbal", "ride-cymbal", "splash-cymbal")
 GONGS = ("tam-tam", "small-gong", "opera-gong", "thunder-sheet")
 CRASHED = {"ride-cymbal": {"striker": "stick-shoulder", "position": 0.97, "velocity": 8.0}}
 """Strikes that make a cymbal crash that is not struck so by default."""
+
+RECORDED = (
+    ("Crsh 1", "crash-cymbal"), ("Crsh 2", "crash-cymbal"), ("China Crash", "china-cymbal"),
+    ("Splash", "splash-cymbal"), ("Ride1", "ride-cymbal"), ("Ride2", "ride-cymbal"),
+)  # fmt: skip
+"""Recordings of the SoundFont, and the presets whose default strikes are compared with them."""
+TREBLE = 4_000.0  # Hz
 
 
 @dataclass(frozen=True)
@@ -215,13 +225,13 @@ def rates() -> Iterator[Row]:
         yield Row("rates", f"dB in octaves, {rate} against 48000 Hz, from {begin:g} s", apart, 0.0, most)
 
 
-def course(sound: np.ndarray, above: float, length: float = 0.046, hop: float = 0.01) -> tuple[np.ndarray, np.ndarray]:
-    """Return times (s) and levels (dB) above a frequency (Hz), in windows of a length (s)."""
-    size, step = int(length * RATE), int(hop * RATE)
-    high = np.fft.rfftfreq(size, 1 / RATE) > above
+def course(sound: np.ndarray, above: float, rate: int = RATE) -> tuple[np.ndarray, np.ndarray]:
+    """Return times (s) and levels (dB) above a frequency (Hz), in windows of 46 ms."""
+    size, step = int(0.046 * rate), int(0.01 * rate)
+    high = np.fft.rfftfreq(size, 1 / rate) > above
     frames = np.lib.stride_tricks.sliding_window_view(sound, size)[::step] * np.hanning(size)
     level = 10 * np.log10((np.abs(np.fft.rfft(frames)) ** 2)[:, high].sum(axis=1) + 1e-30)
-    return (np.arange(len(level)) * step + size / 2) / RATE, level
+    return (np.arange(len(level)) * step + size / 2) / rate, level
 
 
 def swells() -> Iterator[Row]:
@@ -268,6 +278,28 @@ def opens() -> Iterator[Row]:
         yield Row("opens", f"octaves it rises, {preset}", float(np.log2(centroid[most] / centroid[0])), 0.2, 4.0)
 
 
+def recorded() -> Iterator[Row]:
+    """Compare default strikes with recordings: third octaves of the first second, the course of the energy above 4 kHz,
+    and how far the centroid rises. Nothing where there is no SoundFont."""
+    if not SOUNDFONT.exists():
+        return
+    font = SoundFont(SOUNDFONT)
+    for name, preset in RECORDED:
+        real, ours = font.recording(name), Recording(preset, played(preset, 1.2), RATE)
+        yield Row("recorded", f"dB, mean gap of third octaves, {name}, {preset}", difference(real, ours)[2], 0.0, 6.0)
+        levels, rises = [], []
+        for each in (real, ours):
+            sound = from_onset(each)[: int(1.0 * each.rate)]
+            level = course(sound, TREBLE, each.rate)[1][:90]
+            levels.append(level - level.mean())
+            centroid = centroids(sound, each.rate)[1]
+            rises.append(float(np.log2(centroid[:60].max() / centroid[0])))
+        apart = float(np.abs(levels[0] - levels[1]).mean())
+        yield Row("recorded", f"dB, mean gap of the treble's course, {name}, {preset}", apart, 0.0, 3.0)
+        more = rises[1] - rises[0]
+        yield Row("recorded", f"octaves it opens more than {name}'s {rises[0]:.2f}, {preset}", more, -0.5, 0.5)
+
+
 def walls() -> Iterator[Row]:
     """Find by how much more spectra fall where the coupled modes end, and where all modes end below 16 kHz, than just
     below: from one third octave to the next, from 0.3 to 1 s after a blow."""
@@ -295,7 +327,7 @@ def made(preset: str) -> bodies.Modes:
 
 
 PARTS: dict[str, Callable[[], Iterator[Row]]] = {
-    each.__name__: each for each in (periods, forces, energy, truth, rates, swells, opens, walls)
+    each.__name__: each for each in (periods, forces, energy, truth, rates, swells, opens, recorded, walls)
 }
 
 
