@@ -27,17 +27,6 @@ from tests.support import CAROM, render_lines, serving
 PRESETS = Presets()
 
 
-@pytest.mark.parametrize("rate", [8_000, 44_100, 48_000, 192_000])
-def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate):
-    rng = random.Random(3)
-    for _ in range(5_000):
-        sample = rng.randrange(31 * 86_400 * rate * 256) / 256
-        assert sample_at(float(repr(sample / rate)), rate) == sample
-        whole = rng.randrange(10**6) * 64
-        assert sample_at(whole / rate, rate) == whole
-    assert sample_at(0.1234567, 48_000) == 0.1234567 * 48_000  # other times stay as they are
-
-
 def replay(tmp_path, rng, messages: Callable[[], list[Message]], rounds: int, options=None) -> list[Line]:
     """Carry out messages for now, for later, too late, by samples and by the clock; what is logged renders to what was
     heard. options: a server's, with which engine and log begin. Return the log."""

@@ -1,6 +1,7 @@
 """Scores: text that reads back as it was written, scsynth's binary form, and errors that say where."""
 
 import math
+import random
 import struct
 import time
 from pathlib import Path
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from carom.server.osc import score, wire
-from carom.server.osc.score import Line, ScoreError
+from carom.server.osc.score import Line, ScoreError, sample_at
 from carom.server.osc.wire import Message
 
 # Written by sclang 3.13: Score([[0.0, ["/object/new", "bell", "church-bell"]],
@@ -256,3 +257,14 @@ def test_what_text_has_no_word_for(value: wire.Argument) -> None:
 def test_times_that_are_none(moment: float) -> None:
     with pytest.raises(ValueError, match="expected seconds from 0 to 2678400"):
         score.format_line(moment, Message("/a"))
+
+
+@pytest.mark.parametrize("rate", [8_000, 44_100, 48_000, 192_000])
+def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate):
+    rng = random.Random(3)
+    for _ in range(5_000):
+        sample = rng.randrange(31 * 86_400 * rate * 256) / 256
+        assert sample_at(float(repr(sample / rate)), rate) == sample
+        whole = rng.randrange(10**6) * 64
+        assert sample_at(whole / rate, rate) == whole
+    assert sample_at(0.1234567, 48_000) == 0.1234567 * 48_000  # other times stay as they are
