@@ -24,6 +24,7 @@ from carom.dsp.numerics.blas import on_one_thread
 
 METAL = Material("metal", 7850.0, 200e9, 0.29, 1.0, 0.0)
 COUNT = 20
+_TOLD = 10  # broken meshes between two lines
 Map = Callable[[np.ndarray], np.ndarray]
 
 
@@ -174,9 +175,9 @@ def broken(rng: np.random.Generator) -> tuple[Surface, float | None]:
 
 
 def survive(count: int) -> None:
-    """Print what becomes of broken meshes; stop at one that is neither a model nor a sentence."""
+    """Print what becomes of broken meshes, as it does; stop at one that is neither a model nor a sentence."""
     rng, models, said, slowest = np.random.default_rng(7), 0, 0, 0.0
-    for _ in range(count):
+    for tried in range(1, count + 1):
         surface, wall = broken(rng)
         begun = time.process_time()
         try:
@@ -187,8 +188,12 @@ def survive(count: int) -> None:
         except MeshError:
             said += 1
         slowest = max(slowest, time.process_time() - begun)
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    print(f"{count} broken meshes: {models} models, {said} sentences; {slowest:.1f} s at most; {memory:.2f} GB")
+        if tried % _TOLD == 0 or tried == count:
+            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+            print(
+                f"{tried} broken meshes: {models} models, {said} sentences; {slowest:.1f} s at most; {memory:.2f} GB",
+                flush=True,
+            )
 
 
 def main() -> None:
