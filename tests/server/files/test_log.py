@@ -317,19 +317,6 @@ def test_a_log_that_fails_is_told(tmp_path):
     assert not (tmp_path / "log.txt").exists()  # it was never begun
 
 
-@pytest.fixture
-def logged(tmp_path):
-    """An engine, its scene and its log."""
-    engine = Engine(48_000)
-    scene = Session(engine, PRESETS)
-    log = Log(engine, tmp_path / "log.txt")
-    scene.on_sent = log.expect
-    log.start()
-    assert scene.perform([Message("/object/new", ("a", "wood-block"))], NOW)[0].address == "/done"
-    yield engine, scene, log
-    log.close()
-
-
 @pytest.mark.slow
 def test_a_log_that_missed_something_ends(logged, tmp_path):
     """The log renders to what was heard, up to where it says that it ended."""
@@ -404,52 +391,6 @@ def test_a_name_that_came_back_too_early(tmp_path, name):
     assert [line.message.address for line in lines] == names
     sound = np.concatenate(heard)
     np.testing.assert_array_equal(render_lines(lines, seconds=len(sound) / 48_000), sound)
-
-
-def test_nothing_rests_on_what_was_told_to_go(logged, tmp_path):
-    """A rest that was sent ahead: the object that it names is gone by then."""
-    engine, scene, log = logged
-    begin = [Message("/object/new", ("b", "wine-glass")), Message("/object/a/rest", ("b", "id", "early"))]
-    scene.perform(begin, NOW)
-    scene.perform([Message("/object/a/impact", (0.5,))], 100.0)
-    assert scene.perform([Message("/object/a/rest", ("b", "id", "late"))], 6_400.0) == []
-    scene.perform([Message("/object/b/free")], 1_000.0)
-    heard = [engine.process(9_600)]
-    ended = [(end.id, end.end.name) for end in scene.take_ends()]
-    assert ended == [("late", "GONE")]
-    log.write()
-    lines = read(tmp_path / "log.txt")
-    assert sum(line.message.address == "/object/a/rest" for line in lines) == 1
-    np.testing.assert_array_equal(render_lines(lines, limiter=False, seconds=0.2), heard[0])
-
-
-@pytest.mark.parametrize("gone", ["a", "b"])
-def test_pieces_fall_on_nothing_where_what_they_fell_on_was_told_to_go(logged, tmp_path, gone):
-    """Nothing falls where that which breaks is gone by then."""
-    engine, scene, log = logged
-    scene.perform([Message("/object/new", ("b", "wine-glass"))], NOW)
-    assert scene.perform([Message("/object/b/shatter", (2.0, "onto", "a"))], 6_400.0) == []
-    scene.perform([Message(f"/object/{gone}/free", (1,))], 1_000.0)
-    heard = engine.process(19_200)
-    log.write()
-    assert heard.any() == (gone == "a")
-    lines = read(tmp_path / "log.txt")
-    assert sum(line.message.address == "/object/b/shatter" for line in lines) == (gone == "a")
-    np.testing.assert_array_equal(render_lines(lines, limiter=False, seconds=0.4), heard)
-
-
-def test_a_point_for_gestures_of_which_one_has_no_surface(logged, tmp_path):
-    """One id, two gestures: the point steers that on a surface, and the log says so."""
-    engine, scene, log = logged
-    scene.perform([Message("/object/new", ("mug", "mug")), Message("/object/mug/press", (1.0, "id", "g"))], NOW)
-    scene.perform([Message("/gesture/g/point", (0.0, 0.0, 0.08))], 1_000.0)
-    scene.perform([Message("/object/a/press", (1.0, "id", "g"))], 500.0)
-    heard = engine.process(9_600)
-    mug, block = (engine._record["contacts"][engine._record["objects"]["contact"][n]] for n in (1, 0))
-    assert mug["point"][0]["on_surface"] == 1 and block["point"][0]["on_surface"] == 0
-    log.write()
-    lines = read(tmp_path / "log.txt")
-    np.testing.assert_array_equal(render_lines(lines, limiter=False, seconds=0.2), heard)
 
 
 def test_a_log_without_room_keeps_whole_lines(logged, tmp_path, monkeypatch):
