@@ -24,7 +24,9 @@ from .schema import (
     LAW,
     LICENCE,
     LOST,
+    NO_REST,
     OBJECT,
+    REST,
     SECTIONS,
     SHAPES,
     SIZED,
@@ -156,6 +158,14 @@ class SurfacePreset:
 
 
 @dataclass(frozen=True)
+class Standing:
+    """The support on which an object rests by itself, by its weight, and where on its strike path."""
+
+    support: str
+    position: float
+
+
+@dataclass(frozen=True)
 class ObjectPreset:
     """An object: shape, geometry and material, and how it is struck by default."""
 
@@ -176,6 +186,8 @@ class ObjectPreset:
     stereo_width: float
     most_modes: int | None
     """Most modes to keep: those that are heard best; None: all."""
+    standing: Standing | None
+    """The support on which it rests by itself, and where; None: it hangs freely."""
     added: tuple[Added, ...]
     written: Material | None
     """The material of the preset's file, which the decay times of what is added were given for."""
@@ -206,6 +218,9 @@ class ObjectPreset:
             library.striker(strike["striker"])
         except PresetError as error:
             raise PresetError(f"{titles['strike']}striker = {shown(strike['striker'])}: {_reason(error)}") from None
+        standing = None
+        if "rest" in values:
+            standing = Standing(**check(titles["rest"], values["rest"], REST, tuple(REST)))
         material = None
         if "material" in values:
             material = replace(_material(values["material"], where, library), **damping)
@@ -224,6 +239,7 @@ class ObjectPreset:
             glide=values.get("glide"),
             stereo_width=values.get("stereo_width", STEREO_WIDTH),
             most_modes=values.get("most_modes"),
+            standing=standing if standing and standing.support != NO_REST else None,
             added=added,
             written=material,
             where=titles["geometry"],
@@ -278,7 +294,7 @@ class ObjectPreset:
     @property
     def keys(self) -> tuple[str, ...]:
         """The keys that `replace` takes."""
-        return (*self._sections, "size")
+        return (*self._sections, "size", *(("rest",) if "rest" in self._data else ()))
 
     def replace(self, /, **changes: object) -> ObjectPreset:
         """Return the preset with other values of its geometry, damping, strike, material (a name), level, stereo width
@@ -294,6 +310,8 @@ class ObjectPreset:
         data: dict[str, Any] = {
             name: dict(part) if isinstance(part, Mapping) else part for name, part in self._data.items()
         }
+        if "rest" in changes and "rest" in data:
+            data["rest"]["support"] = check("", {"rest": changes.pop("rest")}, {"rest": REST["support"]}, ())["rest"]
         for key, value in changes.items():
             if key not in sections:
                 raise PresetError(f"{key} = {shown(value)}: {expected(key, self.keys)}")

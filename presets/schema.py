@@ -23,6 +23,7 @@ from ..dsp.bodies.unison import MOST_WIRES
 from ..dsp.errors import CaromError
 from ..dsp.rolling.variation import MOST_VARIATION
 from ..dsp.wording import expected
+from .supports import SUPPORTS
 from .values import Choice, Domain, Made, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown
 
 Fields = Mapping[str, Domain]
@@ -381,7 +382,12 @@ MESH: Fields = {
 }
 """The mesh of a body of shape `mesh`, of which its table is made: in the place of a table."""
 
-SECTIONS = ("geometry", "damping", "strike", *ADDED, *SUITABLE)
+NO_REST = "none"
+"""The word in the place of a support, by which an object hangs freely."""
+REST: Fields = {"support": Choice((*SUPPORTS, NO_REST)), "position": FRACTION}
+"""The section [rest]: on what an object stands by itself, and where it does."""
+
+SECTIONS = ("geometry", "damping", "strike", "rest", *ADDED, *SUITABLE)
 STRIKE: Fields = {"striker": Name(), "velocity": Quantity(1e-3, 100, "m/s"), "position": FRACTION}
 
 OBJECT: Fields = {

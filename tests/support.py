@@ -23,10 +23,10 @@ CAROM = (sys.executable, "-m", "carom")
 Render = Callable[..., np.ndarray]
 
 
-def render_lines(lines: list[Line], **options) -> np.ndarray:
+def render_lines(lines: list[Line], presets: Presets | None = None, **options) -> np.ndarray:
     """Render a score: its sound, float32 (frames, channels)."""
     chosen = Options(**options)
-    return np.concatenate(list(blocks(lines, chosen.engine(lines), Presets(), chosen)))
+    return np.concatenate(list(blocks(lines, chosen.engine(lines), presets or Presets(), chosen)))
 
 
 @dataclass

@@ -83,6 +83,11 @@ class GestureIds:
         self._running.put(id)
         return id
 
+    def nameless(self) -> int:
+        """Return a number for a gesture without an id: nobody is told of its end."""
+        self._last += 1
+        return self._last
+
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""
         id.running.pop()

@@ -8,26 +8,61 @@ from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import SETTINGS
 from ...dsp.wording import MOST_COMPARED
+from ...presets.schema import NO_REST
 from ...presets.supports import SUPPORTS, SupportPreset
+from ..osc.addresses import VERBS, Call
 from ..osc.arguments import Refused, shown
 from ..osc.wire import Message
 from .contact_law import bent
 from .object_call import ObjectCall
 from .objects import PlayedObject
 from .touching import place_values
-from .transaction import Sent
+from .transaction import Sent, Transaction
 
+_REST = "/object/NAME/rest"
 _LAW = ("stiffness", "dissipation", "exponent")
 
 
 def rest(to: ObjectCall) -> None:
-    """Lay an object on what a message names."""
+    """Lay an object on what a message names; "none" lifts it from where it stands by itself."""
     what = to.values.words["what"]
     other = to.object_named(what)
+    if other is None and what == NO_REST:
+        _lift(to, to.canonical)
+        return
     if other is None and what not in SUPPORTS:
-        raise Refused(f"what = {shown(what)}: expected another object, or {', '.join(SUPPORTS)}{_meant(to, what)}")
+        raise Refused(f"what = {shown(what)}: expected another object, {', '.join(SUPPORTS)} or none{_meant(to, what)}")
     support = None if other else SUPPORTS[what]
-    command = Command(NOW, "rest", gesture=to.start(to.id(to.transaction.gestures.made_for)))
+    gesture = to.start(to.id(to.transaction.gestures.made_for))
+    message = to.canonical
+    _lay(to, message, other, support, gesture)
+    if not (support and support.mass):  # it lies there by its weight, and so no longer where it stood
+        _lift(to, message)
+
+
+def stand(transaction: Transaction, call: Call, name: str, obj: PlayedObject) -> None:
+    """Lay a new object on what it stands on by itself, if it does; `call` is that which makes it."""
+    standing = obj.preset.standing
+    if standing is None:
+        return
+    verb = VERBS[_REST]
+    values = verb.parse((standing.support, standing.position))
+    obj.stands = transaction.gestures.nameless()
+    to = ObjectCall(transaction, Call(call.message, verb, name), values, name, obj)
+    _lay(to, call.message, None, SUPPORTS[standing.support], obj.stands)
+
+
+def _lift(to: ObjectCall, message: Message) -> None:
+    """Take an object off what it stands on by itself."""
+    if to.obj.stands:
+        _add(to, message, Command(NOW, Kind.STOP, gesture=to.obj.stands))
+
+
+def _lay(
+    to: ObjectCall, message: Message, other: PlayedObject | None, support: SupportPreset | None, gesture: int
+) -> None:
+    """Lay an object on another one or on a support, as a gesture of a number; `message` stands for all commands."""
+    command = Command(NOW, "rest", gesture=gesture)
     law, load = _law(to, other, support), _load(to, support)
     numbers = to.values.numbers
     values = {
@@ -39,8 +74,8 @@ def rest(to: ObjectCall) -> None:
     }
     resistance = numbers.get("resistance", support.resistance if support else 0.0)
     if other and resistance:
-        raise Refused(f"resistance = {resistance:g}: expected none, as {what} is an object")
-    message, time = to.canonical, _time(to, other)
+        raise Refused(f"resistance = {resistance:g}: expected none, as {to.values.words['what']} is an object")
+    time = _time(to, other)
     if other or not resistance:
         _add(to, message, command._replace(time=time, values=values, by=other.handle if other else None), other)
         return

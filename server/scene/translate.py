@@ -28,7 +28,7 @@ from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
 from .objects import PlayedObject
 from .placing import SPACE_HANDLERS, place_object
-from .resting import rest
+from .resting import rest, stand
 from .sensing import SENSOR_HANDLERS
 from .shattering import shatter
 from .steering import CHANGE_WORK, steer
@@ -84,6 +84,7 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
     _add(transaction, call.message, Command(NOW, Kind.NEW, values={**layout, **in_engine}), obj)
     if values.many:
         _place(transaction, call.message, values.many, obj)
+    stand(transaction, call, name, obj)
     transaction.replies.append(Message("/done", (NEW, name)))
 
 

@@ -67,6 +67,7 @@ def object_keys() -> str:
             "An object": _keys("object", known.OBJECT, _REQUIRED_OF_OBJECT),
             "`[damping]`, in place of the material's": _keys("damping", known.DAMPING),
             "`[strike]`": _keys("strike", known.STRIKE, known.STRIKE),
+            "`[rest]`": _keys("rest", known.REST, known.REST),
             "`[mesh]`": _keys("mesh", known.MESH, ("file",)),
             **{f"`[{name}]`": _keys(name, added.fields, added.required) for name, added in known.ADDED.items()},
             **{f"`[{name}]`": _usual(name) for name in known.SUITABLE},

@@ -158,7 +158,8 @@ def draw(heard: Heard, path: str) -> None:
         shown.append(("right ear", sound.samples[:, 1], -160, -60))
     figure, axes = plt.subplots(3, 1, figsize=(9, 7), sharex=True, layout="constrained", height_ratios=(2, 2, 1))
     for each, (name, samples, low, high) in zip(axes, shown, strict=False):
-        each.specgram(samples + 1e-9, NFFT=1024, Fs=sound.rate, noverlap=768, vmin=low, vmax=high)
+        with np.errstate(divide="ignore"):  # silence has no level
+            each.specgram(samples, NFFT=1024, Fs=sound.rate, noverlap=768, vmin=low, vmax=high)
         each.vlines([hit.time for hit in heard.hits], 18_000, 20_000, color="r")
         each.set(title=f"{name} (red: blows)", ylabel="Hz", ylim=(0, 20_000))
     axes[2].plot(heard.times, heard.places[:, 2] if sensors else heard.places[:, 0])
