@@ -62,8 +62,8 @@ def test_a_plates_resistance_is_eight_times_the_root_of_stiffness_and_mass():
 @pytest.mark.parametrize(
     ("given", "reason"),
     [
-        (("felz",), "what = felz: expected another object, or felt, foam, finger, palm, table; did you mean felt?"),
-        (("cup",), "what = cup: expected another object, or felt, foam, finger, palm, table"),
+        (("felz",), "what = felz: expected another object, felt, foam, finger, palm, table or none; did you mean felt?"),
+        (("cup",), "what = cup: expected another object, felt, foam, finger, palm, table or none"),
         (("pane", "resistance", 5), "resistance = 5: expected none, as pane is an object"),
         (("felt", "load", 0), "load = 0: expected a number from 1e-06 to 100000 N"),
         (("felt", "striker", "steel"), "striker: no such key"),
