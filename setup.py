@@ -14,6 +14,7 @@ COMPILED = (
     "carom.dsp.contact.law",
     "carom.dsp.contact.pulse",
     "carom.dsp.rolling.surface",
+    "carom.dsp.swarm.making",
     "carom.dsp.runtime.callback",
     "carom.dsp.runtime.handover",
     "carom.dsp.runtime.jobs",

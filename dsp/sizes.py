@@ -61,7 +61,7 @@ SIZES = {
     "full": Sizes(),
     "small": Sizes(
         channels=2, objects=64, modes=16_384, phase_modes=2_560, stems=1, contacts=128, rolls=16, events=4_096,
-        ring=1_024, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576, pulse_values=1_024,
+        ring=1_024, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576, pulse_values=16_777_216,
         lines=8, sensors=1, ended=1_024, tap=64, notes=64, traced=1,
     ),
 }  # fmt: skip

@@ -28,6 +28,12 @@ from ...server.scene.session import Session
 
 Words = NDArray[np.uint64]
 _WORD = np.dtype(np.uint64).itemsize
+PULSES: int = STATE.fields["pulses"][1]  # type: ignore[index]
+"""The place of the tables of pulses in the engine's memory, in bytes."""
+PULSE_TABLES: int = STATE["pulses"].fields["work"][1]  # type: ignore[index]
+"""Bytes of these tables without their values."""
+PULSE_VALUES: int = PULSES + STATE["pulses"].fields["values"][1]  # type: ignore[index]
+"""The place of their values."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +79,13 @@ class _Kept(Engine):
 
     @property
     def words(self) -> Words:
-        """The memory as words."""
-        return np.frombuffer(self.state, np.uint64, STATE.itemsize // _WORD)
+        """The memory as words, without the tables of pulses, which come last."""
+        return np.frombuffer(self.state, np.uint64, PULSES // _WORD)
+
+    @property
+    def pulse_words(self) -> Words:
+        """The tables of pulses as words, without their values, which engines make of them."""
+        return np.frombuffer(self.state, np.uint64, PULSE_TABLES // _WORD, PULSES)
 
     def look(self) -> None:
         """Look at the memory before something is written into it."""
@@ -129,6 +140,8 @@ def bake(
     words = engine.words
     start = _patches(words, words != 0)
     sound = np.concatenate(list(blocks(score, engine, presets, options, session, warn)))
+    tables = _patches(engine.pulse_words, engine.pulse_words != 0)
+    start += [Patch(PULSES // _WORD + each.first, each.words) for each in tables]
     return Baked(engine, session, start, engine.batches, sound, session.made)
 
 

@@ -16,7 +16,8 @@ from ...dsp.contact.accuracy import LEVELS
 from ...dsp.engine.memory import commands
 from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
 from ...dsp.engine.memory.state import ENDED, EVENTS, QUANTUM, RING, STATE, End
-from ...dsp.schema import FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NAMES, Parameter
+from ...dsp.runtime.engine import Engine
+from ...dsp.schema import DROPS, FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NAMES, Parameter
 from ...presets import Presets
 from ...presets.kinds import DRY, ObjectPreset
 from ...server.osc.addresses import VERBS
@@ -24,11 +25,10 @@ from ...server.osc.arguments import Either, Note, Numbers, Vector, Verb, Word
 from ...server.osc.points import Change
 from ...server.scene.limits import ContactLaws, least_radius
 from ...server.scene.objects import PlayedObject
-from .baking import Baked
+from .baking import PULSE_VALUES, PULSES, Baked
 
-_BEGUN = [name for name, gesture in GESTURES.items() if not gesture.what and not gesture.swarms]
-"""Gestures that a page can begin; those that name what an object lies on are the score's alone, and a page has no room
-for the tables of swarms."""
+_BEGUN = [name for name, gesture in GESTURES.items() if not gesture.what and not gesture.breaks]
+"""Gestures that a page can begin; those that name what an object lies on, or break it, are the score's alone."""
 _PLAYED = ("note", "free", "stop", *_BEGUN, *SETTINGS, *STEERABLE)
 _OF_ENGINE = ("/accuracy", "/quality", "/bank", "/gain", "/limiter", "/panic")
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
@@ -88,7 +88,8 @@ def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
         "delay": engine.delay,
         "frames": len(baked.sound),
         "quantum": QUANTUM,
-        "state": _state(),
+        "state": _state(engine),
+        "pulses": sorted(engine.pulses.numbers.items()),
         "command": _command(),
         "kinds": {kind.name: int(kind) for kind in Kind},
         "verbs": {verb.address: _verb(verb) for verb in VERBS.values() if _is_played(verb)},
@@ -110,7 +111,7 @@ def _is_played(verb: Verb) -> bool:
     return verb.address in _OF_ENGINE or (verb.target != "" and verb.action in _PLAYED and verb.scored)
 
 
-def _state() -> dict[str, Any]:
+def _state(engine: Engine) -> dict[str, Any]:
     """Return where those parts of the engine's memory are that others than the engine write or read."""
     paths = {
         "entries": "ring.entries", "written": "ring.written", "read": "ring.read", "position": "position",
@@ -119,7 +120,9 @@ def _state() -> dict[str, Any]:
         **{name: f"bank.{name}" for name in ("frequency", "sigma", "weight", "balance")},
     }  # fmt: skip
     places = {name: _offset(path) for name, path in paths.items()}
-    sizes = {"size": STATE.itemsize, "ring": RING, "events": EVENTS, "most_ended": ENDED}
+    used = PULSE_VALUES + engine.pulses.taken * np.dtype(np.float32).itemsize
+    size = -(-(used if engine.pulses.taken else PULSES) // 8) * 8
+    sizes = {"size": size, "ring": RING, "events": EVENTS, "most_ended": ENDED}
     objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
     return {**places, **sizes, "modes": bank["frequency"].shape[0], "objects": objects.shape[0]}
 
@@ -156,6 +159,7 @@ def _gesture(name: str) -> dict[str, Any]:
         "steerable": gesture.steerable,
         "values": commands._DEFAULTS[name],
         **{trait: bool(getattr(gesture, trait)) for trait in TRAIT_NAMES if trait != "meets"},
+        "drops": gesture.swarms == DROPS,
         "seeded": any(key.name == "seed" for key in gesture.keys),
     }
 

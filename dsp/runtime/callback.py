@@ -3,6 +3,8 @@
 Real time hands its address to PortAudio; offline and clock-driven rendering call the same code, so their bits agree.
 """
 
+from ctypes import c_int64, c_void_p
+
 import numpy as np
 
 from ..engine.events.queue import look_again
@@ -12,6 +14,7 @@ from ..engine.process import process
 from ..native.jit import c_function, carray
 from ..native.system import flush_denormals, monotonic_ns, restore_denormals, thread_id
 from ..native.typed import View
+from ..swarm.making import make_values
 from .signature import C_LONG, OUTPUT_UNDERFLOW, SIGNATURE
 
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
@@ -45,3 +48,12 @@ def callback(_input: int, output: int, frames: int, times: int, flags: int, user
     state.stats.overruns += load > 1.0
     state.stats.callbacks += 1
     return 0
+
+
+@c_function(None, c_void_p, c_int64)
+def make_pulses(userdata: int, number: int) -> None:
+    """Make the values of a table of pulses of the state in `userdata`, for an engine without Python: number 0 is the
+    first one."""
+    state: State = carray(userdata, (1,), STATE)[0]
+    table = state.pulses.tables[number]
+    make_values(table, state.pulses.values[table.first[0] : table.first[0] + table.size], state.pulses.work)

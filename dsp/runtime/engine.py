@@ -86,7 +86,7 @@ class Engine:
         self._memory = Memory(self._record, modes, objects)
         self.stems = Stems(self._record)
         self._strikers = Strikers(self._record, self.top_frequency)
-        self._pulses = PulseTables(self._record)
+        self.pulses = PulseTables(self._record)
         self._ends_read = 0
 
     @property
@@ -371,14 +371,14 @@ class Engine:
 
     def lacks_pulses(self, exponent: float) -> bool:
         """True if `lay_out_pulses` has to make a table first, which takes a second."""
-        return self._pulses.lacks(exponent)
+        return self.pulses.lacks(exponent)
 
     def lay_out_pulses(self, exponent: float) -> dict[str, float]:
         """Make the table of the pulses of a contact law's exponent, 0 for drops, unless there is one.
 
         Returns the value `pulses`, which the commands of swarms take. EngineFull if there is no room.
         """
-        return self._pulses.lay_out(exponent)
+        return self.pulses.lay_out(exponent)
 
     def leave(self, handle: Handle) -> None:
         """Remember that an object was told to go; its place is used again once the engine has given it up."""

@@ -24,6 +24,16 @@ class PulseTables:
             self._numbers[exponent] = self._write(exponent)
         return {"pulses": self._numbers[exponent]}
 
+    @property
+    def numbers(self) -> dict[float, int]:
+        """The value `pulses` of each exponent that has a table."""
+        return dict(self._numbers)
+
+    @property
+    def taken(self) -> int:
+        """Values that tables take."""
+        return self._taken
+
     def lacks(self, exponent: float) -> bool:
         """True if there is room for the table of an exponent, which is not made."""
         return exponent not in self._numbers and len(self._numbers) < PULSES and not is_made(exponent)
@@ -36,11 +46,9 @@ class PulseTables:
         size = len(table.values)
         if self._taken + size > TABLE:
             raise EngineFull(f"no room for swarms of exponent {exponent:g}: their pulses take {size} values")
-        entry = self._record["tables"][place]
-        for name in ("phases", "length", "lead", "block", "width", "middle", "momentum"):
-            entry[name] = getattr(table, name)
-        entry["first"] = np.array(table.first) + self._taken
-        entry["dissipations"] = table.dissipations
+        entry = self._record["tables"]
+        entry[place : place + 1] = table.record
+        entry[place]["first"] += self._taken
         self._record["values"][self._taken : self._taken + size] = table.values
         self._taken += size
         return place + 1

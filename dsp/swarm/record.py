@@ -24,6 +24,12 @@ FORMS = 65
 """Dissipations at which a pulse's width, middle and momentum are known."""
 TABLE = CAPACITY.pulse_values
 """Values of float32 in the tables of all pulses."""
+DISSIPATIONS = 16
+"""Forms of pulses in a table, by what they lose."""
+MOST_NODES, POINTS = 600, 12_100
+"""The nodes of a form, and the points of its spectrum, at most."""
+MOST_LENGTH, MOST_ORDERS, MOST_TURNS = 1_024, 800, 32_768
+"""Values in a row of a table; orders of its Fourier series; places in a turn, by lengths and places between samples."""
 BANDS = 40
 """Half octaves of frequency by which modes are summed, for how an object yields."""
 WIDTHS = 20
@@ -55,12 +61,31 @@ class PulseTable(Record):
     width: Annotated[View[float], FORMS]  # ln of the rms width, in L/v
     middle: Annotated[View[float], FORMS]  # of the impulse, from the contact's beginning, in L/v
     momentum: Annotated[View[float], FORMS]  # 1 + restitution: in m v
+    size: int  # values in all
+    # Of which the values are made: forms, as sums of impulses at times about their middle, in rms widths.
+    nodes: int
+    points: int  # of their spectra
+    times: Annotated[View2D[float], DISSIPATIONS, MOST_NODES]
+    impulses: Annotated[View2D[float], DISSIPATIONS, MOST_NODES]
+    orders: Annotated[View[int], OCTAVES]  # of a row's Fourier series
+    weight: Annotated[View2D[float], OCTAVES, MOST_ORDERS]  # of an order: the bump's spectrum
+
+
+class PulseWork(Record):
+    """Memory in which the values of a table are made."""
+
+    even: Annotated[View[float], POINTS]
+    odd: Annotated[View[float], POINTS]
+    cosine: Annotated[View[float], MOST_TURNS]
+    sine: Annotated[View[float], MOST_TURNS]
+    order: Annotated[View[f32], 2 * MOST_LENGTH]  # an order's cosine and sine at the samples of a row
 
 
 class Pulses(Record):
     """The tables of pulses."""
 
     tables: Annotated[View[PulseTable], PULSES]
+    work: PulseWork
     values: Annotated[View[f32], TABLE]
 
 
@@ -131,4 +156,4 @@ class Swarm(Record):
     energy: float  # J: of its blows, so far
 
 
-SWARM = dtype_of(Swarm)
+PULSE_TABLE, PULSE_WORK, SWARM = dtype_of(PulseTable), dtype_of(PulseWork), dtype_of(Swarm)

@@ -1,4 +1,4 @@
-"""The tables of pulses, made in Python for one sampling rate's samples: they are the same at all.
+"""The tables of pulses, for one sampling rate's samples: they are the same at all.
 
 A pulse is Hunt and Crossley's, from contact/pulse.py, or a drop's. Drops on a wall push as sqrt(t) exp(-t) (Mitchell,
 Klewicki, Korkolis and Kinsey, J. Fluid Mech. 867, 2019), with the time in 0.34 of diameter over speed: the force is
@@ -18,17 +18,16 @@ from ..kept import Kept
 from ..numerics.checks import Array
 from ..resonator.simd import LANES
 from .grid import BUMP, LEAST, MOST_LOSS, STEPS, bump_spectrum
-from .record import FORMS, OCTAVES
+from .making import PITCH, make
+from .record import DISSIPATIONS, FORMS, MOST_LENGTH, MOST_ORDERS, MOST_TURNS, OCTAVES, PULSE_TABLE, PULSE_WORK
 
 DROP_TIME = 0.34
 """Time scale of a drop's force, in its diameter over its speed."""
 
-_DISSIPATIONS = 16
 _ANCHOR = 0.4  # of a drop's middle
 _END = 7.0  # of a drop's force, in its time scale: 0.1 % of its momentum would come later
 _BAND = 0.75  # of the sampling rate: pulses with the bump have nothing beyond
 _HIGHEST = 60.0  # of angular frequency times width: a contact's pulse is below -80 dB of its momentum beyond
-_PITCH = 0.02  # of that, in tables of a pulse's spectrum: lines between err by -86 dB
 _NODES, _DROP_NODES = 200, 600
 _FINE, _COARSE, _COARSER = (
     64,
@@ -47,21 +46,10 @@ class Form(NamedTuple):
     momentum: float
 
 
-Spectrum = tuple[Array, Array, Array]
-
-
 class Table(NamedTuple):
-    """A table of pulses, as PulseTable and its values."""
+    """A table of pulses, as PulseTable has it from a first value of 0 on, and its values."""
 
-    dissipations: int
-    first: list[int]
-    block: list[int]
-    phases: list[int]
-    length: list[int]
-    lead: list[int]
-    width: Array
-    middle: Array
-    momentum: Array
+    record: NDArray[np.void]
     values: NDArray[np.float32]
 
 
@@ -118,52 +106,46 @@ def is_made(exponent: float) -> bool:
 
 
 def _pulse_table(exponent: float) -> Table:
+    record = np.zeros(1, PULSE_TABLE)
+    told = record[0]
     if exponent == 0.0:
         forms = [drop_form()] * 2
         known = [forms[0][2:]] * FORMS
     else:
-        losses = MOST_LOSS * np.arange(_DISSIPATIONS) / (_DISSIPATIONS - 1)
+        losses = MOST_LOSS * np.arange(DISSIPATIONS) / (DISSIPATIONS - 1)
         forms = [contact_form(float(x / (1.0 - x)), exponent) for x in losses]
         known = [_measures(float(x / (1.0 - x)), exponent) for x in MOST_LOSS * np.arange(FORMS) / (FORMS - 1)]
+    width, middle, momentum = np.transpose(known)
+    told["width"], told["middle"], told["momentum"] = np.log(width), middle, momentum
+    told["dissipations"], told["nodes"] = len(forms), len(forms[0].times)
+    highest = 2.0 * np.pi * _BAND * LEAST * 2.0**OCTAVES if exponent == 0.0 else _HIGHEST
+    told["points"] = math.ceil(highest / PITCH)
+    for kind, form in enumerate(forms):
+        told["times"][kind, : len(form.times)] = form.times
+        told["impulses"][kind, : len(form.times)] = form.impulses
+    _lay_octaves(told, forms, exponent == 0.0)
+    values = np.empty(told["size"], np.float32)
+    work = np.empty(1, PULSE_WORK)
+    make(record.ctypes.data, values.ctypes.data, work.ctypes.data)
+    return Table(record, values)
+
+
+def _lay_octaves(told: np.void, forms: list[Form], drops: bool) -> None:
+    """Write where each octave of a table lies, and what its rows are made of."""
     before = max(-float(form.times[0]) for form in forms)
     after = max(float(form.times[-1]) for form in forms)
-    first, block, phases, length, lead, values = [], [], [], [], [], []
     place = 0
-    spectra = [_spectrum(form) for form in forms]
     for octave in range(OCTAVES):
         widest = LEAST * 2.0 ** (octave + 1)
-        lead.append(math.ceil(0.5 * BUMP + before * widest))
-        length.append(-(-(lead[-1] + math.ceil(0.5 * BUMP + after * widest) + 2) // LANES) * LANES)
-        phases.append(_FINE if widest < 1.0 or exponent == 0.0 else _COARSE if widest < 4.0 else _COARSER)
-        block.append((STEPS + 1) * (phases[-1] + 1) * length[-1])
-        first.append(place)
-        place += len(forms) * block[-1]
-        widths = LEAST * 2.0 ** (octave + np.arange(STEPS + 1) / STEPS)
-        values.append(_rows(spectra, widths, phases[-1], length[-1], lead[-1]))
-    width, middle, momentum = np.transpose(known)
-    return Table(
-        len(forms), first, block, phases, length, lead, np.log(width), middle, momentum, np.concatenate(values)
-    )  # fmt: skip
-
-
-def _rows(spectra: list[Spectrum], widths: Array, phases: int, length: int, lead: int) -> NDArray[np.float32]:
-    """Return the rows of an octave, flat: pulses with the bump about them, as Fourier series of a row's length."""
-    order = np.arange(math.ceil(_BAND * length) + 1)
-    turns = 2.0 * np.pi * order / length
-    weight = bump_spectrum(order / length) * np.where(order > 0, 2.0, 1.0) / length
-    at = (np.arange(length)[None, :] - lead - np.arange(phases + 1)[:, None] / phases).ravel()
-    cosine, sine = (f(np.outer(turns, at)).astype(np.float32) for f in (np.cos, np.sin))
-    found = []
-    for known, even, odd in spectra:
-        x = np.outer(widths, turns)
-        e, o = (np.interp(x, known, part, right=0.0) * weight for part in (even, odd))
-        found.append((e.astype(np.float32) @ cosine + o.astype(np.float32) @ sine).ravel())
-    return np.concatenate(found)
-
-
-def _spectrum(form: Form) -> Spectrum:
-    """Return angular frequencies times the width, and the even and odd part of a pulse's spectrum there."""
-    highest = 2.0 * np.pi * _BAND * LEAST * 2.0**OCTAVES if form is drop_form() else _HIGHEST
-    x = np.arange(0.0, highest, _PITCH)
-    angle = np.outer(x, form.times)
-    return x, np.cos(angle) @ form.impulses, np.sin(angle) @ form.impulses
+        lead = math.ceil(0.5 * BUMP + before * widest)
+        length = -(-(lead + math.ceil(0.5 * BUMP + after * widest) + 2) // LANES) * LANES
+        phases = _FINE if widest < 1.0 or drops else _COARSE if widest < 4.0 else _COARSER
+        order = np.arange(math.ceil(_BAND * length) + 1)
+        assert length <= MOST_LENGTH and len(order) <= MOST_ORDERS and length * phases <= MOST_TURNS
+        block = (STEPS + 1) * (phases + 1) * length
+        for name, number in (("lead", lead), ("length", length), ("phases", phases), ("block", block)):
+            told[name][octave] = number
+        told["first"][octave], told["orders"][octave] = place, len(order)
+        told["weight"][octave, : len(order)] = bump_spectrum(order / length) * np.where(order > 0, 2.0, 1.0) / length
+        place += len(forms) * block
+    told["size"] = place

@@ -2,11 +2,12 @@
 
 `python -m tests.bench.web` exports the demo and serves it as plain files, without special headers. It clicks in fresh
 profiles (nothing is cached) and again (all is), in a real AudioContext, and listens for the first sample that is not 0.
-Then it renders random scores of all gestures in worklets, and by programs in C. It fails where a bit differs from the
-render.
+It has scenes of many modes rendered in a worklet. Then it renders random scores of all gestures in worklets, and by
+programs in C. It fails where a bit differs from the render. The figures go into [exports](../../clients/export.md).
 """
 
 import argparse
+import datetime
 import hashlib
 import json
 import statistics
@@ -18,7 +19,22 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from tests.bench.machine import machine
 from tests.clients.export.pages import ENGINE, RENDER, served
+from tests.documents import study
+
+FILE = study.MEASURED / "web.json"
+
+_OBJECTS = "".join(
+    f"0 /object/new o{n} glass-plate most_modes 32 decay 100 gain -40 tune {0.05 * n:.2f}\n" for n in range(64)
+)
+_RING = "".join(f"0.01 /object/o{n}/impact 1\n" for n in range(0, 64, 2))
+_MOVE = "0.05 /object/o1/roll 0.5\n0.05 /object/o3/slide 0.3\n"
+LOADS = {
+    "64 objects of 32 modes, half of them ringing": f"{_OBJECTS}{_RING}4 /panic\n",
+    "the same, with a roll and a slide": f"{_OBJECTS}{_RING}{_MOVE}4 /panic\n",
+}
+"""Scores whose load is measured."""
 
 HEADER = 44
 """Bytes of a WAV file before its samples."""
@@ -67,14 +83,26 @@ def differing(page: Any, count: int) -> Iterator[str]:
             with served(folder) as address:
                 page.goto(f"{address}carom.d.ts")
                 found = {"browser": page.evaluate(RENDER)["digest"], "C": digest_in_c(folder)}
+        print(f"score {seed} of {count}: {'differs' if set(found.values()) != {wanted} else 'equal'}", file=sys.stderr)
         yield from (f"{seed} {where}" for where, digest in found.items() if digest != wanted)
+
+
+def load_of(page: Any, score: str) -> float:
+    """Return the share of real time that a worklet takes to render a score."""
+    with tempfile.TemporaryDirectory() as made:
+        text = Path(made) / "score.txt"
+        text.write_text(score)
+        subprocess.run([sys.executable, "-m", "carom", "export", str(text), f"{made}/out"], check=True)
+        with served(Path(made) / "out") as address:
+            page.goto(f"{address}carom.d.ts")
+            return min(float(page.evaluate(RENDER)["load"]) for _ in range(3))
 
 
 def measured(count: int, times: int) -> dict[str, Any]:
     """Return all figures; count: of random scores; times: of clicks with nothing cached, and with all."""
     from playwright.sync_api import sync_playwright
 
-    found: dict[str, Any] = {}
+    found: dict[str, Any] = {"date": datetime.date.today().isoformat(), "machine": machine()}
     with sync_playwright() as runner, tempfile.TemporaryDirectory() as made:
         browser = runner.chromium.launch(
             executable_path="/usr/bin/chromium", args=["--no-sandbox", "--autoplay-policy=no-user-gesture-required"]
@@ -99,7 +127,8 @@ def measured(count: int, times: int) -> dict[str, Any]:
             page = browser.new_page()
             page.goto(f"{address}carom.d.ts")
             told = page.evaluate(RENDER)
-            found["MB"], found["load of the demo"] = told["megabytes"], told["load"]
+            found["MB"], found["loads"] = told["megabytes"], {"the demo": told["load"]}
+        found["loads"] |= {name: load_of(page, score) for name, score in LOADS.items()}
         found["random scores"], found["that differ"] = count, list(differing(page, count))
         browser.close()
     return found
@@ -109,12 +138,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scores", type=int, default=50)
     parser.add_argument("--times", type=int, default=7)
-    parser.add_argument("--json", type=Path, help="file for the figures")
+    parser.add_argument("--json", type=Path, default=FILE, help="file for the figures (%(default)s)")
     args = parser.parse_args()
     found = measured(args.scores, args.times)
     print(json.dumps(found, indent=1))
-    if args.json:
-        args.json.write_text(json.dumps(found, indent=1) + "\n")
+    args.json.write_text(json.dumps(found, indent=1) + "\n")
     return 1 if found["that differ"] else 0
 
 

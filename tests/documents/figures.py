@@ -16,6 +16,7 @@ from tests.documents.markdown import table
 
 BENCH = study.MEASURED / "bench.json"
 SPACE = study.MEASURED / "space.json"
+WEB = study.MEASURED / "web.json"
 COMPILING = study.MEASURED / "compiling.json"
 
 
@@ -134,6 +135,24 @@ def space() -> str:
     rows = [(name, f"{100 * cost:.1f}") for name, cost in measured["costs"].items()]
     head = "200 objects of 32 modes that ring, 48 kHz, two channels", "% of a core"
     return f"{_machine(measured)}\n\n{table(head, rows)}"
+
+
+def web() -> str:
+    """Return the sizes and times of exported pages."""
+    if not WEB.exists():
+        return "Not measured yet: `python -m tests.bench.web` writes this table."
+    found = json.loads(WEB.read_text(encoding="utf-8"))
+    rows = [
+        ("the demo's files, kB", f"{found['kB in all']:.0f}"),
+        ("of these the engine", f"{found['kB']['carom.wasm.lzma']:.0f}"),
+        ("memory, MB", f"{found['MB']:.0f}"),
+        ("from the click to the first sound, nothing cached, s", f"{found['first sound ms, cold'] / 1e3:.2f}"),
+        ("the same, all cached", f"{found['first sound ms, warm'] / 1e3:.2f}"),
+        *((f"share of the worklet's time: {name}, %", f"{100 * load:.0f}") for name, load in found["loads"].items()),
+    ]
+    count, wrong = found["random scores"], len({each.split()[0] for each in found["that differ"]})
+    told = f"{count - wrong} of {count} random scores of all gestures sound as their render, to the bit, in both."
+    return f"{_machine(found | {'quick': False})}\n\n{table(('', ''), rows)}\n\n{told}"
 
 
 def speed() -> str:

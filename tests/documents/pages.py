@@ -34,6 +34,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "accuracy": figures.accuracy,
     "speed": figures.speed,
     "space": figures.space,
+    "exports": figures.web,
     "compile time": figures.compiling,
     "edits": figures.edits,
     "failures": figures.failures,

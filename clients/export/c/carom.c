@@ -10,8 +10,9 @@
 
 enum { HEAD = 12, LINE = 64, BLOCK = 4096 };
 
-/* The engine: one function over its memory. */
+/* The engine: one function over its memory, and one that makes the tables of swarms in it. */
 int carom_engine_callback(void *input, void *out, int64_t frames, void *times, int64_t flags, void *state);
+void carom_engine_make_pulses(void *state, int64_t number);
 
 int64_t whole_at(const carom *scene, int64_t place) {
     return __atomic_load_n((const int64_t *)(const void *)(scene->state + place), __ATOMIC_ACQUIRE);
@@ -159,6 +160,9 @@ void carom_load(carom *scene, int live) {
     float silence[64 * 8];
     memset(scene->state, 0, (size_t)scene->state_size);
     put_runs(scene, (int64_t)number_of(scene->map, "start"));
+    int64_t table = 0;
+    for (const value *each = item(scene->map, "pulses")->first; each; each = each->next)
+        carom_engine_make_pulses(scene->state, table++);
     scene->next = 0;
     scene->live = live;
     scene->computed = scene->inbox_written = scene->inbox_read = 0;

@@ -144,6 +144,7 @@ static void find_radius(carom *scene, begun *to, double radius, int moves, int c
 static void write_values(carom *scene, command *made, const begun *to) {
     const value *sound = item(to->striker, is_true(to->gesture, "slips") ? "held" : "sound");
     int is_point = !is_given(to, "striker") && is_given(to, "mass") && is_given(to, "stiffness");
+    int is_silent = to->by || is_point || is_true(to->gesture, "drops");
     static const value in_db = {TEXT, "unit", "dB", 0.0, NULL, NULL};
     const value gain = {MAP, NULL, NULL, 0.0, (value *)&in_db, NULL};
     double by_position = to->by ? number_of(to->by->preset, "position") : 0.0;
@@ -151,8 +152,8 @@ static void write_values(carom *scene, command *made, const begun *to) {
         const char *name;
         double number;
     } more[] = {
-        {"sound", to->by || is_point ? 0.0 : item_at(sound, 0)->number},
-        {"sound_serial", to->by || is_point ? 0.0 : item_at(sound, 1)->number},
+        {"sound", is_silent ? 0.0 : item_at(sound, 0)->number},
+        {"sound_serial", is_silent ? 0.0 : item_at(sound, 1)->number},
         {"mass", to->mass},
         {"stiffness", to->stiffness},
         {"dissipation", to->dissipation},
@@ -183,6 +184,19 @@ static void write_along(carom *scene, command *made, const begun *to) {
         if (!strncmp(each->key, "surface.", 8)) set(scene, made, each->key, item_at(profile, place++)->number);
 }
 
+/* Find the table of a swarm's blows. */
+static void find_pulses(carom *scene, begun *to) {
+    double exponent = is_true(to->gesture, "drops") ? 0.0 : to->exponent;
+    if (to->by) refuse(scene, "by = %.80s: many small ones hit it; expected a striker", to->by->name);
+    for (const value *each = part(scene, "pulses")->first; each; each = each->next) {
+        if (item_at(each, 0)->number != exponent) continue;
+        put(scene, &to->motion, "pulses", item_at(each, 1)->number);
+        return;
+    }
+    refuse(scene, "exponent = %g: expected a swarm of that in the scene's score, as it has tables for its own alone",
+           exponent);
+}
+
 /* Begin a gesture, or steer the one along a surface that goes on with its id. */
 void gesture(carom *scene, const call *told, const object *of) {
     begun to = {.of = of, .preset = of->preset, .gesture = item(part(scene, "gestures"), told->action)};
@@ -200,7 +214,8 @@ void gesture(carom *scene, const call *told, const object *of) {
     find_motion(scene, &to);
     const char *moving = is_true(to.gesture, "falls") ? "velocity" : text_of(to.gesture, "argument");
     int moves = entry(&to.motion, moving)->number > 0.0;
-    if (!moves && !is_true(to.gesture, "held") && !along) return;
+    if (!moves && !is_true(to.gesture, "lasts")) return;
+    if (is_true(to.gesture, "swarms")) find_pulses(scene, &to);
 
     char own[LONGEST_NAME] = "";
     const named *given = entry(&to.given, "id");

@@ -205,7 +205,8 @@ export class Messages {
     if (gesture.held) motion.velocity = APPROACH;
     if (gesture.falls) this.fall(motion, value);
     const moves = motion[gesture.falls ? "velocity" : gesture.argument] > 0;
-    if (!moves && !gesture.held && !gesture.along) return undefined;
+    if (!moves && !gesture.lasts) return undefined;
+    if (gesture.swarms) motion.pulses = this.pulses(gesture, law, given);
     const id = given.id ?? (gesture.along ? target : gesture.single ? undefined : `${target}-${++this.made}`);
     const goesOn = gesture.along && this.goesOn(id, `${target}/${action}`);
     if (gesture.slips) this.slip(motion, to, byMaterials ? { ...this.map.dry, radius } : striker.sliding, law, target);
@@ -221,7 +222,7 @@ export class Messages {
     const number = id === undefined ? 0 : this.start(id, `${target}/${action}`);
     if (gesture.seeded) motion.seed = given.seed ?? number;
     const isPoint = !("striker" in given) && "mass" in given && "stiffness" in given;
-    const [sound, serial] = by || isPoint ? [0, 0] : gesture.slips ? striker.held : striker.sound;
+    const [sound, serial] = by || isPoint || gesture.drops ? [0, 0] : gesture.slips ? striker.held : striker.sound;
     const values = {
       ...gesture.values, ...motion, sound, sound_serial: serial, ...law,
       position: given.position ?? preset.position, gain: inEngine({ unit: "dB" }, value("gain")),
@@ -233,6 +234,14 @@ export class Messages {
     if (gesture.along) this.along(command, gesture, given, surface);
     this.send(command);
     return id;
+  }
+
+  /** The number of the table of a swarm's blows. */
+  pulses(gesture, law, given) {
+    if (given.by !== undefined) refuse(`by = ${given.by}: many small ones hit it; expected a striker`);
+    const exponent = gesture.drops ? 0 : law.exponent;
+    const table = this.map.pulses.find(([each]) => each === exponent);
+    return table?.[1] ?? refuse(`exponent = ${exponent}: expected a swarm of that in the scene's score, as it has tables for its own alone`);
   }
 
   along(command, gesture, given, { profile }) {

@@ -32,6 +32,7 @@ export class Scene {
     const { map, base } = this;
     this.bytes.fill(0, base, base + map.state.size);
     this.runs(map.start);
+    map.pulses.forEach((_, number) => this.engine.make_pulses(base, BigInt(number)));
     this.next = 0;
     this.live = live;
     this.messages.begin();

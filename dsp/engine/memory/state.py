@@ -386,7 +386,6 @@ class State(Record):
     free_roll: Annotated[View[int], ROLLS]  # stack
     rests_placed: int  # rests and presses that have the place of a roll
     swarms: Annotated[View[Swarm], SWARMS]
-    pulses: Pulses  # the tables of their blows
     strikers: Annotated[View[Striker], STRIKERS]  # kinds that sound
     voices: Annotated[View[Voice], VOICES]
     free_voice: Annotated[View[int], VOICES]  # stack
@@ -409,6 +408,9 @@ class State(Record):
     notes: NoteRing  # what became of commands, for a log
     trace: TraceRing  # forces of contacts
     ends: EndRing  # gestures that ended, and how: an End
+    pulses: (
+        Pulses  # the tables of swarms' blows: last, so that an exported scene without swarms takes no memory for them
+    )
 
 
 STATE = dtype_of(State)

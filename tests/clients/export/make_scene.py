@@ -32,7 +32,9 @@ OBJECTS = ("church-bell", "marimba-bar", "glass-plate", "tom", "guitar-string", 
 
 STRIKERS = ("wood", "steel", "coin", "felt", "glass-marble", "fingertip")
 SURFACES = ("wood", "slate", "glass")
-PLAYED = [name for name, each in GESTURES.items() if not each.what and not each.swarms]
+ONE_LAW = ("wood", "steel", "coin", "glass-marble")
+"""Strikers of swarms: a scene has tables for the exponents of its own swarms, and room for two and for drops."""
+PLAYED = [name for name, each in GESTURES.items() if not each.what and not each.breaks]
 """The gestures that a page can begin."""
 SECONDS = 1.6
 MESSAGES = 400
@@ -55,9 +57,11 @@ def gesture(chance: random.Random, name: str, target: str, others: list[str]) ->
             args += [key.name, number(chance, key)]
     if not declared.along and "dissipation" not in args and chance.random() < 0.1:
         args += ["restitution", chance.uniform(0.2, 0.95)]
-    if chance.random() < 0.6:
-        args += ["striker", chance.choice(STRIKERS)]
-    if chance.random() < 0.2:
+    if declared.swarms and "exponent" in args:
+        del args[(place := args.index("exponent")) : place + 2]
+    if declared.swarms or chance.random() < 0.6:
+        args += ["striker", chance.choice(ONE_LAW if declared.swarms else STRIKERS)]
+    if not declared.swarms and chance.random() < 0.2:
         args += ["by", chance.choice([each for each in others if each != target])]
     if declared.along and chance.random() < 0.7:
         args += ["surface", chance.choice(SURFACES)]
@@ -100,6 +104,7 @@ def score(seed: int) -> str:
                 (chance.uniform(0.5, 1.2), Message(f"/object/{target}/tune", (chance.uniform(-3, 3), "over", 0.3)))
             )
     lines.append((0.5, Message("/object/tom/rest", ("felt", "load", 3.0))))
+    lines.append((1.1, Message("/object/glass_plate/shatter", (2.0, "onto", "tom", "striker", "glass-marble"))))
     lines.append((1.4, Message("/panic")))
     return "".join(f"{format_line(time, message)}\n" for time, message in sorted(lines, key=lambda line: line[0]))
 

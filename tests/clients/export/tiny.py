@@ -7,6 +7,7 @@ heard.
 """
 
 import math
+from ctypes import c_int64, c_void_p
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from carom.dsp.engine.memory.state import END_RESTED, ENDED, RING, STATE, Bank, 
 from carom.dsp.native.jit import c_function, carray, kernel, noinline_kernel, simd_kernel
 from carom.dsp.native.typed import View
 from carom.dsp.runtime.signature import SIGNATURE
+from carom.dsp.swarm.making import make_values
 
 
 @simd_kernel
@@ -23,6 +25,15 @@ def _sum_of(bank: Bank, first: int, size: int) -> float:
     total = 0.0
     for i in range(first, first + size):
         total += bank.weight[i] * bank.frequency[i] + bank.sigma[i]
+    return total
+
+
+@kernel
+def _sum_of_pulses(values: View[float], first: int, size: int) -> float:
+    """Return a sum over values of a table of pulses."""
+    total = 0.0
+    for i in range(first, first + size):
+        total += values[i] * (i % 7)
     return total
 
 
@@ -42,6 +53,9 @@ def _take(state: State, event: Event) -> float:
         told += _sum_of(state.bank, event.layout.first, event.layout.size) + event.settings.pan
     elif event.kind == KIND_GESTURE:
         told += event.values.velocity + event.values.stiffness + event.values.position
+        if event.values.pulses > 0.0:
+            table = state.pulses.tables[int(event.values.pulses) - 1]
+            told += table.width[1] + _sum_of_pulses(state.pulses.values, table.first[3], table.block[3])
         state.ends.entries[state.ends.written[0] % ENDED, 0] = event.gesture
         state.ends.entries[state.ends.written[0] % ENDED, 1] = END_RESTED
         state.ends.written[0] += 1
@@ -71,3 +85,11 @@ def callback(_input: int, output: int, frames: int, _times: int, _flags: int, us
         out[n] = state.stats.load * math.cos(0.01 * (state.position * state.output.channels + n))
     state.position += frames
     return 0
+
+
+@c_function(None, c_void_p, c_int64)
+def make_pulses(userdata: int, number: int) -> None:
+    """Make the values of a table of pulses, as Carom's function does."""
+    state: State = carray(userdata, (1,), STATE)[0]
+    table = state.pulses.tables[number]
+    make_values(table, state.pulses.values[table.first[0] : table.first[0] + table.size], state.pulses.work)
