@@ -42,8 +42,8 @@ class Sizes(NamedTuple):
     """Plates at once whose modes can be coupled."""
     sheet_tables: int = 4_194_304
     """Values of float32 in the tables of all plates' grids: those of 30 different plates of 500 modes."""
-    pulse_values: int = 25_165_824
-    """Values of float32 in the tables of all swarms' pulses: those of four families."""
+    pulse_values: int = 54_525_952
+    """Values of float32 in the tables of all swarms' pulses: those of drops and of seven exponents up to 2.5."""
     lines: int = 256
     """Objects that can be in space at once."""
     sensors: int = 32

@@ -7,7 +7,7 @@ same bits, without knowing what they mean.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -86,6 +86,10 @@ class _Kept(Engine):
     def pulse_words(self) -> Words:
         """The tables of pulses as words, without their values, which engines make of them."""
         return np.frombuffer(self.state, np.uint64, PULSE_TABLES // _WORD, PULSES)
+
+    def lay_out_pulses(self, exponent: float, kept: Collection[float] = ()) -> dict[str, float]:
+        """Make a table of pulses as every engine does; none makes room for another, as all of them are baked."""
+        return super().lay_out_pulses(exponent, {*kept, *self.pulses.numbers})
 
     def look(self) -> None:
         """Look at the memory before something is written into it."""

@@ -120,8 +120,8 @@ def _state(engine: Engine) -> dict[str, Any]:
         **{name: f"bank.{name}" for name in ("frequency", "sigma", "weight", "balance")},
     }  # fmt: skip
     places = {name: _offset(path) for name, path in paths.items()}
-    used = PULSE_VALUES + engine.pulses.taken * np.dtype(np.float32).itemsize
-    size = -(-(used if engine.pulses.taken else PULSES) // 8) * 8
+    used = PULSE_VALUES + engine.pulses.reached * np.dtype(np.float32).itemsize
+    size = -(-(used if engine.pulses.reached else PULSES) // 8) * 8
     sizes = {"size": size, "ring": RING, "events": EVENTS, "most_ended": ENDED}
     objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
     return {**places, **sizes, "modes": bank["frequency"].shape[0], "objects": objects.shape[0]}

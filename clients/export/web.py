@@ -40,6 +40,6 @@ def without(baked: Baked) -> list[str]:
         "space": bool(kinds & {Kind.POSE, Kind.LISTEN, Kind.FURNISH}),
         "sensors": Kind.MOUNT in kinds,
         "plates that stretch": any(obj.handle.sheet >= 0 for obj in baked.objects.values()),
-        "swarms": baked.engine.pulses.taken > 0,
+        "swarms": baked.engine.pulses.reached > 0,
     }
     return [kernels for room, names in _ROOMS.items() if not has[room] for kernels in names]

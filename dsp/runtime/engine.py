@@ -1,6 +1,6 @@
 """The engine from Python: it checks, lays out memory and sends commands; the compiled callback does the rest."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -260,6 +260,7 @@ class Engine:
     def send(self, commands: Sequence[Command]) -> None:
         """Send commands all at once, or EngineFull and none of them."""
         self.ring.send(commands)
+        self.pulses.count(commands)
 
     def ended(self) -> list[tuple[int, End]]:
         """Return the gestures (by number) that have ended since the last call, and how: one for each that was sent."""
@@ -373,12 +374,13 @@ class Engine:
         """True if `lay_out_pulses` has to make a table first, which takes a second."""
         return self.pulses.lacks(exponent)
 
-    def lay_out_pulses(self, exponent: float) -> dict[str, float]:
+    def lay_out_pulses(self, exponent: float, kept: Collection[float] = ()) -> dict[str, float]:
         """Make the table of the pulses of a contact law's exponent, 0 for drops, unless there is one.
 
+        It may take the place of one that no swarm needs: commands that were sent count, and exponents in `kept`.
         Returns the value `pulses`, which the commands of swarms take. EngineFull if there is no room.
         """
-        return self.pulses.lay_out(exponent)
+        return self.pulses.lay_out(exponent, kept)
 
     def leave(self, handle: Handle) -> None:
         """Remember that an object was told to go; its place is used again once the engine has given it up."""

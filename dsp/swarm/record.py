@@ -16,7 +16,7 @@ SIZES = 12
 """Sizes of grains that sound each by itself, where they differ."""
 KNOTS = 16
 """Changes of a swarm that are kept until its blows have come so far."""
-PULSES = 4
+PULSES = 8
 """Contact laws by their exponents, and drops, whose pulses have tables at once."""
 OCTAVES = 12
 """Octaves of a pulse's width that a table has."""
@@ -85,6 +85,7 @@ class Pulses(Record):
     """The tables of pulses."""
 
     tables: Annotated[View[PulseTable], PULSES]
+    left: Annotated[View[int], PULSES]  # swarms that have had a table and don't need it any more
     work: PulseWork
     values: Annotated[View[f32], TABLE]
 

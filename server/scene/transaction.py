@@ -79,6 +79,8 @@ class Transaction:
     tables: Collection[float] | None = None
     """Exponents of the tables of pulses that were made beside; None where each is made when it is asked for."""
     _compared: int = 0
+    _exponents: set[float] = field(default_factory=set)
+    """Exponents of which its commands take the tables of pulses."""
     _undo: list[Callable[[], object]] = field(default_factory=list)
 
     def add(self, command: Command, sent: Sent) -> None:
@@ -98,7 +100,8 @@ class Transaction:
         is to be made beside."""
         if self.tables is not None and exponent not in self.tables and self.engine.lacks_pulses(exponent):
             raise NotMade(exponent)
-        return self.engine.lay_out_pulses(exponent)
+        self._exponents.add(exponent)
+        return self.engine.lay_out_pulses(exponent, self._exponents)
 
     @contextmanager
     def has_made(self, call: Call, made: "Made") -> Iterator[None]:

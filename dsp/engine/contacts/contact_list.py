@@ -8,6 +8,7 @@ from ...native.atomics import store_release
 from ...native.jit import kernel
 from ...numerics.random import STEP, mixed
 from ..bodies.strikers import release_voice
+from ..memory.commands import Event
 from ..memory.records import Contact
 from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, Object, State
 
@@ -117,6 +118,21 @@ def report_end(state: State, gesture: int, end: int) -> None:
 
 
 @kernel
+def refuse_gesture(state: State, event: Event, end: int) -> None:
+    """Report what became of a gesture that never begins."""
+    report_end(state, event.gesture, end)
+    if event.values.pulses > 0.0:
+        _leave_table(state, int(event.values.pulses) - 1)
+
+
+@kernel
+def _leave_table(state: State, number: int) -> None:
+    """Tell Python that a swarm needs its table of pulses no more."""
+    left = state.pulses.left
+    store_release(left, number, left[number] + 1)
+
+
+@kernel
 def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     """Take a contact, which follows `before` (-1: the first), out of its object's list and free its place."""
     contact = state.contacts[index]
@@ -135,7 +151,9 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
         stats.rolls_active -= 1
         state.free_roll[places_left(state) - 1] = contact.roll
     elif contact.trait.swarms > 0:
-        state.swarms[contact.swarm].used = 0
+        swarm = state.swarms[contact.swarm]
+        swarm.used = 0
+        _leave_table(state, swarm.table)
     else:
         give_place_back(state, contact)
 

@@ -4,7 +4,7 @@ from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel, noinline_kernel
 from ..bodies.objects import set_of
 from ..bodies.sensing import mount
-from ..contacts.contact_list import report_end
+from ..contacts.contact_list import refuse_gesture
 from ..memory.channels import ask_gains
 from ..memory.clock import sample_at
 from ..memory.commands import (
@@ -99,7 +99,7 @@ def take_due(state: State) -> int:
         if not ignored:
             return index
         if event.kind == KIND_GESTURE:
-            report_end(state, event.gesture, END_GONE)
+            refuse_gesture(state, event, END_GONE)
     return -1
 
 
@@ -315,7 +315,7 @@ def _panic(state: State, order: int) -> None:
         else:
             _note(state, event.number, -1.0)
             if event.kind == KIND_GESTURE:
-                report_end(state, event.gesture, END_GONE)
+                refuse_gesture(state, event, END_GONE)
     queue.size = kept
     order_heap(queue)
     state.ramps.count = 0

@@ -14,7 +14,7 @@ from ...schema_records import VALUES, Values
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
 from ..bodies.surface import put_at
-from ..contacts.contact_list import append_contact, has_place, places_left, report_end, schedule_contact
+from ..contacts.contact_list import append_contact, has_place, places_left, refuse_gesture, schedule_contact
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
 from ..contacts.slides import begin_slide
@@ -41,13 +41,13 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
     trait = state.traits[event.what]
     stats = state.stats
     if trait.along == 1 and steer_existing(state, event):
-        report_end(state, event.gesture, END_JOINED)
+        refuse_gesture(state, event, END_JOINED)
     elif max(field(event.values, _SIZES[event.what]), event.values.sweep) < _SLOWEST and trait.swarms == 0:
-        report_end(state, event.gesture, END_RESTED)
+        refuse_gesture(state, event, END_RESTED)
     elif not _has_room(state, event):
         stats.impacts += 1
         stats.contacts_dropped += 1
-        report_end(state, event.gesture, END_NO_ROOM)
+        refuse_gesture(state, event, END_NO_ROOM)
     else:
         index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
         stats.contacts_active += 1

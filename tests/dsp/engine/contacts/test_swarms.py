@@ -9,9 +9,12 @@ from carom.dsp.bodies import listed
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM, End
 from carom.dsp.resonator.mode import mode_energy
-from carom.dsp.runtime.engine import Engine
-from carom.dsp.swarm.record import SWARMS
-from tests.dsp.engine.support import RATE, gesture, impact, steer, stop
+from carom.dsp.runtime import pulses
+from carom.dsp.runtime.arena import EngineFull
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.swarm.record import PULSES, SWARMS
+from carom.dsp.swarm.tables import pulse_table
+from tests.dsp.engine.support import RATE, free, gesture, impact, panic, steer, stop
 
 GRAIN = (1e-4, 3e8, 0.3, 1.5)
 """m, k, mu, a of a grain of 0.1 g: 20 µs at 1 m/s."""
@@ -205,6 +208,74 @@ def test_there_is_room_for_so_many_swarms_and_no_more():
     engine.send([gesture("shake", handle, GRAIN, 0.0, n + 1, **pulses, **SHAKE) for n in range(SWARMS + 1)])
     assert np.abs(engine.process(4800)).max() > 0.0
     assert engine.ended() == [(SWARMS + 1, End.NO_ROOM)]
+
+
+EXPONENTS = [1.0 + 0.1 * n for n in range(PULSES + 1)]
+
+
+@pytest.fixture
+def tables(monkeypatch):
+    """Tables of pulses that are made at once: all are those of one exponent."""
+    monkeypatch.setattr(pulses, "pulse_table", lambda exponent: pulse_table(GRAIN[3]))
+
+
+def shaken(engine, handle, exponent, time=NOW, number=0):
+    """Return the command of a shake whose table is laid out."""
+    values = {**SHAKE, "spread": 1.0, **engine.lay_out_pulses(exponent)}
+    return gesture("shake", handle, (*GRAIN[:3], exponent), time, number, **values)
+
+
+FATES = {
+    "stopped": lambda handle: [stop(n + 1) for n in range(PULSES)],
+    "freed at once": lambda handle: [free(handle, True)],
+    "panic as they go on": lambda handle: [panic()],
+    "panic as they wait": lambda handle: [panic()],
+    "object is gone": lambda handle: [],
+    "no room": lambda handle: [],
+}
+"""The commands that end swarms on an object, by the name of their fate."""
+
+
+@pytest.mark.parametrize("fate", FATES)
+def test_swarms_that_are_over_leave_the_places_of_their_tables_to_others(fate, tables):
+    engine = Engine(RATE)
+    handle, crowded = engine.add(plate(4), 1.0), fate == "no room"
+    if fate == "object is gone":
+        engine.send([free(handle, True)])
+    others = [shaken(engine, handle, EXPONENTS[0], NOW, 100 + n) for n in range(SWARMS) if crowded]
+    time = 1e6 if "wait" in fate else NOW
+    engine.send([*others, *(shaken(engine, handle, each, time, n + 1) for n, each in enumerate(EXPONENTS[:PULSES]))])
+    with pytest.raises(EngineFull, match=r"exponent 1.8: others, of 1, of 1.1, .* go on or wait"):
+        engine.lay_out_pulses(EXPONENTS[PULSES])
+    engine.process(64)
+    engine.send(FATES[fate](handle))
+    engine.process(24_000)
+    ended = [number for number, _ in engine.ended() if number <= PULSES]
+    assert sorted(ended) == list(range(1, PULSES + 1))
+    free_again = [2.0 + 0.1 * n for n in range(PULSES - crowded)]
+    engine.send([shaken(engine, handle, exponent, 1e9) for exponent in free_again])
+    with pytest.raises(EngineFull):
+        engine.lay_out_pulses(EXPONENTS[PULSES])
+
+
+def test_a_table_stays_while_a_swarm_goes_on_or_waits_or_is_to_be_sent(tables):
+    alone, _ = swarmed("shake", SHAKE, seconds=0.3)
+    engine = Engine(RATE)
+    handle = engine.add(plate(), 1.0)
+    engine.send([shaken(engine, handle, GRAIN[3], 0.0, 7)])
+    sound = [engine.process(4_800)]
+    engine.send([shaken(engine, handle, 3.0, 1e9, 8)])
+    laid = [engine.lay_out_pulses(exponent)["pulses"] for exponent in (GRAIN[3], 3.0)]
+    for exponent in EXPONENTS:
+        if exponent != GRAIN[3]:
+            assert engine.lay_out_pulses(exponent)["pulses"] not in laid
+    assert [engine.lay_out_pulses(exponent)["pulses"] for exponent in (GRAIN[3], 3.0)] == laid
+    kept = [3.1 + 0.1 * n for n in range(PULSES - 2)]
+    assert len({engine.lay_out_pulses(exponent, kept)["pulses"] for exponent in kept} | {*laid}) == PULSES
+    with pytest.raises(EngineFull):
+        engine.lay_out_pulses(3.9, kept)
+    sound.append(engine.process(9_600))
+    assert np.array_equal(np.concatenate(sound)[:, 0].astype(float), alone)
 
 
 def test_heavy_grains_are_contacts_of_their_own():
