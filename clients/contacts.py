@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,8 @@ class Drive:
     @property
     def stays(self) -> bool:
         """True if it acts at one place with one gain, and nothing rubs."""
-        return not len(self.friction) and np.ptp(self.position) == np.ptp(self.gain) == 0.0
+        same = (self.position == self.position[:1]).all() and (self.gain == self.gain[:1]).all()
+        return not len(self.friction) and bool(same)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,17 +103,20 @@ def assemble(
     trace: (n,) of TRACE, of the sound that begins at the sample `start` of a scene; rate: Hz; striking: what a command
     (by number) said.
     """
-    order = np.argsort(trace["contact"], kind="stable")
-    places = np.flatnonzero(np.diff(trace["contact"][order])) + 1
-    runs = [run for run in np.split(trace[order], places) if len(run)]
+    numbers = trace["contact"]
+    if (numbers[1:] < numbers[:-1]).any():
+        order = np.argsort(numbers, kind="stable")
+        trace, numbers = trace[order], numbers[order]
+    begins = [0, *(np.flatnonzero(numbers[1:] != numbers[:-1]) + 1).tolist(), len(trace)]
+    runs = [trace[begin:end] for begin, end in pairwise(begins) if begin < end]
     contacts = [_contact(run, rate, start, striking(int(run["command"][0]))) for run in runs]
     return tuple(sorted(contacts, key=lambda contact: contact.start))
 
 
 def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking) -> Contact:
-    pushed = run[run["kind"] == PUSHED]
-    if not len(pushed):  # friction alone, or a second pulse
-        pushed = run
+    pushes = run["kind"] == PUSHED
+    presses = bool(pushes.any())
+    pushed = run[pushes] if presses and not pushes.all() else run  # else friction alone, or a second pulse
     first = int(pushed["sample"][0])
     drive = _drive(run, pushed, rate, start)
     return Contact(
@@ -122,7 +127,7 @@ def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking)
         speed=float(pushed["speed"][0]),
         velocity=float(pushed["velocity"][0]),
         mass=striking.mass,
-        impulse=float(pushed["impulse"].sum()) if (pushed["kind"] == PUSHED).all() else 0.0,
+        impulse=float(pushed["impulse"].sum()) if presses else 0.0,
         first=first + 1 - start,
         force=drive.moments[:, 0],
         drive=drive,
@@ -133,15 +138,16 @@ def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking)
 def _drive(run: NDArray[np.void], pushed: NDArray[np.void], rate: float, start: int) -> Drive:
     """Return the force of a contact; entries that lack are samples without one, where nothing else changes."""
     first = int(pushed["sample"][0])
-    kinds = run["kind"]
-    rubbed, snapped = run[kinds == RUBBED], run[kinds == SNAPPED]
+    rubbed, snapped, pressing = run[:0], run[:0], pushed
+    if ((kinds := run["kind"]) != PUSHED).any():
+        rubbed, snapped, pressing = run[kinds == RUBBED], run[kinds == SNAPPED], pushed[pushed["kind"] == PUSHED]
     size = max(int(each["sample"][-1]) for each in (pushed, rubbed) if len(each)) - first + 1
-    pressing = pushed if len(pushed) == len(run) else pushed[pushed["kind"] == PUSHED]
     at = pressing["sample"] - first
     moments = np.zeros((size, TRACED_MOMENTS))
     np.add.at(moments[:, 0], at, pressing["impulse"] * rate)
     np.add.at(moments[:, 1:], at, pressing["moments"] * rate)
-    known = next(iter(pushed[pushed["sound"] >= 0][:1]), None)
+    sounds = pushed["sound"] >= 0
+    known = pushed[int(sounds.argmax())] if sounds.any() else None
     return Drive(
         moments,
         _between(at, pressing["gain"], size, 1.0),

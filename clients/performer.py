@@ -218,9 +218,9 @@ class Performer:
             return trace
         if len(self._trace):
             trace = np.concatenate([self._trace, trace])
-        beyond = trace["sample"] + 1 >= end  # a force reaches the frame with which its sample ends
+        beyond = trace["sample"] >= end - 1  # a force reaches the frame with which its sample ends
         self._trace = trace[beyond]
-        return trace[~beyond]
+        return trace[~beyond] if len(self._trace) else trace
 
     def striking(self, command: int) -> Striking:
         """Return the names in a command for its contacts."""

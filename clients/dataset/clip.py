@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -70,20 +71,18 @@ def row_of(clip: Clip) -> dict[str, Any]:
 
 
 def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
-    options = Options(recipe.rate, calibrated=True, channels=recipe.channels)
+    options = _options(recipe.rate, recipe.channels)
     performer = Performer(options, (), presets, stems=False, contacts=True, steers_ended=True, amplified=AMPLIFIED)
-    performer.perform(options.head, None)
     followed = Followed()
     pressure, sensed, contacts = _played(recipe, item, performer, followed)
-    peak = float(np.abs(pressure).max())
+    peak = float(max(pressure.max(), -pressure.min()))
     full_scale = recipe.full_scale or whole_of(peak)
     if not peak <= full_scale:
         raise ItemError(
             f"item {item.number}: its peak is {peak:.4g} Pa: expected at most full_scale = {full_scale:g} Pa "
             f"({_said(item)})"
         )
-    whole = pressure.astype(np.float64)  # at once: numpy's functions of two types convert piece by piece, which is slow
-    truth = _about(recipe, item, peak, full_scale, whole)
+    truth = _about(recipe, item, peak, full_scale, pressure)
     touched = {name: _touched(item, name, contacts) for name in performer.scene.objects}
     told = (
         about_object(performer, recipe.rate, recipe.frames, name, at, _moves(name, at, contacts), followed)
@@ -98,9 +97,14 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     forces = [np.zeros((0, TRACED_MOMENTS)), *(contact.drive.moments for contact in contacts)]
     paths = [np.zeros((0, PATH)), *(path_of(contact.drive) for contact in contacts)]
     return Clip(
-        quantized(whole, full_scale, recipe.samples), truth,
+        quantized(pressure, full_scale, recipe.samples), truth,
         np.concatenate(forces).astype(np.float32), np.concatenate(paths).astype(np.float32), sensed,
     )  # fmt: skip
+
+
+@cache
+def _options(rate: int, channels: int) -> Options:
+    return Options(rate, calibrated=True, channels=channels)
 
 
 def _moves(name: str, position: float | None, contacts: tuple[Contact, ...]) -> bool:
@@ -108,7 +112,7 @@ def _moves(name: str, position: float | None, contacts: tuple[Contact, ...]) -> 
     own = [each for each in contacts if each.object == name]
     others = [each.by_position for each in contacts if each.striker == name]
     return any(at != position for at in [each.position for each in own] + others) or not all(
-        np.ptp(each.drive.position) == 0.0 for each in own
+        (each.drive.position == each.position).all() for each in own
     )
 
 
@@ -145,9 +149,14 @@ def _played(
     """
     pieces, traces = [], []
     follows = item.gesture not in _PLAIN
+    lines = lines_of(recipe, item)
+    head = _options(recipe.rate, recipe.channels).head
+    if not lines or lines[0].time > 0.0:
+        performer.perform(head, None)
+        head = []
     longest = QUANTUM if follows else _PIECE
     done = 0
-    for line in [*lines_of(recipe, item), None]:
+    for line in [*lines, None]:
         due = _due(recipe, item, line) if line else recipe.frames
         while done < min(due, recipe.frames):
             end = min(done + longest, due, recipe.frames)
@@ -158,7 +167,8 @@ def _played(
             done = end
         if line:
             try:
-                performer.perform([line.message], line.time)
+                performer.perform([*head, line.message], line.time)
+                head = []
             except CommandError as error:
                 raise CommandError(f"{line.where}: {error}" if line.where else str(error)) from None
     trace = np.concatenate([*filter(len, traces)] or traces)
@@ -207,9 +217,10 @@ def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | No
     return max(hits, key=lambda contact: contact.impulse).position if hits else None
 
 
-def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure: NDArray[np.float64]) -> Truth:
+def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure: NDArray[np.float32]) -> Truth:
     """Describe an item, and its loudness. exposure: Pa^2 s, of each channel."""
     paired = {"pair": item.pair, "differs": item.differs} if item.pair >= 0 else {}
+    whole = pressure.astype(np.float64)  # at once: numpy's functions of two types convert piece by piece, which is slow
     return {
         "item": item.number,
         "seed": item.seed,
@@ -222,5 +233,5 @@ def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure:
         "frames": recipe.frames,
         "full_scale": full_scale,
         "peak": peak,
-        "exposure": (np.square(pressure).sum(axis=0) / recipe.rate).tolist(),
+        "exposure": (np.square(whole, out=whole).sum(axis=0) / recipe.rate).tolist(),
     }

@@ -96,11 +96,19 @@ def _sobol(recipe: Recipe, numbers: range) -> NDArray[np.float64]:
     The shift keeps the evenness of any 2^m points in a row that begin at a multiple of 2^m.
     """
     count = len(recipe.factors)
-    shift = _shift(recipe.seed, count)
     blocks = range(numbers.start // _BLOCK, -(-numbers.stop // _BLOCK))
-    points = np.concatenate([_sobol_block(count, block) for block in blocks])
+    parts = [_shifted_block(recipe.seed, count, block) for block in blocks]
+    points = parts[0] if len(parts) == 1 else np.concatenate(parts)
     first = blocks.start * _BLOCK
-    return np.asarray(((points[numbers.start - first : numbers.stop - first] ^ shift) + 0.5) / 2**_BITS)
+    return points[numbers.start - first : numbers.stop - first]
+
+
+@lru_cache(maxsize=16)
+def _shifted_block(seed: int, count: int, block: int) -> NDArray[np.float64]:
+    """Return the points of a block, (_BLOCK, count), moved by the shift of a seed; read-only."""
+    points: NDArray[np.float64] = ((_sobol_block(count, block) ^ _shift(seed, count)) + 0.5) / 2**_BITS
+    points.flags.writeable = False
+    return points
 
 
 @lru_cache(maxsize=16)

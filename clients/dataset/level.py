@@ -26,14 +26,31 @@ def step_of(full_scale: float, samples: str) -> float:
 
 
 def quantized(
-    pressure: NDArray[np.float64], full_scale: float, samples: str
+    pressure: NDArray[np.float32], full_scale: float, samples: str
 ) -> NDArray[np.float32] | NDArray[np.int32]:
     """Return a pressure as samples: floats, or the nearest whole numbers of steps, int32."""
     if samples not in QUANTIZED:
-        return pressure.astype(np.float32) / np.float32(full_scale)
+        return pressure / np.float32(full_scale)
     most = 2 ** (QUANTIZED[samples] - 1)
-    steps = pressure * (most / full_scale)
+    factor = most / full_scale
+    steps = np.multiply(pressure, factor, dtype=_exact(factor))
     np.rint(steps, out=steps)
     np.clip(steps, -most, most - 1, out=steps)
     whole: NDArray[np.int32] = steps.astype(np.int32)
     return whole
+
+
+def pascals(samples: NDArray[np.float32] | NDArray[np.int32], full_scale: float, form: str) -> NDArray[np.float32]:
+    """Return samples of a form as a pressure: what a reader of their file multiplies by the full scale."""
+    if form not in QUANTIZED:
+        return (samples.astype(np.float64) * full_scale).astype(np.float32)
+    step = step_of(full_scale, form)
+    kind = _exact(step)
+    found: NDArray[np.float32] = np.multiply(samples.astype(kind), step, dtype=kind).astype(np.float32, copy=False)
+    return found
+
+
+def _exact(factor: float) -> np.dtype[np.float32] | np.dtype[np.float64]:
+    """Return the precision in which products with a factor are exact: single where it is a power of two, else
+    double."""
+    return np.dtype(np.float32) if math.frexp(factor)[0] == 0.5 else np.dtype(np.float64)

@@ -21,7 +21,7 @@ from ..errors import KINDS, is_expected, plain
 from .check import require_sound
 from .clip import Clip, ItemError, render, row_of
 from .design import items
-from .level import QUANTIZED, step_of
+from .level import pascals
 from .presets import presets_of
 from .recipe import MOST, Recipe, Source, find, read, recipe_of
 
@@ -110,9 +110,7 @@ def rows(recipe: Recipe, folders: tuple[str, ...], numbers: Iterable[int]) -> It
 
 def sound_of(recipe: Recipe, clip: Clip) -> np.ndarray[Any, np.dtype[np.float32]]:
     """Return the sound of a clip in Pa; steps of a full scale that is a power of two are exact in float32."""
-    full_scale = clip.truth["full_scale"]
-    step = step_of(full_scale, recipe.samples) if recipe.samples in QUANTIZED else full_scale
-    return (clip.samples.astype(np.float64) * step).astype(np.float32)
+    return pascals(clip.samples, clip.truth["full_scale"], recipe.samples)
 
 
 def _by_processes(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...dsp.bodies.modes import Modes
 from ...dsp.engine.memory.records import SLID
 from ...dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
+from ...dsp.kept import Kept
 from ...dsp.resonator.bank import top_of
 from ...dsp.resonator.click import CLICK_MODES
 from ...dsp.resonator.simd import LANES
@@ -136,6 +137,16 @@ def about_object(
 def _by_moments(modes: Modes, tune: float, rate: int) -> list[int]:
     """Return which of the modes in its table even a contact that is fed drives by moments: those beyond whole lanes, as
     the engine lays them out by their decays."""
+    key = id(modes), tune, rate
+    known = _kept.get(key)
+    if known is None:
+        known = modes, _beyond_lanes(modes, tune, rate)
+        _kept.put(key, known)
+    return [*known[1]]
+
+
+def _beyond_lanes(modes: Modes, tune: float, rate: int) -> list[int]:
+    """Return the places of `_by_moments`."""
     top = top_of.py_func(rate)
     order = np.argsort(modes.decay, kind="stable")
     order = order[modes.frequency[order] <= top]
@@ -143,6 +154,9 @@ def _by_moments(modes: Modes, tune: float, rate: int) -> list[int]:
     found: list[int] = np.flatnonzero(np.isin(heard, order[len(order) // LANES * LANES :])).tolist()
     return found
 
+
+_kept: Kept[tuple[int, float, int], tuple[Modes, list[int]]] = Kept(256, lambda _: 1)
+"""The places of `_by_moments` of modes, which are kept with them, and so keep their id."""
 
 _NONE = (np.zeros(0), np.zeros(0), np.zeros((0, 0)))
 
@@ -167,6 +181,7 @@ def about_contacts(performer: Performer, contacts: Iterable[Contact]) -> list[Ma
     are."""
     told: list[Mapping[str, Any]] = []
     begin = path = 0
+    strikers = _Strikers(performer)
     for each in contacts:
         free = each.gesture in FREE
         moved = 0 if each.drive.stays else len(each.force)
@@ -178,7 +193,7 @@ def about_contacts(performer: Performer, contacts: Iterable[Contact]) -> list[Ma
                 "impulse": each.impulse, "peak": each.peak, "gain": float(each.drive.gain[0]),
                 "energy": 0.5 * each.mass * each.velocity**2 if free else 0.0,
                 "loss": each.impulse * (each.velocity - 0.5 * each.impulse / each.mass) if free else 0.0,
-                "striker": _striker(performer, each),
+                "striker": strikers.about(each),
                 "first": each.first, "force_begin": begin, "force_count": len(each.force),
                 "path_begin": path, "path_count": moved, "fed": each.drive.fed,
             }
@@ -196,30 +211,40 @@ def path_of(drive: Drive) -> NDArray[np.float64]:
     return np.column_stack([drive.position, drive.gain, friction])
 
 
-def _striker(performer: Performer, contact: Contact) -> Truth:
-    """Describe the sound of a contact's striker, as it is heard on the object: of clicks and ringing that its force
-    moves, and of a second pulse, by its times (s) and impulses (N s)."""
-    drive, heard = contact.drive, performer.heard(performer.placed(contact.object))
-    silent = {"clicks": [], "ringing": sines(*_NONE), "second": sines(*_NONE), "snaps": []}
-    if drive.sound < 0 or heard is None:
-        return silent
-    kind, gains = performer.engine.state[0]["strikers"][drive.sound], heard[1]
-    share = drive.share / AMPLIFIED
-    clicks = [
-        {
+class _Strikers:
+    """The sound of contacts' strikers, as it is heard on the object: of clicks and ringing that their force moves, and
+    of a second pulse, by its times (s) and impulses (N s)."""
+
+    def __init__(self, performer: Performer) -> None:
+        self._performer = performer
+        self._known: dict[tuple[str, int, float, float], Truth] = {}
+
+    def about(self, contact: Contact) -> Truth:
+        """Describe the sound of a contact's striker."""
+        drive, rate = contact.drive, self._performer.engine.rate
+        key = contact.object, drive.sound, drive.share, drive.ratio
+        if key not in self._known:
+            self._known[key] = self._sound(contact)
+        return {**self._known[key], "snaps": [[frame / rate, impulse] for frame, impulse in drive.snaps]}
+
+    def _sound(self, contact: Contact) -> Truth:
+        """Describe what does not differ between the blows of one striker on one object."""
+        performer, drive = self._performer, contact.drive
+        heard = performer.heard(performer.placed(contact.object)) if drive.sound >= 0 else None
+        if heard is None:
+            return {"clicks": [], "ringing": sines(*_NONE), "second": sines(*_NONE)}
+        kind, gains = performer.engine.state[0]["strikers"][drive.sound], heard[1]
+        share = drive.share / AMPLIFIED
+        click = {
             "frequency": float(kind["frequency"][0]) / drive.ratio,
             "decay": float(kind["sigma"][0]) / drive.ratio,
             "gain": (float(kind["weight"][0]) * drive.ratio * share * gains).tolist(),
         }
-        for _ in range(int(kind["clicks"]) // CLICK_MODES)
-    ]
-    rings = np.flatnonzero((np.arange(len(kind["frequency"])) >= kind["clicks"]) & (kind["frequency"] > 0.0))
-    weights = np.outer(kind["weight"][rings] * share, gains)
-    ringing = sines(kind["frequency"][rings], kind["sigma"][rings], weights)
-    rate = performer.engine.rate
-    return {
-        "clicks": clicks,
-        "ringing": sines(*_NONE) if kind["momentum"] > 0.0 else ringing,
-        "second": ringing if kind["momentum"] > 0.0 else sines(*_NONE),
-        "snaps": [[frame / rate, impulse] for frame, impulse in drive.snaps],
-    }
+        rings = np.flatnonzero((np.arange(len(kind["frequency"])) >= kind["clicks"]) & (kind["frequency"] > 0.0))
+        weights = np.outer(kind["weight"][rings] * share, gains)
+        ringing = sines(kind["frequency"][rings], kind["sigma"][rings], weights)
+        return {
+            "clicks": [click] * (int(kind["clicks"]) // CLICK_MODES),
+            "ringing": sines(*_NONE) if kind["momentum"] > 0.0 else ringing,
+            "second": ringing if kind["momentum"] > 0.0 else sines(*_NONE),
+        }

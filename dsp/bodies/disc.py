@@ -171,13 +171,11 @@ def membrane(
     supported at the edge, speeds up short waves, those of a tom's head above some 2 kHz. The modes that there is no
     room for are felt as one (residual.py).
     """
-    from scipy.special import jv
-
     require_positive(radius=radius, thickness=thickness, tension=tension, fundamental=fundamental)
     require_choice("baffle", baffle, BAFFLES)
     areal = material.density * thickness
     rigidity = material.contact_modulus * thickness**3 / 12
-    every = _membrane_waves(_enough(2 if split else 1))
+    every, peak = _membrane_waves(_enough(2 if split else 1))
     order, root = every.order, every.root
     if (tension is None) == (fundamental is None):
         raise ValueError(f"tension = {tension}, fundamental = {fundamental}: expected one of the two")
@@ -190,7 +188,7 @@ def membrane(
     mass = areal * math.pi * radius**2
 
     # int_0^1 r J_n(j r)^2 dr = J_(n+1)(j)^2 / 2
-    scale = 1 / np.sqrt(mass * np.where(order == 0, 1.0, 0.5)) / np.abs(jv(order + 1, root))
+    scale = 1 / np.sqrt(mass * np.where(order == 0, 1.0, 0.5)) / peak
 
     def radial(steps: int, mode: Indices) -> Array:
         shapes: Array = scale[mode] * _film_shapes(every, steps)[:, mode]
@@ -304,9 +302,9 @@ def _across(along: Array, order: Array, phase: Array) -> Array:
 
 
 @lru_cache(maxsize=2)  # of single modes and of doublets; 50 ms each
-def _membrane_waves(limit: float) -> Every:
-    """Return the waves J_n(j r) with J_n(j) = 0, 0 < j < limit."""
-    from scipy.special import jn_zeros
+def _membrane_waves(limit: float) -> tuple[Every, Array]:
+    """Return the waves J_n(j r) with J_n(j) = 0, 0 < j < limit, and |J_(n+1)(j)| of each."""
+    from scipy.special import jn_zeros, jv
 
     orders, roots = [], []
     for n in range(math.ceil(limit)):  # the first zero of J_n lies above n
@@ -315,8 +313,9 @@ def _membrane_waves(limit: float) -> Every:
         orders.append(np.full(zeros.size, float(n)))
         roots.append(zeros)
     every = Every(np.concatenate(orders), np.concatenate(roots), np.zeros(sum(each.size for each in roots)))
-    read_only(every.order, every.root, every.growing)
-    return every
+    peak = np.abs(jv(every.order + 1, every.root))
+    read_only(every.order, every.root, every.growing, peak)
+    return every, peak
 
 
 @lru_cache(maxsize=8)  # 3 MB each at most

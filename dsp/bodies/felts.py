@@ -22,7 +22,9 @@ def felt_losses(radius: float, frequency: Array, order: Array, radii: Array, alo
     """Return by how much felts of a radius over the disc's own raise the decay (1/s) of modes (n,), of frequencies (Hz)
     and angular orders, with radial shapes (p, n) at ascending radii (p,) over the disc's, mass-normalised."""
     r = radius * (np.arange(_RINGS) + 0.5) / _RINGS
-    shapes = np.array([np.interp(r, radii, each) for each in along.T])
+    inside = np.searchsorted(radii, r, side="right") - 1
+    slope = (along[inside + 1] - along[inside]) / (radii[inside + 1] - radii[inside])[:, None]
+    shapes = np.ascontiguousarray((slope * (r - radii[inside])[:, None] + along[inside]).T)
     around = np.where(order == 0, 1.0, 0.5)
     mean = 2 / (radius * _RINGS) * (shapes**2 @ r) * around
     losses: Array = LOSS_FACTOR * STIFFNESS * mean / (4 * np.pi * frequency)

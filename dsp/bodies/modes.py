@@ -120,7 +120,8 @@ def audible(frequency: Array, top: float, most: int | None = None) -> Indices:
 
 def loudest(modes: Modes, count: int) -> Modes:
     """Return the modes that a blow where each moves most makes radiate most, at most `count`: by (G phi)^2/sigma."""
-    heard = (modes.pressure**2).sum(axis=0) * (modes.strike**2).max(axis=0) / modes.decay
+    largest = np.maximum(modes.strike.max(axis=0), -modes.strike.min(axis=0))
+    heard = (modes.pressure**2).sum(axis=0) * largest**2 / modes.decay
     return selected(modes, np.sort(np.argsort(-heard, kind="stable")[:count]))
 
 

@@ -26,6 +26,7 @@ from .heard import pressure
 from .material import Array, Material
 from .modes import Modes, Silent, Unheard, audible
 from .plate import plate, plate_clicks
+from .radiation.board import BOARDS
 from .radiation.lattice import cubic_weights
 from .ring import glass, glass_clicks, ring, ring_clicks
 from .sphere import sphere, sphere_clicks
@@ -37,8 +38,11 @@ _CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
 }  # fmt: skip
 """Shapes that are elastic bodies in air and no more, with what makes their clicks."""
 
-_HELD = ("board", "felt", "nonlinear_modes")
+_HELD = ("felt", "nonlinear_modes")
 """Arguments by which a body has to do with something else than the air, or is not linear."""
+
+_ASIDE = ("board", "tube_diameter", "tube_length", "tube_gap", "fan", "fan_depth")
+"""Arguments of a bar that say what it is heard by besides, and does not change its shapes."""
 
 _UNDER = ("tube_diameter", "tube_length", "tube_gap", "fan", "fan_depth")
 """Arguments of a bar that say what stands under it, and changes its modes."""
@@ -62,19 +66,23 @@ class Sized:
 
     def __call__(self, *, top: float, material: Material, **arguments: Any) -> Modes:
         """Return the modes up to `top` (Hz) of the body in its size. Silent if there is none."""
-        size, own = self.size, {key: value for key, value in arguments.items() if key not in _UNDER}
+        size, own = self.size, {key: value for key, value in arguments.items() if key not in _ASIDE}
         table = self._table(top, material, own)
         frequency = table.frequency / size
         heard = audible(frequency, top)
-        rest = np.setdiff1d(np.arange(frequency.size), heard)
+        rest = np.delete(np.arange(frequency.size), heard)
         strike = table.strike * size**-1.5
         found, resistance = frequency[heard], 2 * table.decay[heard] / size
+        radiated, lost = resistance, resistance
+        if board := arguments.get("board"):
+            into = self._into(str(board), top, material, own, table)[heard] * BOARDS[str(board)].conductance(found)
+            radiated, lost = resistance + BOARDS[str(board)].radiated_share(found) * into, resistance + into
         decay = material.decay(found)
         if material.losses == "material":
-            decay = decay + resistance / 2
+            decay = decay + lost / 2
         sized = {key: value * size if key in self.lengths else value for key, value in arguments.items()}
         made = Modes(
-            found, decay, strike[:, heard], pressure(np.minimum(resistance, 2 * decay), table.pressure[0, heard]),
+            found, decay, strike[:, heard], pressure(np.minimum(radiated, 2 * decay), table.pressure[0, heard]),
             table.mass * size**3, _CLICKS[self.make](material, **sized),
         )  # fmt: skip
         made = self._felt(made, table, Felt(frequency[rest], strike[:, rest]), material, top)
@@ -85,6 +93,16 @@ class Sized:
         upright = np.flatnonzero(np.isin(table.frequency[heard], flat.frequency[flat.strike.any(axis=0)]))
         tube = tube_of(**{key: sized[key] for key in _UNDER if key in sized})
         return over_tube(made, upright, partial(_along, made.strike), tube, (sized["length"], sized["width"]), top)
+
+    def _into(self, board: str, top: float, material: Material, own: Mapping[str, Any], table: Modes) -> Array:
+        """Return what a bar's modes lose to the board that it is clamped in, over the board's conductance.
+
+        It goes with omega^2 and the mass that they move, so with the size; that of the bar of size 1 is what a table
+        with the board has more.
+        """
+        boarded = self._table(top, material, {**own, "board": board})
+        more: Array = 2 * (boarded.decay - table.decay) / BOARDS[board].conductance(table.frequency)
+        return more * self.size
 
     def _table(self, top: float, material: Material, arguments: Mapping[str, Any]) -> Modes:
         """Return the table of the body of size 1 that reaches up to `top` (Hz) in this one's. Silent if it is empty."""

@@ -1,20 +1,21 @@
 """Strings: stiff, between two rigid supports."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..kept import Kept
 from .heard import heard
 from .material import Array, Material
-from .modes import MOST_MODES, Modes, audible, path, read_only, require_choice, require_positive
+from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
 from .radiation.board import BOARDS
 from .tension import string_glide
-from .unheard import FINER, Felt, with_unheard
+from .unheard import FINER, with_unheard
 from .unison import MOST_WIRES, in_unison
 
 _FURTHER = 8  # times the modes that are heard: those that are felt
+_ORDERS = 64  # orders by which tables of waves grow, so that few are made
 _SIGN_AT = 0.07  # of the length: whose sign a mode's sound has
 
 
@@ -70,19 +71,48 @@ def string(
     force = tension * math.pi * order / length * peak / (2 * math.pi * frequency)  # at the bridge, per modal velocity
     lost = force**2 * body.conductance(frequency)
     at = path(np.pi * FINER * order[-1])
-    waves = _waves(at.size, min(_FURTHER * order.size, MOST_MODES))
-    strike, sign = peak * waves[:, order.astype(int) - 1], peak * np.sin(np.pi * (_SIGN_AT * order))
+    waves = _waves(at.size, order.size)[:, order.astype(int) - 1]
+    strike, sign = peak * waves, peak * np.sin(np.pi * (_SIGN_AT * order))
     modes = heard(material, frequency, lost * body.radiated_share(frequency), (strike, sign), mass, lost)
     if wires > 1:
         modes = in_unison(modes, material.decay(frequency), lost, wires, mistuning, top)
     higher = slice(order.size, _FURTHER * order.size)
-    felt = Felt(frequencies[higher], peak / math.sqrt(wires) * waves[:, higher])
+    felt = _Sines(frequencies[higher], orders[higher], at.size, peak / math.sqrt(wires))
     glide = string_glide(material, length, diameter, tension) / wires
     return replace(with_unheard(modes, felt, material.decay, top), glide=glide)
 
 
-def _waves(places: int, orders: int) -> Array:
-    """Return sin(n pi x) at equally spaced places x in 0..1, of the orders n from 1 on, (places, orders), read-only."""
+@dataclass(frozen=True, eq=False)
+class _Sines:
+    """Modes that are felt: frequency (k,) in Hz, and peak x sin(n pi x) of orders n (k,), at so many places."""
+
+    frequency: Array
+    order: Array
+    places: int
+    peak: float
+
+    def shapes(self, which: Indices) -> Array:
+        """Return the shapes of some modes, as `Felt.shapes`."""
+        if not which.size:
+            return np.empty((self.places, 0))
+        order = self.order[which].astype(int) - 1
+        return np.asarray(self.peak * _waves(self.places, int(order.max()) + 1)[:, order])
+
+    def squares(self, which: Indices, factor: Array, shares: Array) -> Array:
+        """Return sums of squares as `Felt.squares`: by sin^2(n pi x) = (1 - cos(2 pi n x))/2, the sum of cosines by a
+        Fourier transform."""
+        period = self.places - 1
+        weights = np.zeros((period, shares.shape[1]))
+        np.add.at(weights, self.order[which].astype(int) % period, factor[:, None] * shares)
+        cosines = np.fft.fft(weights, axis=0).real
+        sums = np.maximum(0.5 * self.peak**2 * (cosines[0] - cosines), 0.0)
+        return np.concatenate([sums, sums[:1]])
+
+
+def _waves(places: int, least: int) -> Array:
+    """Return sin(n pi x) at equally spaced places x in 0..1, of at least so many orders n from 1 on, (places, orders),
+    read-only."""
+    orders = math.ceil(least / _ORDERS) * _ORDERS
     found = _kept.get((places, orders))
     if found is None:
         found = np.sin(np.pi * np.outer(np.linspace(0, 1, places), np.arange(1.0, orders + 1)))

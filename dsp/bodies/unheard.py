@@ -12,12 +12,12 @@ contact's duration is all that a contact can tell (D. J. Ewins, Modal Testing, 2
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from .material import Array
-from .modes import LOWEST_FREQUENCY, Modes, Unheard
+from .modes import LOWEST_FREQUENCY, Indices, Modes, Unheard
 
 FINER = 1.5
 """Times the shortest wave's number that a strike path resolves where modes are few: of those that stay."""
@@ -35,10 +35,27 @@ class Felt(NamedTuple):
     frequency: Array
     strike: Array
 
+    def shapes(self, which: Indices) -> Array:
+        """Return the shapes (P, m) of some modes."""
+        return self.strike[:, which]
 
-def with_unheard(modes: Modes, others: Felt, decay: Callable[[Array], Array], top: float) -> Modes:
+    def squares(self, which: Indices, factor: Array, shares: Array) -> Array:
+        """Return the sums (P, g) over some modes (m,) of their squared shapes times a factor (m,) and shares (m, g)."""
+        return np.asarray((self.strike[:, which] ** 2 * factor) @ shares)
+
+
+class Feeling(Protocol):
+    """Modes as Felt has them, whose shapes need not lie in a table."""
+
+    @property
+    def frequency(self) -> Array: ...
+    def shapes(self, which: Indices) -> Array: ...
+    def squares(self, which: Indices, factor: Array, shares: Array) -> Array: ...
+
+
+def with_unheard(modes: Modes, others: Feeling, decay: Callable[[Array], Array], top: float) -> Modes:
     """Return a body's modes up to `top` (Hz), with what is felt of its others; decay: 1/s at frequencies."""
-    frequency, strike = others
+    frequency = others.frequency
     order = np.argsort(frequency, kind="stable")
     order = order[frequency[order] >= LOWEST_FREQUENCY]
     if not order.size:
@@ -47,21 +64,23 @@ def with_unheard(modes: Modes, others: Felt, decay: Callable[[Array], Array], to
     if order.size <= stay + _GATHERED:
         stay = order.size
     own, rest = order[:stay], order[stay:]
-    places, gathered = _gather(frequency[rest], strike[:, rest], _REACH * top)
+    places, gathered = _gather(others, rest, _REACH * top)
     found = np.concatenate([frequency[own], places])
     lost = np.concatenate([decay(frequency[own]), np.maximum(decay(places), _SPREAD * 2 * math.pi * places)])
-    return replace(modes, unheard=Unheard(found, lost, np.concatenate([strike[:, own], gathered], axis=1)))
+    return replace(modes, unheard=Unheard(found, lost, np.concatenate([others.shapes(own), gathered], axis=1)))
 
 
-def _gather(frequency: Array, strike: Array, highest: float) -> tuple[Array, Array]:
-    """Gather many modes into a few, in Hz ascending (k,) with shapes (P, k): return their frequencies and shapes."""
+def _gather(others: Feeling, which: Indices, highest: float) -> tuple[Array, Array]:
+    """Gather many modes, ascending, into a few up to a frequency (Hz): return their frequencies (k,) and shapes
+    (P, k)."""
+    frequency = others.frequency[which]
     if not frequency.size:
-        return frequency, strike
+        return frequency, others.shapes(which)
     lowest = float(frequency[0])
     places = np.geomspace(lowest, highest, _GATHERED) if lowest < highest else np.array([highest])
     u, grid = 1 / (2 * np.pi * frequency) ** 2, 1 / (2 * np.pi * places) ** 2
     shares = np.stack([np.interp(u, grid[::-1], one[::-1]) for one in np.eye(places.size)], axis=1)
-    return places, np.sqrt((strike**2 * u) @ shares / grid)
+    return places, np.sqrt(others.squares(which, u, shares) / grid)
 
 
 def completed(heard: Felt, others: Felt, last: float, highest: float, growth: float = 0.0) -> Felt:

@@ -98,8 +98,9 @@ class Memory:
             self._modes.give(first)
             self._give_sheet(sheet)
             raise
-        values = np.concatenate([plan.shape.ravel(), plan.faces.ravel()])
-        self._bank["shape"][table : table + values.size] = values
+        shapes, own = self._bank["shape"], plan.shape.size
+        shapes[table : table + own] = plan.shape.ravel()
+        shapes[table + own : table + own + plan.faces.size] = plan.faces.ravel()
         self._plans[key], self._tables[table] = (plan, table), (key, 0)
         return table
 

@@ -2,9 +2,10 @@
 
 import math
 from collections import OrderedDict
-from dataclasses import astuple
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..bodies.striker import Snap, StrikerSound
 from ..engine.memory.striker_state import STRIKER_MODES, STRIKERS
@@ -41,18 +42,29 @@ class Strikers:
 
     def _write(self, entry: np.void, sound: StrikerSound) -> None:
         entry["serial"] = entry["prepared"] = 0  # nobody takes what is half written
-        modes: list[tuple[float, ...]] = [sound.click] * CLICK_MODES if sound.click else []
-        entry["clicks"] = len(modes)
-        if sound.ringing:
-            each = zip(sound.ringing.frequency, sound.ringing.decay, sound.ringing.weight, strict=True)
-            modes += [mode for mode in each if mode[0] <= self._top]
-        columns = np.zeros((3, STRIKER_MODES))
-        columns[:, : len(modes)] = np.reshape(modes, (-1, 3)).T
+        columns, count = _columns(sound, self._top)
+        entry["clicks"] = CLICK_MODES if sound.click else 0
         entry["frequency"], entry["sigma"], entry["weight"] = columns
-        entry["weight"] *= sound.mass
-        entry["size"] = max(1, math.ceil(len(modes) / LANES)) * LANES
+        entry["size"] = max(1, math.ceil(count / LANES)) * LANES
         entry["radius"] = sound.radius
         snap = sound.snap or Snap(0.0, 1.0, 0.0, 0.0)
-        entry["momentum"], entry["exponent"], entry["scatter"], entry["delay"] = astuple(snap)
+        entry["momentum"], entry["exponent"], entry["scatter"], entry["delay"] = (
+            snap.momentum, snap.exponent, snap.scatter, snap.delay,
+        )  # fmt: skip
         entry["mobility"] = sound.ringing.mobility if sound.ringing else 1.0
         entry["serial"] = self._serial
+
+
+@lru_cache(maxsize=64)
+def _columns(sound: StrikerSound, top: float) -> tuple[NDArray[np.float64], int]:
+    """Return the frequencies (Hz), decays (1/s) and weights of a striker's modes up to `top` (Hz), (3, STRIKER_MODES),
+    read-only, and how many they are."""
+    modes: list[tuple[float, ...]] = [sound.click] * CLICK_MODES if sound.click else []
+    if sound.ringing:
+        each = zip(sound.ringing.frequency, sound.ringing.decay, sound.ringing.weight, strict=True)
+        modes += [mode for mode in each if mode[0] <= top]
+    columns = np.zeros((3, STRIKER_MODES))
+    columns[:, : len(modes)] = np.reshape(modes, (-1, 3)).T
+    columns[2] *= sound.mass
+    columns.flags.writeable = False
+    return columns, len(modes)

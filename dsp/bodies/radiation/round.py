@@ -74,9 +74,9 @@ class Loads:
     def __init__(self, body: Round) -> None:
         self._body, self._order, self._root = body, body.order, body.root
         self._number = numbers(self._order, self._root)  # of its order's modes, from 0
-        place = {key: i for i, key in enumerate(zip(self._order, self._number, strict=True))}
-        self._next = np.array([place.get((m, n + 1), -1) for m, n in place])
-        self._above = np.array([place.get((m + 1, n), -1) for m, n in place])
+        step = int(self._number.max(initial=0)) + 2
+        keys = self._order.astype(np.intp) * step + self._number
+        self._next, self._above = _places(keys, keys + 1), _places(keys, keys + step)
         self._odd = (self._order > _ALL_ORDERS) & (self._order % 2 == 1)
 
     def __call__(self, frequency: Array) -> Load:
@@ -109,6 +109,13 @@ class Loads:
         neighbours = np.where(self._odd, self._above, self._next)
         inside: npt.NDArray[np.bool_] = slow & (self._odd | alternate) & (neighbours >= 0) & slow[neighbours]
         return inside
+
+
+def _places(keys: Indices, asked: Indices) -> Indices:
+    """Return the places of numbers among different keys, -1 for those that are none."""
+    order = np.argsort(keys)
+    found = order[np.minimum(np.searchsorted(keys[order], asked), keys.size - 1)]
+    return np.where(keys[found] == asked, found, -1)
 
 
 def numbers(order: Array, root: Array) -> Indices:

@@ -93,7 +93,7 @@ def test_roots_do_not_depend_on_how_far_was_searched(edge):
 
 
 def test_what_is_kept_for_the_next_body_cannot_be_changed():
-    film = disc._membrane_waves(disc._enough(2))
+    film, _ = disc._membrane_waves(disc._enough(2))
     every, square = disc._plate_waves("free", 0.3, 9)
     kept = [
         *(getattr(each, name) for each in (film, every) for name in ("order", "root", "growing")),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from carom.dsp import bodies
+from carom.dsp.bodies.string import _Sines
 from carom.dsp.bodies.unheard import Felt, completed, with_unheard
 from carom.presets import Presets
 
@@ -104,6 +105,18 @@ def test_gathered_modes_keep_both_sums_and_all_are_positive():
     for power in (2, 4):
         np.testing.assert_allclose(flexibility(felt, power), flexibility(Felt(frequency, strike), power), rtol=1e-12)
     np.testing.assert_array_equal(felt.strike[:, :30], strike[:, :30])  # the lowest are as they were
+
+
+def test_squares_of_sines_sum_as_those_of_a_table():
+    """Orders go beyond the places' own period, as those of many modes do."""
+    order, places = np.arange(20.0, 300.0), 121
+    sines = _Sines(100.0 * order, order, places, 1.7)
+    table = Felt(sines.frequency, 1.7 * np.sin(np.pi * np.outer(np.linspace(0, 1, places), order)))
+    which, random = np.arange(5, order.size), np.random.default_rng(1)
+    factor, shares = random.uniform(size=which.size), random.uniform(size=(which.size, 8))
+    summed, expected = (each.squares(which, factor, shares) for each in (sines, table))
+    np.testing.assert_allclose(summed, expected, rtol=1e-10, atol=1e-12 * expected.max())
+    np.testing.assert_allclose(sines.shapes(which), table.shapes(which), atol=1e-12)
 
 
 def test_the_bands_of_a_tail_sum_to_the_integral():
