@@ -40,13 +40,14 @@ _NEARLY = _SLOWING / _FASTEST * math.exp(-_SLOWED * SMALLEST_DROP)
 _DROP_TIME = 0.34
 _SLOWEST = 1e-9  # m/s
 _LN2 = math.log(2.0)
+_UNMOVED = 2e-3  # m M: the pulse is shorter by that over a + 1
 _FLAT = 1e-9  # of 1 - b: the power law is as good as even by ratios
 
 
 @kernel
-def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, float, float, float, float]:
-    """Return the last blow's place, speed (m/s), mass (kg), loss w/(1 + w), rms width (s) and middle (s after it
-    began), at an object that does not yield."""
+def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, float, float, float]:
+    """Return the last blow's place, speed (m/s), mass (kg), loss w/(1 + w), and ln of its rms width (s) at an object
+    that does not yield."""
     i, seed = swarm.index - 1, swarm.random
     u = uniform(seed, i, MAGNITUDE)
     place = int(uniform(seed, i, PLACE) * swarm.places)
@@ -55,22 +56,24 @@ def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, 
         v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
         scale = _DROP_TIME * diameter / v
         mass = _WATER * diameter * diameter * diameter
-        return place, v, mass, 0.0, scale * exp(known_of(table.width, 0.0)), scale * known_of(table.middle, 0.0)
+        return place, v, mass, 0.0, log(scale) + table.width[0]
     s = exp(knot.variety * (2.0 * uniform(seed, i, VARIETY) - 1.0)) if knot.variety > 0.0 else 1.0
     mass = swarm.m * s * s * s
     v = max(min(_draw_speed(swarm.law, knot, mass, u), math.sqrt(2.0 * swarm.store / mass)), _SLOWEST)
-    loss, width, middle = pulse_of(swarm, table, mass, math.sqrt(s), v)
-    return place, v, mass, loss, width, middle
+    loss, width = pulse_of(swarm, table, mass, math.sqrt(s), v)
+    return place, v, mass, loss, width
 
 
 @kernel
-def pulse_of(swarm: Swarm, table: PulseTable, mass: float, stiffer: float, v: float) -> tuple[float, float, float]:
-    """Return the loss w/(1 + w), width and middle (s) of a grain's pulse at a speed (m/s); stiffer: than the usual one,
-    by that factor."""
-    scale = exp((log(mass / (swarm.k * stiffer)) + (1.0 - swarm.a) * log(v)) / (swarm.a + 1.0))
+def pulse_of(swarm: Swarm, table: PulseTable, mass: float, stiffer: float, v: float) -> tuple[float, float]:
+    """Return the loss w/(1 + w) and ln of the rms width (s) of a grain's pulse at a speed (m/s).
+
+    stiffer: than the usual grain, by that factor.
+    """
+    scale = (log(mass / (swarm.k * stiffer)) + (1.0 - swarm.a) * log(v)) / (swarm.a + 1.0)
     w = swarm.w if swarm.w > 0.0 else swarm.mu * v
     loss = min(w / (1.0 + w), MOST_LOSS)
-    return loss, scale * exp(known_of(table.width, loss)), scale * known_of(table.middle, loss)
+    return loss, scale + known_of(table.width, loss)
 
 
 @kernel
@@ -115,28 +118,29 @@ def _draw_energy(knot: Knot, u: float) -> float:
 
 @kernel
 def yielding(swarm: Swarm, place: int, mass: float, width: float) -> tuple[float, float, float]:
-    """Return the factor 1/(1 + m M) on a blow's mass, its width (s) then, and m M as the rigid wall's pulse has it.
+    """Return the factor 1/(1 + m M) on a blow's mass, and m M as the rigid wall's pulse has it; between them ln of the
+    blow's width (s) then. width: ln of the width as the wall has it.
 
     A lighter mass makes a shorter pulse, which reaches more modes: two steps of that go most of the way, and the bound
-    on the energy holds after any number.
+    on the energy holds after any number. A pulse that would be shorter by 0.1 % stays as it is: that is -60 dB.
     """
     asked = mass * _mobility(swarm, place, width)
-    if asked < 1e-4:
+    if asked < _UNMOVED:
         return 1.0 / (1.0 + asked), width, asked
     shorter = width
     ratio = 1.0 / (1.0 + asked)
     if swarm.law != DROPS:
         for _ in range(2):
-            shorter = width * exp(log(ratio) / (swarm.a + 1.0))
+            shorter = width + log(ratio) / (swarm.a + 1.0)
             ratio = 1.0 / (1.0 + mass * _mobility(swarm, place, shorter))
     return ratio, shorter, asked
 
 
 @kernel
 def _mobility(swarm: Swarm, place: int, width: float) -> float:
-    """Return the mobility (1/kg) of a place for a pulse of a width: that of the next narrower one that is known,
-    between the two by lines where that is above it."""
-    x = min(max(log(width) / _LN2 - NARROWEST, 0.0), WIDTHS - 1.001)
+    """Return the mobility (1/kg) of a place for a pulse of a width (ln of s): that of the next narrower one that is
+    known, between the two by lines where that is above it."""
+    x = min(max(width / _LN2 - NARROWEST, 0.0), WIDTHS - 1.001)
     n = int(x)
     high, low = swarm.mobility[place, n], swarm.mobility[place, n + 1]
     return high + (x - n) * (low - high)

@@ -33,6 +33,7 @@ MOST_LOSS = 0.75
 """Greatest w/(1 + w) of a pulse in the tables: w = 3. One that loses more is laid as one of this shape."""
 
 _BETA = 0.98 * math.pi * BUMP * (1.0 - EDGE)
+_LN2, _LEAST_LOG = math.log(2.0), math.log(LEAST)
 _REACH = 5  # samples before and after, of which the moments of a sample's force are made
 _KAISER = 6.0
 _QUANTUM = 64
@@ -85,11 +86,11 @@ def lay_pulse(
 ) -> int:
     """Add a pulse to a grid, and return how far it reaches there; 0 where it would have begun before that.
 
-    number: of its table; at: its middle (tables.py), in samples from the grid's beginning; width: its rms width in
-    samples; loss: w/(1 + w); momentum: N s.
+    number: of its table; at: its middle (tables.py), in samples from the grid's beginning; width: ln of its rms width
+    in samples; loss: w/(1 + w); momentum: N s.
     """
     table = pulses.tables[number]
-    y = min(max(math.log2(width / LEAST), 0.0), OCTAVES - 1e-9) * STEPS
+    y = min(max((width - _LEAST_LOG) / _LN2, 0.0), OCTAVES - 1e-9) * STEPS
     step = int(y)
     octave, b = step // STEPS, y - step
     length, phases = table.length[octave], table.phases[octave]

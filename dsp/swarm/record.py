@@ -59,7 +59,7 @@ class PulseTable(Record):
     length: Annotated[View[int], OCTAVES]
     lead: Annotated[View[int], OCTAVES]
     width: Annotated[View[float], FORMS]  # ln of the rms width, in L/v
-    middle: Annotated[View[float], FORMS]  # of the impulse, from the contact's beginning, in L/v
+    middle: Annotated[View[float], FORMS]  # of the impulse, from the contact's beginning, in rms widths
     momentum: Annotated[View[float], FORMS]  # 1 + restitution: in m v
     size: int  # values in all
     # Of which the values are made: forms, as sums of impulses at times about their middle, in rms widths.
@@ -121,7 +121,8 @@ class Swarm(Record):
     count: int  # of them
     piece: int  # of a step's course that its blows have come to
     duration: float  # s: of a step; else 0
-    lead: float  # s: from a blow's own time to when it is heard
+    lead: float  # samples: from a blow's own time to when it is heard
+    log_rate: float  # ln of the sampling rate
     places: int
     position: Annotated[View[float], PLACES]  # along the strike path
     retuned: int  # of the object, for which `mobility` is known; -1: for none

@@ -37,7 +37,8 @@ _FINE, _COARSE, _COARSER = (
 
 
 class Form(NamedTuple):
-    """A pulse: times about its middle in rms widths, impulses that sum to 1; its width and middle in time scales."""
+    """A pulse: times about its middle in rms widths, impulses that sum to 1; its width in time scales, its middle in
+    widths."""
 
     times: Array
     impulses: Array
@@ -57,7 +58,7 @@ def _form(times: Array, impulses: Array, momentum: float) -> Form:
     shares = impulses / impulses.sum()
     middle = float(times @ shares)
     width = math.sqrt(float((times - middle) ** 2 @ shares))
-    return Form((times - middle) / width, shares, width, middle, momentum)
+    return Form((times - middle) / width, shares, width, middle / width, momentum)
 
 
 MOST_KEPT = 64_000_000
@@ -88,7 +89,7 @@ def drop_form() -> Form:
     root = 0.5 * math.sqrt(_END) * (nodes + 1.0)  # of the time: what is integrated is smooth in it
     form = _form(root**2, root**2 * np.exp(-(root**2)) * weights, 1.0)
     anchor = _ANCHOR * form.middle
-    return form._replace(times=(root**2 - anchor) / form.width, middle=anchor)
+    return form._replace(times=(root**2 - anchor * form.width) / form.width, middle=anchor)
 
 
 def pulse_table(exponent: float) -> Table:

@@ -12,6 +12,7 @@ import numpy as np
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.constants import STANDARD_GRAVITY
+from ...numerics.elementary import exp
 from ...resonator.fed import REACH
 from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
 from ...swarm.blows import NARROWEST, ROLL_OFF, draw_blow, known_of, pulse_of, yielding
@@ -49,6 +50,7 @@ LOOK = 44
 
 HEAVY = 0.1
 """m M of a blow, above which it is a contact of its own."""
+_WIDEST = math.log(LEAST * 2.0**OCTAVES)  # ln of samples: the rms width of a pulse
 _OFTEN, _AT_ONCE = 400.0, 8.0  # such contacts of a swarm a second, and at once
 _MOST = 16_384  # blows of a swarm in a quantum
 _EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's
@@ -88,7 +90,7 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     swarm.m, swarm.k, swarm.mu, swarm.a, swarm.w = contact.m, contact.k, contact.mu, contact.a, contact.w
     swarm.places = PLACES if values.spread > 0.0 else 1
     swarm.retuned, swarm.spread, swarm.centre = -1, values.spread, -1.0
-    swarm.lead = max(LEAD * state.rate, LOOK + 1.0)
+    swarm.lead, swarm.log_rate = max(LEAD * state.rate, LOOK + 1.0), math.log(state.rate)
     for p in range(PLACES):
         swarm.busy[p] = swarm.sounds[p] = 0
         for n in range(GRID):
@@ -289,9 +291,9 @@ def _draw_blows(state: State, contact: Contact, swarm: Swarm, until: float) -> N
     for _ in range(_MOST):
         if not take_blow(swarm, until):
             break
-        where, v, mass, loss, width, middle = draw_blow(swarm, swarm.knots[0], table)
+        where, v, mass, loss, width = draw_blow(swarm, swarm.knots[0], table)
         swarm.store -= 0.5 * mass * v * v
-        _lay_blow(state, contact, swarm, (swarm.time, swarm.index - 1, where), (v, mass, loss, width, middle))
+        _lay_blow(state, contact, swarm, (swarm.time, swarm.index - 1, where), (v, mass, loss, width))
 
 
 @noinline_kernel
@@ -305,8 +307,8 @@ def _drop_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> 
                 break
             number, mass, v = number_of(swarm, p), contact.trait.meets * swarm.mass_of[p], swarm.speed_of[p]
             where = int(uniform(swarm.random, number, PLACE) * swarm.places)
-            loss, width, middle = pulse_of(swarm, table, mass, math.exp(0.5 * size_of(swarm, mass)), v)
-            _lay_blow(state, contact, swarm, (swarm.next_of[p], number, where), (v, mass, loss, width, middle))
+            loss, width = pulse_of(swarm, table, mass, math.exp(0.5 * size_of(swarm, mass)), v)
+            _lay_blow(state, contact, swarm, (swarm.next_of[p], number, where), (v, mass, loss, width))
             bounce_piece(swarm, p, known_of(table.momentum, loss) - 1.0)
         left = left or swarm.next_of[p] < math.inf
     if not left and contact.until == math.inf:
@@ -316,12 +318,12 @@ def _drop_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> 
 @kernel
 def _lay_blow(
     state: State, contact: Contact, swarm: Swarm, at: tuple[float, int, int],
-    blow: tuple[float, float, float, float, float],
+    blow: tuple[float, float, float, float],
 ) -> None:  # fmt: skip
     """Lay a blow onto the grids, or make it a contact of its own; at: its time (s from the beginning), its number for
-    random numbers, and its place; blow: speed, mass, loss, width and middle."""
+    random numbers, and its place; blow: speed, mass, loss, and ln of its width (s)."""
     time, number, where = at
-    v, mass, loss, width, middle = blow
+    v, mass, loss, width = blow
     table, rate = state.pulses.tables[swarm.table], state.rate
     ratio, shorter, asked = 1.0, width, 0.0
     if swarm.places > 0:
@@ -331,17 +333,18 @@ def _lay_blow(
         _become_contact(state, contact, swarm.position[where], v, mass)
         return
     state.stats.impacts += 1
-    held = min(shorter, LEAST * 2.0**OCTAVES / rate)
-    begun = contact.origin - state.position + swarm.lead + (time + middle * held / width) * rate + _EARLY
+    held = min(shorter + swarm.log_rate, _WIDEST)
+    origin = contact.origin - state.position + swarm.lead + _EARLY
+    begun = origin + time * rate + known_of(table.middle, loss) * exp(held)
     momentum = known_of(table.momentum, loss) * ratio * mass * v
     if swarm.places > 0:
-        end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], begun, held * rate, loss, momentum)
+        end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], begun, held, loss, momentum)
         swarm.busy[where] = max(swarm.busy[where], end)
     if swarm.sized == 1:
         at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + uniform(swarm.random, number, SIZE)
         c = min(max(int(at_size), 0), SIZES - 1)
         alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass  # it moves as fast as it would
-        end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], begun, held * rate, loss, alike * momentum)
+        end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], begun, held, loss, alike * momentum)
         swarm.size_busy[c] = max(swarm.size_busy[c], end)
     swarm.impulse += momentum
 

@@ -26,7 +26,7 @@ def pulses():
 def laid(pulses, number, at, width, loss):
     """Return the spectrum of a pulse as it is laid on a grid, about its middle."""
     grid, force, found = np.zeros(GRID + 400, np.float32), np.zeros(FORCES), []
-    reach = lay_pulse(pulses, number, grid, at, width, loss, 1.0)
+    reach = lay_pulse(pulses, number, grid, at, np.log(width), loss, 1.0)
     assert not grid[reach:].any()
     padded = np.concatenate([np.zeros(2 * HALF, np.float32), grid, np.zeros(200, np.float32)])
     for start in range(0, GRID + 400, FORCES):

@@ -59,11 +59,14 @@ def test_a_plates_resistance_is_eight_times_the_root_of_stiffness_and_mass():
     assert plate_resistance(12.0, 0.0, 4.0, 1.0) == pytest.approx(16.0)
 
 
+EXPECTED = "expected another object, felt, foam, finger, palm, table or none"
+
+
 @pytest.mark.parametrize(
     ("given", "reason"),
     [
-        (("felz",), "what = felz: expected another object, felt, foam, finger, palm, table or none; did you mean felt?"),
-        (("cup",), "what = cup: expected another object, felt, foam, finger, palm, table or none"),
+        (("felz",), f"what = felz: {EXPECTED}; did you mean felt?"),
+        (("cup",), f"what = cup: {EXPECTED}"),
         (("pane", "resistance", 5), "resistance = 5: expected none, as pane is an object"),
         (("felt", "load", 0), "load = 0: expected a number from 1e-06 to 100000 N"),
         (("felt", "striker", "steel"), "striker: no such key"),
