@@ -101,7 +101,7 @@ class Junk:
         stream = b"".join(framed(self.packet()) for _ in range(packets))
         if self.chance.random() < 0.7:
             stream = self._mutated(stream)
-        return b"" if b"/quit" in stream else stream
+        return stream.replace(b"/quit", b"/quid")
 
     def _valid(self) -> bytes:
         chance = self.chance.random()
