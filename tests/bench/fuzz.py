@@ -276,6 +276,7 @@ def still_plays(port: int) -> bool:
         while values(client.status())["waiting"] and time.monotonic() < deadline:
             time.sleep(0.1)
         client.send("/panic")
+        client.send("/gain", 0.0)
         client.send("/contact", "closed")
         client.send("/object/*/free", 1)
         client.ask("/sync", 1)
