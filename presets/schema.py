@@ -161,6 +161,7 @@ POINT = Row((FRACTION, FRACTION))
 PLACE = Row((Quantity(-20, 20, "m"),) * 3)
 BAFFLE = Choice(BAFFLES)
 ROUND: Fields = {"split": Quantity(0, 0.1), "imperfection": ANGLE}
+DOUBLETS: Fields = {**ROUND, "split_seed": Whole(0, 1_000_000)}
 
 
 class Addition(NamedTuple):
@@ -277,7 +278,7 @@ SHAPES: Mapping[str, Shape] = {
             "nonlinear_modes": Whole(0, MOST_COUPLED),
             "edge": Choice(DISC_EDGES),
             "felt": Quantity(0, 0.2, "m"),
-            **ROUND,
+            **DOUBLETS,
             "baffle": BAFFLE,
         },
     ),
@@ -288,15 +289,15 @@ SHAPES: Mapping[str, Shape] = {
             "thickness": THICKNESS,
             "tension": Quantity(1, 1e6, "N/m"),
             "fundamental": FREQUENCY,
-            **ROUND,
+            **DOUBLETS,
             "baffle": BAFFLE,
         },
         TUNING,
     ),
-    "ring": Shape(shapes.ring, {"radius": LENGTH, "thickness": THICKNESS, "length": LENGTH, **ROUND}),
+    "ring": Shape(shapes.ring, {"radius": LENGTH, "thickness": THICKNESS, "length": LENGTH, **DOUBLETS}),
     "glass": Shape(
         shapes.glass,
-        {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, "rows": Whole(1, 3), **ROUND},
+        {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, "rows": Whole(1, 3), **DOUBLETS},
     ),
     "sphere": Shape(shapes.sphere, {"radius": LENGTH}),
     "mesh": Shape(

@@ -47,6 +47,7 @@ def disc(
     felt: float = 0.0,
     split: float = 0.0,
     imperfection: float = 20.0,
+    split_seed: int = 0,
     baffle: str = "free",
 ) -> Modes:
     """Return the modes of a thin circular plate (Kirchhoff), its edge free, clamped or simply supported.
@@ -55,15 +56,15 @@ def disc(
     cap (dome.py), on which the air acts as on the flat disc at the cap's frequencies; nonlinear_modes: how many of the
     lowest modes are coupled by the plate's stretching (karman.py), which no edge holds in its plane; felt (m): the
     radius of felts at the centre (felts.py), 0 for none; top in Hz; the strike path is a diameter, from edge (0) over
-    the centre (0.5) to edge (1); split and imperfection as in `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError
-    names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of the edge's two conditions
+    the centre (0.5) to edge (1); split, imperfection and split_seed as in `ring.doublets`, baffle as in
+    `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of the edge's two conditions
     on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969), lowered by the air.
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
     require_choice("baffle", baffle, BAFFLES)
     if nonlinear_modes:
-        _require_coupled(nonlinear_modes, split)
+        _require_coupled(nonlinear_modes, split, split_seed)
     if not 0 <= felt <= radius:
         raise ValueError(f"felt = {felt}: expected 0 to {radius:g}, the radius")
     areal = material.density * thickness
@@ -93,7 +94,7 @@ def disc(
         mixes = mixing(material, radius, thickness, dome)
         made_of = waves, stress, math.sqrt(stiffness), stretching, mixes, parts, unit * root**2
         body = body._replace(sheet=partial(Sheet, nonlinear_modes, thickness, *made_of))
-    made = _round(material, body, Doublets(split, imperfection), top)
+    made = _round(material, body, Doublets(split, imperfection, split_seed), top)
     return replace(made, clicks=disc_clicks(material, radius=radius, thickness=thickness, edge=edge, baffle=baffle))
 
 
@@ -117,12 +118,14 @@ def _require_cap(dome: float, radius: float, edge: str) -> None:
         raise ValueError(f"dome = {dome}: expected 0 to {SHALLOW * radius:g}, a quarter of the radius")
 
 
-def _require_coupled(modes: int, split: float) -> None:
+def _require_coupled(modes: int, split: float, seed: int) -> None:
     """Raise ValueError if so many modes of a disc with such pairs can't be coupled."""
     if not 0 < modes <= MOST:
         raise ValueError(f"nonlinear_modes = {modes}: expected 0 to {MOST}")
     if split == 0:
         raise ValueError(f"split = {split}: expected more than 0 where nonlinear_modes = {modes}; both of a pair move")
+    if seed:
+        raise ValueError(f"split_seed = {seed}: expected 0 where nonlinear_modes = {modes}; coupled pairs lie alike")
 
 
 def _domed(
@@ -162,6 +165,7 @@ def membrane(
     fundamental: float | None = None,
     split: float = 0.0,
     imperfection: float = 20.0,
+    split_seed: int = 0,
     baffle: str = "free",
 ) -> Modes:
     """Return the modes of a circular membrane held at its edge.
@@ -197,7 +201,7 @@ def membrane(
     wave = root / radius
     frequency = wave / (2 * math.pi) * np.sqrt((tension + rigidity * wave**2) / areal)
     body = _Round(frequency, mass, Round(radius, areal, baffle, every, np.arange(root.size), scale), radial)
-    modes = _round(material, body, Doublets(split, imperfection), top)
+    modes = _round(material, body, Doublets(split, imperfection, split_seed), top)
     if modes.frequency.size == MOST_MODES:
         shortest = float(np.sort(np.repeat(wave, 2 if split else 1))[MOST_MODES - 1])
         modes = with_residual(modes, tension, rigidity, areal, shortest, 2 * radius)

@@ -33,6 +33,7 @@ class Doublets(NamedTuple):
 
     split: float
     imperfection: float
+    seed: int = 0
 
 
 def ring(
@@ -44,11 +45,12 @@ def ring(
     top: float,
     split: float = 0.0,
     imperfection: float = 20.0,
+    split_seed: int = 0,
 ) -> Modes:
     """Return the modes of a free ring or tube wall in in-plane bending, its radial displacement cos n theta, n >= 2.
 
     radius (of the middle line), thickness (radial) and length (axial) in m, top in Hz; the strike path is half the
-    circumference from angle 0; split and imperfection as in `doublets`. ValueError names what is out of range.
+    circumference from angle 0; split, imperfection and split_seed as in `doublets`. ValueError names what is out of range.
     omega = n (n^2 - 1)/sqrt(n^2 + 1) sqrt(E h^2/(12 rho R^4)) (Hoppe 1871), lowered by shear and rotation where waves
     are short, and by the air.
     """
@@ -57,7 +59,7 @@ def ring(
     mass = 2 * math.pi * radius * thickness * length * material.density
     frequency = _bending(material, radius, thickness, order)
     wall = _Wall(radius, length / 2, thickness * material.density, mass, mass / 2)
-    made = _around(material, wall, [(frequency, _uniform)], Doublets(split, imperfection), top)
+    made = _around(material, wall, [(frequency, _uniform)], Doublets(split, imperfection, split_seed), top)
     return replace(made, clicks=ring_clicks(material, radius=radius, thickness=thickness, length=length))
 
 
@@ -79,12 +81,13 @@ def glass(
     rows: int = 1,
     split: float = 0.0,
     imperfection: float = 20.0,
+    split_seed: int = 0,
 ) -> Modes:
     """Return the modes of a wine glass or bowl, held at its foot: cos n theta around it, a cantilever's up its wall.
 
     Lengths in m, top in Hz; rows: the number of shapes m up the wall, 1 to 3; the strike path is half the rim from
-    angle 0; split and imperfection as in `doublets`. ValueError names what is out of range. The air moves through its
-    open foot, too: a bowl's bottom is left out.
+    angle 0; split, imperfection and split_seed as in `doublets`. ValueError names what is out of range. The air moves
+    through its open foot, too: a bowl's bottom is left out.
     omega = omega_ring(n) sqrt(1 + b_m^4/(n^2 - 1)^2 (R/H)^4): for n = 2, m = 1 this is French's formula (Am. J. Phys.
     51, 1983), whose factor 4/3 is 1.875^4/9 rounded. Stretching of the wall is left out, as there.
     """
@@ -101,7 +104,7 @@ def glass(
     # A cantilever's tip moves by twice the rms of its length, whatever its mode.
     wall = _Wall(radius, height / 2, thickness * material.density, mass, mass / 8)
     clicks = glass_clicks(material, radius=radius, height=height, thickness=thickness)
-    return replace(_around(material, wall, made, Doublets(split, imperfection), top), clicks=clicks)
+    return replace(_around(material, wall, made, Doublets(split, imperfection, split_seed), top), clicks=clicks)
 
 
 def glass_clicks(
@@ -113,25 +116,44 @@ def glass_clicks(
     return _clicks(material, thickness, whole, held=True)
 
 
-def doublets(frequency: Array, order: Array, split: float, imperfection: float) -> tuple[Array, Indices, Array]:
+def doublets(
+    frequency: Array, order: Array, split: float, imperfection: float, seed: int = 0
+) -> tuple[Array, Indices, Array]:
     """Return the modes cos and sin of n theta of a nearly round body, from those of the round one.
 
     frequency (Hz) and order n (k,); split: relative difference of frequency within a pair; imperfection: angle
-    (degrees) of the nodal lines to the strike path. Return frequencies, indices into (k,), and phases p (rad) such that
-    the shape is cos(n theta - p). A round body (split 0) and n = 0 have one member each, the one which the strike
-    excites.
+    (degrees) of the nodal lines to the strike path; seed: 0 for pairs that are all alike. Return frequencies, indices
+    into (k,), and phases p (rad) such that the shape is cos(n theta - p). A round body (split 0) and n = 0 have one
+    member each, the one which the strike excites.
+
+    Any other seed draws the pairs of a body whose thickness varies at random around it. Only the part of it that goes
+    as 2n theta splits a pair of order n (C. H. J. Fox, J. Sound Vib. 142, 1990), and its cosine and sine are normal: so
+    splits are Rayleigh-distributed with the root mean square `split`, and all angles are alike.
     """
     which = np.arange(frequency.size)
     if split == 0:
         return frequency, which, np.zeros_like(frequency)
     pairs = which[order > 0]
-    turn = order * math.radians(imperfection)
-    lower = np.where(order > 0, 1 - split / 2, 1.0)
+    own, turned = _drawn(frequency, order, seed) if seed else (np.ones_like(frequency), np.zeros_like(frequency))
+    half = np.where(order > 0, split / 2 * own, 0.0)
+    turn = order * math.radians(imperfection) + turned
     return (
-        np.concatenate([frequency * lower, frequency[pairs] * (1 + split / 2)]),
+        np.concatenate([frequency * (1 - half), (frequency * (1 + half))[pairs]]),
         np.concatenate([which, pairs]),
         np.concatenate([turn, turn[pairs] + math.pi / 2]),
     )
+
+
+def _drawn(frequency: Array, order: Array, seed: int) -> tuple[Array, Array]:
+    """Return each mode's split over its root mean square, and the phase (rad) of its lower member, drawn by its order
+    and by its place among the frequencies (Hz) of that order: the same ones however many modes there are."""
+    size, phase = np.empty_like(frequency), np.empty_like(frequency)
+    for n in np.unique(order):
+        mine = np.flatnonzero(order == n)
+        mine = mine[np.argsort(frequency[mine], kind="stable")]
+        draws = np.random.Generator(np.random.Philox(key=np.array([seed, n], np.uint64))).random((mine.size, 2))
+        size[mine], phase[mine] = np.sqrt(-np.log1p(-draws[:, 0])), 2 * math.pi * draws[:, 1]
+    return size, phase
 
 
 def _bending(material: Material, radius: float, thickness: float, order: Array) -> Array:

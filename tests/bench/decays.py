@@ -4,11 +4,15 @@
 each up to its loop: what a loop repeats does not decay. `--rows` prints all partials. A partial is a peak of the
 spectrum and what is around it, a sixth of an octave wide, so that the crowded partials of a cymbal count as bands. Left
 out are partials that fall by less than 8 dB before the recording ends, and those that the preset has no partial near.
+
+Recordings of one kind differ, too: the share of their partials that agree with each other, each note's moved to the
+other's pitch, is what a preset of that kind can hope for.
 """
 
 import argparse
 from collections.abc import Iterator
-from itertools import groupby
+from itertools import groupby, permutations
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -133,13 +137,32 @@ def beside(real: Decays, ours: Decays) -> list[tuple[float, float, float]]:
     return rows
 
 
-def measured(font: SoundFont) -> Iterator[tuple[str, str, list[tuple[float, float, float]]]]:
-    """Yield each pair's preset and recording, and their decays beside each other."""
+class Measured(NamedTuple):
+    """A recording's preset, its name, how far (semitones) its note is from the preset's, its decays, and ours."""
+
+    preset: str
+    name: str
+    tune: float
+    real: Decays
+    ours: Decays
+
+
+def measured(font: SoundFont) -> Iterator[Measured]:
+    """Yield each pair's decays, by preset."""
     for name, preset, changes in sorted((*PAIRS, *MORE), key=lambda pair: pair[1]):
         sound = font.recording(name)
         real = Recording(name, sound.unlooped, sound.rate)
         ours = strike(preset, changes, len(real.samples) / real.rate)
-        yield preset, name, beside(decays(real), decays(ours))
+        yield Measured(preset, name, float(changes.get("tune", 0.0)), decays(real), decays(ours))
+
+
+def among(recordings: list[Measured]) -> list[tuple[float, float, float]]:
+    """Return Hz and T60 (s) of each recording's partials, and T60 of the nearest of each other's at the same pitch."""
+    rows = []
+    for one, other in permutations(recordings, 2):
+        ratio = 2 ** ((one.tune - other.tune) / 12)
+        rows += beside(one.real, [(at * ratio, t60) for at, t60 in other.real])
+    return rows
 
 
 def share(rows: list[tuple[float, float, float]]) -> float:
@@ -154,19 +177,26 @@ def main() -> None:
     if not SOUNDFONT.exists():
         print(f"nothing to compare with: {SOUNDFONT} is not there (Debian: apt install fluid-soundfont-gm)")
         return
-    everything = []
-    print(f"{'preset':20} {'partials':>8} {'within 25 %':>12} {'T60, median of ours over real':>30}")
-    for preset, group in groupby(measured(SoundFont(SOUNDFONT)), lambda each: each[0]):
-        rows = []
-        for _, name, found in group:
-            rows += found
-            for row in found if options.rows else ():
-                print(f"  {name:18} {row[0]:8.0f} Hz {row[1]:7.2f} s {row[2]:7.2f} s {row[2] / row[1]:6.2f}")
+    everything, alike = [], []
+    heads = "preset", "partials", "within 25 %", "T60, median of ours over real", "real to real"
+    print("{:20} {:>8} {:>12} {:>30} {:>13}".format(*heads))
+    for preset, group in groupby(measured(SoundFont(SOUNDFONT)), lambda each: each.preset):
+        recordings = list(group)
+        found = [(each.name, beside(each.real, each.ours)) for each in recordings]
+        rows = [row for _, part in found for row in part]
+        for name, at, t60, ours in [(name, *row) for name, part in found for row in part] if options.rows else ():
+            print(f"  {name:18} {at:8.0f} Hz {t60:7.2f} s {ours:7.2f} s {ours / t60:6.2f}")
+        others = among(recordings)
         if rows:
             ratio = float(np.median([ours / real for _, real, ours in rows]))
-            print(f"{preset:20} {len(rows):8} {share(rows):10.0f} % {ratio:30.2f}")
+            print(f"{preset:20} {len(rows):8} {share(rows):10.0f} % {ratio:30.2f} {_percent(others):>13}")
         everything += rows
-    print(f"{'all':20} {len(everything):8} {share(everything):10.0f} %")
+        alike += others
+    print(f"{'all':20} {len(everything):8} {share(everything):10.0f} % {'':30} {_percent(alike):>13}")
+
+
+def _percent(rows: list[tuple[float, float, float]]) -> str:
+    return f"{share(rows):.0f} %" if rows else ""
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from .decays import beside, decay, decays, share
+from .decays import Measured, among, beside, decay, decays, share
 from .soundfont import Recording
 
 RATE = 32_000
@@ -40,3 +40,10 @@ def test_partials_meet_the_nearest_and_count_within_a_quarter():
     rows = beside([(100.0, 1.0), (400.0, 1.0), (2000.0, 1.0)], [(110.0, 1.2), (405.0, 1.3)])
     assert rows == [(100.0, 1.0, 1.2), (400.0, 1.0, 1.3)]
     assert share(rows) == 50
+
+
+def test_recordings_of_one_kind_are_compared_at_one_pitch():
+    low = Measured("", "", 0.0, [(100.0, 1.0), (400.0, 1.0)], [])
+    high = Measured("", "", 12.0, [(200.0, 1.1), (3000.0, 1.0)], [])
+    assert among([low, high]) == [(100.0, 1.0, 1.1), (200.0, 1.1, 1.0)]
+    assert among([low]) == []

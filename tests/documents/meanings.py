@@ -128,6 +128,8 @@ MEANINGS = {
         "split",
     ): "how far a pair of modes of a nearly round body is apart, as a share of the frequency; 0 if not given",
     ("", "imperfection"): "angle between the strike and the lower mode of such a pair; 20 degrees if not given",
+    ("", "split_seed"): "draws each pair's split at random, by a root mean square of `split`, and its angle; all pairs "
+    "alike if 0 or not given",
     ("", "baffle"): "`free` in air (if not given), in a `wall`, or in a wall and `closed` behind",
     ("", "tension"): "",
     ("", "fundamental"): "without the air, whose mass lowers it",

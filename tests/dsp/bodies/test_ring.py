@@ -66,6 +66,26 @@ def test_axisymmetrical_modes_have_no_partner():
     assert phase == pytest.approx([0, math.pi / 3, math.pi / 3 + math.pi / 2])
 
 
+def test_a_seed_draws_splits_and_angles_of_their_own():
+    order = np.tile(np.arange(1.0, 41.0), 100)
+    frequency = 100 * order + np.repeat(np.arange(100.0), 40)
+    found, _, phase = doublets(frequency, order, 0.01, 0.0, 7)
+    split = (found[order.size :] - found[: order.size]) / frequency
+    assert np.mean(split**2) == pytest.approx(0.01**2, rel=0.1)
+    assert np.mean(split) == pytest.approx(0.01 * math.sqrt(math.pi) / 2, rel=0.03)  # Rayleigh's
+    assert (found[order.size :] + found[: order.size]) / 2 == pytest.approx(frequency)
+    assert abs(np.mean(np.exp(1j * phase[: order.size]))) < 0.05
+    assert phase[order.size :] - phase[: order.size] == pytest.approx(math.pi / 2)
+    assert not np.allclose(doublets(frequency, order, 0.01, 0.0, 8)[0], found)
+
+
+def test_a_pair_is_drawn_alike_however_many_there_are():
+    shape = {"radius": 0.06, "height": 0.1, "thickness": 0.003, "rows": 2, "split": 0.004, "split_seed": 3}
+    low, high = (bodies.glass(HEAVY, **shape, top=top) for top in (6000, 18000))
+    assert low.frequency.size < high.frequency.size
+    assert np.array_equal(low.frequency, high.frequency[: low.frequency.size])
+
+
 @pytest.mark.parametrize("rows", [0, 4])
 def test_a_glass_has_one_to_three_rows(rows):
     with pytest.raises(ValueError, match=f"rows = {rows}: expected 1 to 3"):

@@ -19,7 +19,7 @@ WOOD = replace(Presets().material("wood"), losses="measured")
 BODIES = {
     "ring": (bodies.ring, STEEL, ("radius", "thickness", "length"), dict(radius=0.06, thickness=0.005, length=0.1)),
     "glass": (bodies.glass, STEEL, ("radius", "height", "thickness"), dict(
-        radius=0.035, height=0.09, thickness=0.002, rows=2, split=0.003, imperfection=20.0)),
+        radius=0.035, height=0.09, thickness=0.002, rows=2, split=0.003, split_seed=5)),
     "sphere": (bodies.sphere, STEEL, ("radius",), dict(radius=0.2)),
     "disc": (bodies.disc, STEEL, ("radius", "thickness", "dome"), dict(
         radius=0.1, thickness=0.0015, dome=0.008, split=0.004, imperfection=37.0)),
