@@ -57,8 +57,9 @@ def disc(
     lowest modes are coupled by the plate's stretching (karman.py), which no edge holds in its plane; felt (m): the
     radius of felts at the centre (felts.py), 0 for none; top in Hz; the strike path is a diameter, from edge (0) over
     the centre (0.5) to edge (1); split, imperfection and split_seed as in `ring.doublets`, baffle as in
-    `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of the edge's two conditions
-    on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969), lowered by the air.
+    `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of
+    the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969),
+    lowered by the air.
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)

@@ -50,7 +50,8 @@ def ring(
     """Return the modes of a free ring or tube wall in in-plane bending, its radial displacement cos n theta, n >= 2.
 
     radius (of the middle line), thickness (radial) and length (axial) in m, top in Hz; the strike path is half the
-    circumference from angle 0; split, imperfection and split_seed as in `doublets`. ValueError names what is out of range.
+    circumference from angle 0; split, imperfection and split_seed as in `doublets`. ValueError names what is out of
+    range.
     omega = n (n^2 - 1)/sqrt(n^2 + 1) sqrt(E h^2/(12 rho R^4)) (Hoppe 1871), lowered by shear and rotation where waves
     are short, and by the air.
     """
