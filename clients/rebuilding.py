@@ -6,15 +6,14 @@ per sample, is at the sample's end
     z' = exp(s) z + sum_k (2k+1) (-1)^k exp(s/2) i_k(s/2) m_k,   and heard as gain Im z,
 
 with i_k the modified spherical Bessel functions. The force of a slide, and of a roll that feels no modes, drives modes
-by one number a frame instead, as `dsp.resonator.fed` says. A click is the same in continuous time, where it is
-that of a small body smoothed as the engine does it (`dsp.resonator.click` says how and why).
+by one number a frame instead, as `dsp.resonator.fed` says. A click is a mode, or several, whose outputs have phases
+(`dsp.resonator.click` says how and why).
 """
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 from scipy.special import spherical_in
@@ -22,7 +21,7 @@ from scipy.special import spherical_in
 from ..dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ..dsp.errors import CaromError
 from ..dsp.numerics.legendre import KEPT
-from ..dsp.resonator.click import FAR, FIRST, GAIN, LEAST, NEAR, SECOND, TAPS, WIDEST, is_direct
+from ..dsp.resonator.click import CLICK_MODES, click_mode
 from ..dsp.resonator.fed import HALF, LINE, REACH, WINDOW, feed_tap
 
 Array = NDArray[Any]
@@ -30,8 +29,6 @@ Row = Mapping[str, Any]
 
 _PATH = 3 + TRACED_MOMENTS  # columns of a path: place, gain, place of friction and its moments
 _ROWS = 4  # of shapes, between which a cubic goes
-_SMALL, _TERMS = 1.0, 18  # |x| up to which exp(x) is summed as a series
-_NODES, _WEIGHTS = legendre.leggauss(16)
 
 
 class NotLinear(CaromError, ValueError):
@@ -276,43 +273,10 @@ def _in_phase(frequency: float, decay: float, force: Array, left: int, rate: flo
 
 def _click(sound: Array, click: Row, force: Array, first: int, rate: float) -> None:
     """Add a click under a force, as the engine has it."""
-    if is_direct.py_func(click["frequency"], click["decay"], rate):
-        heard = _in_phase(click["frequency"], click["decay"], force, len(sound) - first, rate)
-        sound[first:] += np.outer(heard, click["gain"])
-        return
-    s = complex(-click["decay"], 2 * np.pi * click["frequency"]) / rate
-    own = max(np.exp(s.real), LEAST) * np.exp(1j * min(s.imag, WIDEST))
-    poles = np.poly([own, own.conjugate(), NEAR, NEAR.conjugate(), FAR, FAR.conjugate()]).real
-    taps = _taps(s) * GAIN
-    driven = np.zeros(len(sound) - first)
-    for k in range(TRACED_MOMENTS):
-        part = np.convolve(force[:, k], taps[:, k])[: len(driven)]
-        driven[: len(part)] += part
-    sound[first:] += np.outer(lfilter([1.0], poles, driven), click["gain"])
-
-
-def _taps(s: complex) -> Array:
-    """Return the numerator's taps for each moment of a force, (TAPS, TRACED_MOMENTS)."""
-    own = max(np.exp(s.real), LEAST) * np.exp(1j * min(s.imag, WIDEST))
-    since = 0.5 * (1.0 - _NODES)
-    integral = np.array([_integral(since + j, s) for j in range(TAPS)])
-    fourth = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-    spline = np.array([np.convolve(column, fourth)[:TAPS] for column in integral.T])
-    left = np.array([np.convolve(each, [1.0, -2.0 * own.real, abs(own) ** 2])[:TAPS] for each in spline])
-    k = np.arange(TRACED_MOMENTS)
-    moments = (0.5 * _WEIGHTS)[:, None] * legendre.legvander(_NODES, TRACED_MOMENTS - 1) * (2 * k + 1)
-    return np.asarray(left.T @ moments)
-
-
-def _integral(t: Array, s: complex) -> Array:
-    """Return the fourth integral of a click over a time (samples), and shares of the third and the second."""
-    weight = complex(s.real / s.imag, 1.0)
-    x = s * t
-    small = np.abs(x.real) + np.abs(x.imag) < _SMALL
-    series = sum(x**n / np.prod(np.arange(5.0, 5.0 + n)) for n in range(_TERMS)) / 24.0
-    safe = np.where(small, 1.0, x)
-    closed = (np.exp(safe) - 1.0 - safe - safe**2 / 2 - safe**3 / 6) / safe**4
-    fourth = np.where(small, series, closed) * t**4
-    third = s * fourth + t**3 / 6
-    second = s * third + t**2 / 2
-    return np.asarray((weight * (fourth + FIRST * third + SECOND * second)).imag)
+    heard = np.zeros(len(sound) - first)
+    for k in range(CLICK_MODES):
+        frequency, decay, weight = click_mode.py_func(k, click["frequency"], click["decay"], rate)
+        if frequency > 0.0:
+            s = complex(-decay, 2 * np.pi * frequency) / rate
+            heard += (weight * _mode(s, force, len(heard))).imag
+    sound[first:] += np.outer(heard, click["gain"])

@@ -9,7 +9,7 @@ import numpy as np
 from .acceleration import Click
 from .air import IMPEDANCE
 
-MOST_MODES = 13
+MOST_MODES = 12
 """Most modes of a striker, besides its click."""
 
 

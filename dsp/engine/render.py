@@ -191,8 +191,9 @@ def retune_objects(state: State) -> None:
 
 @kernel
 def _rest_silent(state: State, obj: Object) -> None:
-    """Put the last groups of live modes to rest that nobody hears any more: at most two groups per quantum."""
-    if is_coupled(state, obj):
+    """Put the last groups of live modes to rest that nobody hears any more: at most two, at the same times at any
+    rate."""
+    if is_coupled(state, obj) or (state.position + QUANTUM) % step_of(state) != 0:
         return
     threshold = least_heard(state, obj)
     for _ in range(2):

@@ -56,7 +56,7 @@ def test_something_is_heard_in_the_demo_as_long_as_it_goes_on(demo):
 def test_a_strike_is_the_same_at_any_rate(render_text, rate):
     """The spectrum below 8 kHz of what rings does not depend on the sampling rate.
 
-    The striker is silent: its click comes 1.26 samples late (dsp/resonator/click.py).
+    The striker is silent: at 22.05 kHz the filter of its click is another (dsp/resonator/click.py).
     """
 
     def spectrum(rate):

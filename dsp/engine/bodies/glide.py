@@ -13,13 +13,11 @@ tension in its own time, a quantum late, and the hand would feed it for ever.
 import math
 
 from ...native.jit import kernel, noinline_kernel
-from ...numerics.legendre import KEPT
-from ...resonator.bank import Modes, inject_kept
-from ...resonator.mode import energy_of, ring_from, settle_under
+from ...resonator.mode import energy_of
 from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, Object, State
-from .objects import modes_of, point_of, ringing_of, shape_at
-from .retuning import retune
+from .bends import find_bend, in_work, is_pressed, retune_bent, ring_tensed
+from .objects import modes_of
 
 _AUDIBLE = 2.0 ** (2.0 / 1200.0) - 1.0  # rise of the tension by which the pitch rises by a cent
 _STEP = 0.5 * _AUDIBLE  # the least change of it that is carried out, where modes are over soon
@@ -51,13 +49,16 @@ def follow_tension(state: State, obj: Object) -> None:
         stretch = 0.0
     if abs(stretch - obj.stretch) < _least_step(state, obj) * (1.0 + stretch):
         return
-    obj.stretch = stretch
+    if stretch > 0.0 and is_pressed(state, obj):
+        retune_bent(state, obj, stretch, 1.0)
+        return
+    obj.stretch, obj.lent = stretch, 0.0
     if stretch == 0.0:
         obj.detuned = 0
         obj.stale_modes = obj.size
     else:
         obj.detuned = 1
-        _bend(state, obj, 1.0)
+        ring_tensed(state, obj, 1.0)
 
 
 @kernel
@@ -77,8 +78,8 @@ def energy_without_gains(state: State, obj: Object) -> float:
     """
     weights = state.bank.weight[obj.first : obj.first + obj.live]
     modes = modes_of(state, obj, 0, obj.live)
-    if _find_bend(state, obj, modes):
-        bent = _in_work(state, modes)
+    if find_bend(state, obj, modes):
+        bent = in_work(state, modes)
         for i in range(len(modes.y1)):
             bent.y1[i] = modes.y1[i] - bent.y1[i]
             bent.y2[i] = modes.y2[i] - bent.y2[i]
@@ -89,59 +90,6 @@ def energy_without_gains(state: State, obj: Object) -> float:
         obj.amplified = energy / (obj.rang / obj.amplified + more / (obj.driven_gain * obj.driven_gain))
     obj.rang = energy
     return energy / obj.amplified
-
-
-@kernel
-def _in_work(state: State, modes: Modes) -> Modes:
-    """Return modes of the same kind whose motion is in `scratch.work`."""
-    size, work = len(modes.y1), state.scratch.work
-    return Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
-
-
-@noinline_kernel
-def _find_bend(state: State, obj: Object, modes: Modes) -> bool:
-    """Write how an object's modes are bent by the strikers that are pressed on it into `scratch.work`; false if none
-    is."""
-    bent, force, found = _in_work(state, modes), state.scratch.power, False
-    for i in range(len(modes.y1)):
-        bent.y1[i] = bent.y2[i] = force[i] = 0.0
-    if obj.shares_contact == 1:
-        for i in range(state.active):
-            found |= _push(state, obj, state.objects[state.order[i]].contact, bent)
-    else:
-        found = _push(state, obj, obj.contact, bent)
-    obj.deflection = 0.0
-    if found:
-        settle_under(bent)
-        for i in range(min(len(modes.y1), obj.felt)):
-            omega = 2.0 * math.pi * state.bank.frequency[obj.first + i] * obj.settings.tune
-            obj.deflection += 0.5 * force[i] * force[i] / (omega * omega) if omega > 0.0 else 0.0
-    return found
-
-
-@kernel
-def _push(state: State, obj: Object, index: int, bent: Modes) -> bool:
-    """Add the pushes of a list of contacts on an object's modes to `scratch.power` (N kg^-1/2), and what a sample of
-    them gives the modes to `bent`; false if none acts on it."""
-    found, moments = False, state.scratch.fine
-    while index >= 0:
-        contact = state.contacts[index]
-        pushed = contact.trait.held == 1 and contact.touching == 1 and contact.solver == COUPLING and contact.push > 0.0
-        for side in range(2):
-            point = contact.point[side]
-            if pushed and point.slot >= 0 and state.objects[point.slot].first == obj.first:
-                for k in range(KEPT):
-                    moments[k] = 0.0
-                force = contact.now.gain * contact.push
-                moments[0] = force / state.rate
-                n = min(point.modes, len(bent.y1))
-                for i in range(n):
-                    state.scratch.power[i] += force * shape_at(state, obj, point, i)
-                felt = Modes(bent.y1[:n], bent.y2[:n], bent.a1[:n], bent.a2[:n], bent.balance[:n], bent.response)
-                inject_kept(felt, point_of(state, obj, point), moments)
-                found = True
-        index = contact.next
-    return found
 
 
 @kernel
@@ -162,15 +110,8 @@ def tighten(state: State, contact: Contact) -> None:
     stretch = min(_cone_at(obj, contact.v_in), _HIGHEST)
     if not stretch >= _AUDIBLE or stretch - obj.stretch < _STEP * (1.0 + obj.stretch):
         return
-    obj.stretch = stretch
-    _bend(state, obj, contact.fraction)
-    obj.retuning = 0
-    retune(state, obj, obj.size)
-    obj.stale_modes = obj.detuned = 0
-    index = obj.contact
-    while index >= 0:
-        state.contacts[index].unsettled = 1
-        index = state.contacts[index].next
+    contact.coupled.touching = 0  # it has no force yet
+    retune_bent(state, obj, stretch, contact.fraction)
 
 
 @kernel
@@ -191,13 +132,3 @@ def _fastest_of(state: State, obj: Object) -> float:
 def _cone_at(obj: Object, speed: float) -> float:
     """Return the rise of an object's tension about a striker that touches it at a speed (m/s)."""
     return 0.5 * (math.sqrt(1.0 + 4.0 * obj.glide * obj.cone * speed * speed) - 1.0)
-
-
-@kernel
-def _bend(state: State, obj: Object, share: float) -> None:
-    """Retune the modes that ring to the tension, after a share of the coming sample."""
-    modes = modes_of(state, obj, 0, obj.live)
-    for i in range(min(obj.live, obj.felt)):
-        frequency, sigma, _ = ringing_of(state, obj, i)
-        if frequency > 0.0:
-            ring_from(modes, i, frequency, sigma, state.rate, share)

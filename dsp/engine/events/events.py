@@ -275,7 +275,7 @@ def _new(state: State, event: Event) -> None:
     obj.glide, obj.cone = event.layout.glide, event.layout.cone
     obj.sheet = event.layout.sheet
     obj.rang, obj.amplified = 0.0, 1.0
-    obj.stretch, obj.detuned, obj.deflection = 0.0, 0, 0.0
+    obj.stretch, obj.detuned, obj.deflection, obj.lent = 0.0, 0, 0.0, 0.0
     obj.settings = event.settings
     obj.live = 0
     obj.stale_modes = obj.size

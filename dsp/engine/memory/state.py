@@ -171,6 +171,7 @@ class Object(Record):
     rang: float  # J: energy of its modes as last looked at, with the gains of gestures in it
     amplified: float  # that over what it were without these gains
     deflection: float  # J: energy that its bend under pushes would have at its own tension
+    lent: float  # J: energy that its bends under blows lost to retuning, and may get again
     stretch: float  # that rise now; 0 where nobody would hear it
     detuned: int  # 1: modes answer forces as at another stretch, and must be told if they are touched
     sheet: int  # place of a plate whose modes can be coupled, -1: it is none

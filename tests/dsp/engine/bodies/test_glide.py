@@ -19,6 +19,7 @@ from tests.dsp.engine.support import HARD, gesture, panic, set_limiter, setting,
 RATE = 48_000
 LIGHT = (1e-4, 1e7, 0.0, 1.5)
 STICK = (0.01, 3e8, 0.3, 1.5)
+FELT = (0.03, 1e5, 0.3, 1.5)
 
 
 def string(frequencies=(200.0,), t60=1e5, glide=0.0, cone=0.0, modal_mass=0.01) -> Modes:
@@ -212,7 +213,7 @@ def test_a_striker_tightens_the_head_about_itself_while_it_touches():
     assert place(engine, handle)["stretch"] == pytest.approx(glide * energy, rel=0.05, abs=1.2e-3)
 
 
-def _between_rates(modes, times, seconds):
+def _between_rates(modes, times, seconds, law=STICK):
     """Return by how much two strikes differ between two rates: the greatest difference over the greatest value."""
 
     def sound(rate):
@@ -221,7 +222,7 @@ def _between_rates(modes, times, seconds):
         engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
         handle = engine.add(modes)
         for time, velocity in zip(times, (1.0, 1.5), strict=True):
-            strike(engine, handle, STICK, time * rate, velocity)
+            strike(engine, handle, law, time * rate, velocity)
         return engine.process(int(seconds * rate))[:: int(rate / RATE), 0].astype(float)
 
     coarse, fine = sound(RATE), sound(4 * RATE)
@@ -233,6 +234,27 @@ def test_a_glide_is_alike_at_any_rate(cone):
     """The tension takes its steps at the same times, and a striker tightens the head from its touch on."""
     head = string(np.linspace(100, 4_000, 64), t60=0.1, glide=2.0, cone=cone)
     assert _between_rates(head, (0.0135, 0.03), 0.1) < 0.003
+
+
+def test_what_a_soft_blow_bends_is_retuned_without_a_step():
+    """The tension changes while felt presses the head down: by 0.3 of its sound, were its bend to ring."""
+    head = string(np.linspace(100, 4_000, 64), t60=0.1, glide=2.0, cone=0.05)
+    assert _between_rates(head, (0.0135, 0.05), 0.1, FELT) < 0.003
+
+
+def test_soft_blows_in_a_glide_give_no_more_than_they_bring():
+    """Blows meet a head that swings and bend it while it is tightened and slackens."""
+    for mass, stiffness in ((0.03, 1e5), (0.3, 1e4), (0.01, 1e6)):
+        engine = Engine(RATE)
+        handle = engine.add(string(np.linspace(100, 4_000, 64), t60=1e5, glide=20.0, cone=0.1, modal_mass=0.02))
+        set_limiter(engine, False)
+        brought = 0.0
+        for k in range(6):
+            strike(engine, handle, (mass, stiffness, 0.0, 1.5), 10.0 + 150.0 * k, 2.0)
+            brought += 0.5 * mass * 2.0**2
+        for _ in range(400):
+            engine.process(QUANTUM)
+        assert rung_out(engine, handle).sum() < brought * (1 + 1e-9)
 
 
 def test_what_rings_long_glides_in_finer_steps():

@@ -13,7 +13,7 @@ from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.engine.memory.striker_state import STRIKERS, VOICES
 from carom.dsp.runtime.engine import Engine
 from tests.dsp.engine.support import HARD, RATE, active, bell, free, gesture, impact, panic, setting, stop
-from tests.dsp.engine.test_clicks import sphere_by_quadrature, steel
+from tests.dsp.engine.test_clicks import answer_of, sphere_by_quadrature, steel
 
 RADIUS = 0.008
 BALL = steel(RADIUS)
@@ -46,7 +46,7 @@ def test_a_ball_clicks_as_koss_and_alfredson_say(mass):
     engine = started()
     law = (mass * BALL[0], *BALL[1:])
     sound = sound_of(impact(wall(engine), law, 100.37, **engine.lay_out_striker(BALL_SOUND)), engine=engine, frames=512)
-    exact = sphere_by_quadrature(law, 1.0, RADIUS, (np.arange(512) - 100.37) / RATE)
+    exact = sphere_by_quadrature(law, 1.0, RADIUS, (np.arange(512) - 100.37) / RATE, answer_of(RADIUS))
     np.testing.assert_allclose(sound[:, 0], exact, atol=2e-6 * np.abs(exact).max())
     np.testing.assert_allclose(sound[:, 0], sound[:, 1], atol=1e-12)
 
