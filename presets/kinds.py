@@ -24,7 +24,6 @@ from .schema import (
     LAW,
     LICENCE,
     LOST,
-    NO_REST,
     OBJECT,
     REST,
     SECTIONS,
@@ -159,10 +158,12 @@ class SurfacePreset:
 
 @dataclass(frozen=True)
 class Standing:
-    """The support on which an object rests by itself, by its weight, and where on its strike path."""
+    """The support on which an object rests by itself, by its weight, and its feet: positions on its strike path, or
+    points of its surface (m)."""
 
     support: str
-    position: float
+    positions: tuple[float, ...] = ()
+    points: tuple[tuple[float, ...], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -220,7 +221,7 @@ class ObjectPreset:
             raise PresetError(f"{titles['strike']}striker = {shown(strike['striker'])}: {_reason(error)}") from None
         standing = None
         if "rest" in values:
-            standing = Standing(**check(titles["rest"], values["rest"], REST, tuple(REST)))
+            standing = _standing(titles["rest"], values["rest"], values["shape"])
         material = None
         if "material" in values:
             material = replace(_material(values["material"], where, library), **damping)
@@ -239,7 +240,7 @@ class ObjectPreset:
             glide=values.get("glide"),
             stereo_width=values.get("stereo_width", STEREO_WIDTH),
             most_modes=values.get("most_modes"),
-            standing=standing if standing and standing.support != NO_REST else None,
+            standing=standing,
             added=added,
             written=material,
             where=titles["geometry"],
@@ -348,6 +349,17 @@ def _added(section: str, where: str, data: Mapping[str, object]) -> Added:
         return addition.make(**values)
     except ValueError as error:
         raise PresetError(f"{where}{error}") from None
+
+
+def _standing(where: str, data: Mapping[str, object], shape: str) -> Standing:
+    """Return where an object stands by itself. PresetError if it does not say so in one way."""
+    values = check(where, data, REST, ("support",))
+    feet = [key for key in ("positions", "points") if key in values]
+    if len(feet) != 1:
+        raise PresetError(f"{where}{' and '.join(feet) or 'positions or points'}: expected one of positions and points")
+    if feet == ["points"] and shape != "mesh":
+        raise PresetError(f"{where}points: expected positions, as a {shape} has no surface")
+    return Standing(**values)
 
 
 def _usual(name: str, where: str, data: Mapping[str, object], library: Library) -> Usual:

@@ -385,8 +385,13 @@ MESH: Fields = {
 
 NO_REST = "none"
 """The word in the place of a support, by which an object hangs freely."""
-REST: Fields = {"support": Choice((*SUPPORTS, NO_REST)), "position": FRACTION}
-"""The section [rest]: on what an object stands by itself, and where it does."""
+_MOST_FEET = 8
+REST: Fields = {
+    "support": Choice((*SUPPORTS, NO_REST)),
+    "positions": Many(FRACTION, _MOST_FEET),
+    "points": Many(PLACE, _MOST_FEET),
+}
+"""The section [rest]: on what an object stands by itself, and on which positions or points of its own."""
 
 SECTIONS = ("geometry", "damping", "strike", "rest", *ADDED, *SUITABLE)
 STRIKE: Fields = {"striker": Name(), "velocity": Quantity(1e-3, 100, "m/s"), "position": FRACTION}

@@ -25,6 +25,8 @@ class SupportPreset:
     """N: with which such a hand presses, where nothing is said."""
     resistance: float = 0.0
     """N s/m: of the ground; 0: it is rigid."""
+    wavelength: float = 0.0
+    """m: of the ground's bending waves at 1 kHz; 0: what moves one point of it moves no other."""
 
 
 def plate_resistance(modulus: float, ratio: float, density: float, thickness: float) -> float:
@@ -33,6 +35,15 @@ def plate_resistance(modulus: float, ratio: float, density: float, thickness: fl
     bending = modulus * thickness**3 / (12.0 * (1.0 - ratio**2))
     return 8.0 * math.sqrt(bending * density * thickness)
 
+
+def plate_wavelength(modulus: float, ratio: float, density: float, thickness: float) -> float:
+    """Return the wavelength (m) of the same plate's bending waves at 1 kHz: 2 pi (D/(omega^2 m''))^(1/4)."""
+    bending = modulus * thickness**3 / (12.0 * (1.0 - ratio**2))
+    omega = 2e3 * math.pi
+    return 2.0 * math.pi / math.sqrt(omega * math.sqrt(density * thickness / bending))
+
+
+_TABLE = 3e9, 0.3, 700.0, 0.025  # Young's modulus (Pa), Poisson's ratio, density (kg/m^3), thickness (m)
 
 SUPPORTS = {
     "felt": SupportPreset(
@@ -65,7 +76,7 @@ SUPPORTS = {
         "A large table top of chipboard, 25 mm thick",
         "resistance: a plate without an edge of 3 GPa, 700 kg/m^3 and Poisson's ratio 0.3 (values of chipboard, as "
         "recalled); contact: Hertz's, of the object's material and wood, with a radius of 10 mm or `by_radius`",
-        material="wood", resistance=plate_resistance(3e9, 0.3, 700.0, 0.025),
+        material="wood", resistance=plate_resistance(*_TABLE), wavelength=plate_wavelength(*_TABLE),
     ),
 }  # fmt: skip
 """Supports by name."""

@@ -131,15 +131,16 @@ class Row:
 
 @dataclass(frozen=True)
 class Many:
-    """A list of 1 to LONGEST_LIST items of one domain."""
+    """A list of one to some items of one domain."""
 
-    item: Quantity
+    item: Quantity | Row
+    most: int = LONGEST_LIST
 
     def __str__(self) -> str:
-        return f"a list of 1 to {LONGEST_LIST}, each {self.item}"
+        return f"a list of 1 to {self.most}, each {self.item}"
 
     def fit(self, value: object) -> Any:
-        if not isinstance(value, list | tuple) or not 0 < len(value) <= LONGEST_LIST:
+        if not isinstance(value, list | tuple) or not 0 < len(value) <= self.most:
             raise Unfit(value, self)
         return _fit_items((self.item,) * len(value), value)
 
@@ -223,7 +224,7 @@ class Made:
 Domain = Quantity | Text | Row | Many | Rows | Section | Made
 
 
-def _fit_items(domains: Sequence[Quantity | Choice], values: Sequence[object]) -> tuple[Any, ...]:
+def _fit_items(domains: Sequence[Quantity | Choice | Row], values: Sequence[object]) -> tuple[Any, ...]:
     fitted = []
     for number, (domain, value) in enumerate(zip(domains, values, strict=True), 1):
         try:

@@ -132,7 +132,7 @@ class Log:
 
     def close(self) -> None:
         """Write what is left, and the end; a file that was never started is taken away again."""
-        if self._file.begun:
+        if self._file.begun and not self._file.is_closed:
             self.write()
             if not self.error:
                 # Objects that ring and bodies that roll on were heard up to here.

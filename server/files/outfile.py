@@ -44,6 +44,11 @@ class OutFile:
                 os.close(self.descriptor)
                 raise OSError(error.errno, "is being written already", str(path)) from error
 
+    @property
+    def is_closed(self) -> bool:
+        """True once it was closed: its descriptor may be another file's then."""
+        return self.descriptor < 0
+
     def begin(self) -> None:
         """Empty the file. OSError, naming it, where that fails."""
         try:
@@ -63,7 +68,10 @@ class OutFile:
             raise OSError(errno.ENOENT, "it was removed", str(self.path))
 
     def close(self) -> None:
-        """Close the file, and remove it if it is new and was never begun."""
+        """Close the file, if it is not, and remove it if it is new and was never begun."""
+        if self.is_closed:
+            return
         os.close(self.descriptor)
+        self.descriptor = -1
         if self._new and not self.begun:
             self._target.unlink(missing_ok=True)

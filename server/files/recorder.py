@@ -70,7 +70,7 @@ class Recorder:
 
     def close(self) -> None:
         """Write the rest and close the file; remove a new one that was never started."""
-        if self._file is not None:
+        if self._file is not None and not self._out.is_closed:
             self._stop.set()
             self._thread.join()
             if self.error is None:

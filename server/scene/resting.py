@@ -1,8 +1,8 @@
-"""Rests: an object that lies on another one, or on a support."""
+"""Rests: an object that lies on another one, or on a support, on one place of its own or several."""
 
 from itertools import islice
 
-from ...dsp.bodies.ground import ground
+from ...dsp.bodies.ground import ground, position_of
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
@@ -16,7 +16,7 @@ from ..osc.wire import Message
 from .contact_law import bent
 from .object_call import ObjectCall
 from .objects import PlayedObject
-from .touching import place_values
+from .touching import feet_values
 from .transaction import Sent, Transaction
 
 _REST = "/object/NAME/rest"
@@ -28,14 +28,20 @@ def rest(to: ObjectCall) -> None:
     what = to.values.words["what"]
     other = to.object_named(what)
     if other is None and what == NO_REST:
+        if not to.obj.stands:
+            text = f"{to.name} stands on nothing by itself; what a message laid down is lifted by /gesture/ID/stop"
+            to.transaction.replies.append(Message("/warning", (text,)))
         _lift(to, to.canonical)
         return
     if other is None and what not in SUPPORTS:
-        raise Refused(f"what = {shown(what)}: expected another object, {', '.join(SUPPORTS)} or none{_meant(to, what)}")
+        words = f"another object, {', '.join(SUPPORTS)} or {NO_REST}"
+        raise Refused(f"what = {shown(what)}: expected {words}{_meant(to, what)}")
     support = None if other else SUPPORTS[what]
-    gesture = to.start(to.id(to.transaction.gestures.made_for))
+    feet = feet_values(to, other)
+    id = to.id(to.transaction.gestures.made_for)
+    gesture = {to.start(id) for _ in feet}.pop()  # one number
     message = to.canonical
-    _lay(to, message, other, support, gesture)
+    _lay(to, message, other, support, gesture, feet)
     if not (support and support.mass):  # it lies there by its weight, and so no longer where it stood
         _lift(to, message)
 
@@ -43,13 +49,13 @@ def rest(to: ObjectCall) -> None:
 def stand(transaction: Transaction, call: Call, name: str, obj: PlayedObject) -> None:
     """Lay a new object on what it stands on by itself, if it does; `call` is that which makes it."""
     standing = obj.preset.standing
-    if standing is None:
+    if standing is None or standing.support == NO_REST:
         return
     verb = VERBS[_REST]
-    values = verb.parse((standing.support, standing.position))
+    values = verb.parse((standing.support,))
     obj.stands = transaction.gestures.nameless()
     to = ObjectCall(transaction, Call(call.message, verb, name), values, name, obj)
-    _lay(to, call.message, None, SUPPORTS[standing.support], obj.stands)
+    _lay(to, call.message, None, SUPPORTS[standing.support], obj.stands, feet_values(to, None))
 
 
 def _lift(to: ObjectCall, message: Message) -> None:
@@ -59,32 +65,33 @@ def _lift(to: ObjectCall, message: Message) -> None:
 
 
 def _lay(
-    to: ObjectCall, message: Message, other: PlayedObject | None, support: SupportPreset | None, gesture: int
-) -> None:
+    to: ObjectCall, message: Message, other: PlayedObject | None, support: SupportPreset | None, gesture: int,
+    feet: list[dict[str, float]],
+) -> None:  # fmt: skip
     """Lay an object on another one or on a support, as a gesture of a number; `message` stands for all commands."""
     command = Command(NOW, "rest", gesture=gesture)
-    law, load = _law(to, other, support), _load(to, support)
-    numbers = to.values.numbers
-    values = {
-        **place_values(to, other),
-        **law,
-        "mass": numbers.get("mass", _mass(to, support, load)),
-        "load": load,
-        "gain": 1.0,
-    }
+    load, numbers = _load(to, support, len(feet)), to.values.numbers
+    mass = numbers.get("mass", _mass(to, support, load))
+    values = {**_law(to, other, support), "mass": mass, "load": load, "gain": 1.0}
     resistance = numbers.get("resistance", support.resistance if support else 0.0)
     if other and resistance:
         raise Refused(f"resistance = {resistance:g}: expected none, as {to.values.words['what']} is an object")
     time = _time(to, other)
     if other or not resistance:
-        _add(to, message, command._replace(time=time, values=values, by=other.handle if other else None), other)
+        command = command._replace(time=time, by=other.handle if other else None)
+        for foot in feet:
+            _add(to, message, command._replace(values=values | foot), other)
         return
     engine = to.transaction.engine
-    handle, layout = engine.lay_out(ground(resistance, engine.top_frequency), 1.0)
+    places = tuple((foot["x"], foot["y"], foot["z"]) for foot in feet)
+    wavelength = support.wavelength if support and feet[0]["on_surface"] else 0.0  # else the path's length is not known
+    handle, layout = engine.lay_out(ground(resistance, engine.top_frequency, places, wavelength), 1.0)
     to.transaction.on_undo(lambda: engine.release(handle))
     settings = {name: each.in_engine(each.default or 0.0) for name, each in SETTINGS.items()}
     _add(to, message, Command(time, Kind.NEW, handle, {**layout, **settings}))
-    _add(to, message, command._replace(time=time, values=values, by=handle))
+    for number, foot in enumerate(feet):
+        under = {"by_position": position_of(number, len(feet))}
+        _add(to, message, command._replace(time=time, values=values | foot | under, by=handle))
     _add(to, message, Command(time, Kind.FREE, handle))  # it goes once nothing rests on it
     engine.leave(handle)
     to.transaction.on_undo(lambda: engine.stay(handle))
@@ -113,9 +120,9 @@ def _law(to: ObjectCall, other: PlayedObject | None, support: SupportPreset | No
     return {key: given.get(key, value) for key, value in zip(_LAW, law, strict=True)}
 
 
-def _load(to: ObjectCall, support: SupportPreset | None) -> float:
-    """Return the load (N): the one given, a hand's, or the object's weight."""
-    usual = support.load if support and support.load else to.obj.mass * STANDARD_GRAVITY
+def _load(to: ObjectCall, support: SupportPreset | None, feet: int) -> float:
+    """Return the load (N) of each foot: the one given, a hand's, or its share of the object's weight."""
+    usual = support.load if support and support.load else to.obj.mass * STANDARD_GRAVITY / feet
     return to.values.numbers.get("load", usual)
 
 

@@ -33,6 +33,17 @@ def place_values(to: ObjectCall, by: PlayedObject | None) -> dict[str, float]:
     return {**found, "by_position": position, "by_on_surface": on_surface, **_named(BY_POINT, point)}
 
 
+def feet_values(to: ObjectCall, by: PlayedObject | None) -> list[dict[str, float]]:
+    """Return the same for each place on which an object rests: the one that is told, or those of its preset."""
+    values, standing = place_values(to, by), to.obj.preset.standing
+    if standing is None or "position" in to.values.numbers or "point" in to.values.vectors:
+        return [values]
+    for point in standing.points:
+        require_surface(to.name, to.obj, "points", point)
+    lying = [{"position": each, **_named(POINT, _on_path(to.obj, each))} for each in standing.positions]
+    return [values | each for each in lying or [{"on_surface": 1.0, **_named(POINT, each)} for each in standing.points]]
+
+
 def gathered(to: ObjectCall, values: Mapping[str, float]) -> dict[str, float]:
     """Return the values of a swarm of which all blows fall on one point, if it has one."""
     if "point" not in to.values.vectors:

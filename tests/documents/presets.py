@@ -24,6 +24,8 @@ def _value(domain: known.Domain) -> str:
             return f"{len(items)} values, each {_value(items[0])}"
         case OneOrMany(item):
             return f"{_value(item)}; one, or a list"
+        case Many(Row() as item):
+            return f"a list of such: {_value(item)}"
         case Many(item):
             return f"a list, each {_value(item)}"
         case Rows(item):
@@ -67,7 +69,7 @@ def object_keys() -> str:
             "An object": _keys("object", known.OBJECT, _REQUIRED_OF_OBJECT),
             "`[damping]`, in place of the material's": _keys("damping", known.DAMPING),
             "`[strike]`": _keys("strike", known.STRIKE, known.STRIKE),
-            "`[rest]`": _keys("rest", known.REST, known.REST),
+            "`[rest]`": _keys("rest", known.REST, ("support",)),
             "`[mesh]`": _keys("mesh", known.MESH, ("file",)),
             **{f"`[{name}]`": _keys(name, added.fields, added.required) for name, added in known.ADDED.items()},
             **{f"`[{name}]`": _usual(name) for name in known.SUITABLE},

@@ -39,6 +39,26 @@ def bottle() -> Surface:
     return lathe(MM * np.array(outer + inner), 96)
 
 
+def tumbler() -> Surface:
+    """Return a tumbler of 0.35 l: 80 mm wide, 100 mm high, walls of 2 mm, a base of 4.5 mm on a ring of 64 mm.
+
+    Source: usual ones are 75 to 85 mm by 95 to 110 mm and weigh 0.15 to 0.25 kg; the walls are estimated from that.
+    """
+    profile = [[0, 1.5], [26, 1.5], [29, 0], [32, 0], [34, 2], [40, 100], [38, 100], [32.4, 10], [29, 6], [0, 6]]
+    return lathe(MM * np.array(profile), 96)
+
+
+def goblet() -> Surface:
+    """Return a wine glass of 0.35 l with stem and foot: 80 mm wide, 200 mm high, walls of 1.5 mm, a foot of 72 mm.
+
+    Source: usual red wine glasses are 75 to 85 mm by 190 to 220 mm, hold 0.3 to 0.4 l and weigh 0.13 to 0.18 kg.
+    """
+    outer = [[0, 0], [36, 0], [36, 1.6], [12, 4], [5, 8], [4, 20], [4, 82], [7, 90], [22, 98], [34, 112], [39.5, 130],
+             [40, 145], [37, 175], [33, 200]]  # fmt: skip
+    inner = [[31.5, 200], [35.5, 175], [38.5, 145], [38, 130.5], [32.7, 113], [21, 99.6], [10, 95], [0, 94]]
+    return lathe(MM * np.array(outer + inner), 96)
+
+
 def wrench() -> Surface:
     """Return a combination wrench for 13 mm nuts: 172 mm long, a shank of 11 x 5.5 mm, heads of 28 and 20 mm.
 
@@ -144,6 +164,8 @@ def _skins(top: np.ndarray, low: np.ndarray, rows: int, columns: int) -> Surface
 OBJECTS = {
     "mug": (mug, "ceramic", None, 48),
     "bottle": (bottle, "glass", None, 64),
+    "tumbler": (tumbler, "glass", None, 48),
+    "goblet": (goblet, "glass", None, 48),
     "wrench": (wrench, "steel", None, 40),
     "steel-pan": (pan, "steel", None, 96),
     "spoon": (spoon, "steel", None, 40),

@@ -261,7 +261,7 @@ def _drive(
     driver.feed = contact.roll
     for i in range(4):
         driver.drift[i] = 0.0
-    if side == 0:
+    if side == 0 and contact.trait.along == 1:  # what rests or presses is where it was put
         put(state, obj, contact, position_of(contact, frame))
         if contact.travel > 0.0 and end > frame and point.on_surface == 0:
             weigh(driver.drift, position_of(contact, end) * (obj.rows - 1) - point.row)

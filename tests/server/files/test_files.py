@@ -68,3 +68,16 @@ def test_a_file_that_is_removed_is_written_no_more(tmp_path):
     recorder.close()
     assert log.error and recorder.error and "removed" in log.error and "removed" in recorder.error
     log.close()
+
+
+@pytest.mark.parametrize("kind", [Log, Recorder])
+def test_a_file_that_is_closed_twice_leaves_others_open(tmp_path, kind):
+    keeper = kind(Engine(48_000), tmp_path / "out")
+    keeper.start()
+    keeper.close()
+    kept = (tmp_path / "out").read_bytes()
+    other = os.open(tmp_path / "other", os.O_RDWR | os.O_CREAT)  # gets the number that has become free
+    keeper.close()
+    os.fstat(other)
+    os.close(other)
+    assert not keeper.error and (tmp_path / "out").read_bytes() == kept

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.special import j0
 
 from carom.dsp.bodies.ground import ground
 from carom.dsp.bodies.modes import Modes
@@ -163,6 +164,23 @@ def test_a_ground_is_as_resistive_as_it_says():
     mobility = (omega * modes.strike**2 / (natural + omega**2 + 2 * modes.decay * omega)).sum(axis=1)
     np.testing.assert_allclose(mobility * 1_500.0, 1.0, atol=0.06)
     np.testing.assert_allclose(mobility.real * 1_500.0, 1.0, atol=0.006)
+
+
+def test_points_of_a_ground_feel_each_other_as_those_of_a_plate():
+    """The real part of the mobility between two of three: J0(k d)/R; without a wavelength none."""
+    places = ((0.03, 0.0), (-0.015, 0.026), (-0.015, -0.026))
+    for wavelength in (0.3, 0.0):
+        modes = ground(1_500.0, 1e9, places, wavelength)
+        for one, other in ((0, 1), (1, 2), (2, 2)):
+            apart = math.dist(places[one], places[other])
+            frequency = np.geomspace(60.0, 4_000.0, 20)
+            omega = 2j * np.pi * frequency[:, None]
+            natural = (2 * np.pi * modes.frequency) ** 2 + modes.decay**2
+            product = modes.strike[one] * modes.strike[other]
+            mobility = (omega * product / (natural + omega**2 + 2 * modes.decay * omega)).sum(axis=1).real
+            wave = 2 * np.pi / wavelength * np.sqrt(frequency / 1e3) if wavelength else 1e9
+            expected = j0(wave * apart) if wavelength or not apart else 0.0
+            np.testing.assert_allclose(mobility * 1_500.0, expected, atol=0.07 if apart else 0.006)
 
 
 @pytest.mark.parametrize("level", LEVELS)
