@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 from ..dsp import bodies as shapes
 from ..dsp.bodies.added import Added, Complete
+from ..dsp.bodies.cavity import POWERS
 from ..dsp.bodies.material import CONTACT_RADIUS, HERTZ_EXPONENT, Material, contact_between, hertz
 from ..dsp.bodies.similar import Sized, has_similar
 from ..dsp.bodies.striker import StrikerSound
@@ -337,9 +338,14 @@ class ObjectPreset:
         scaled = {key: factor * self.geometry[key] for key in lengths if key not in given}
         geometry = {**self.geometry, **check("", scaled, shape.fields, ())}
         data = {**self._data, "geometry": {**self._data["geometry"], **scaled}}
+        if "cavity" in data:
+            data["cavity"] = {key: value * factor ** POWERS.get(key, 0) for key, value in data["cavity"].items()}
+        added = tuple(_added(key, f"[{key}] ", data[key]) for key in ADDED if key in data)
         alike = factor != 1.0 and len(scaled) == len(lengths) and has_similar(shape.make, self.geometry)
         of_one_size = (factor, self.geometry) if alike else None
-        return replace(self, geometry=geometry, where="", _data=data, _of_one_size=of_one_size, _is_replaced=True)
+        return replace(
+            self, geometry=geometry, added=added, where="", _data=data, _of_one_size=of_one_size, _is_replaced=True
+        )
 
 
 def _added(section: str, where: str, data: Mapping[str, object]) -> Added:

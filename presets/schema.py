@@ -299,6 +299,7 @@ SHAPES: Mapping[str, Shape] = {
         shapes.glass,
         {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, "rows": Whole(1, 3), **DOUBLETS},
     ),
+    "can": Shape(shapes.can, {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, **DOUBLETS}),
     "sphere": Shape(shapes.sphere, {"radius": LENGTH}),
     "mesh": Shape(
         shapes.mesh,
@@ -363,6 +364,8 @@ ADDED: Mapping[str, Addition] = {
             "neck": THICKNESS,
             "level": LEVEL,
             "t60": T60,
+            "length": LENGTH,
+            "wall": Quantity(1e-3, 1e3, "kg/m2"),
         },
     ),
 }

@@ -198,7 +198,7 @@ function shaped(shape, geometry, name, material) {
     const inner = outer * (1 - Math.max(0.16, size("thickness", 0.005) / size("radius")));
     return rim(outer, inner, (g) => ring(g, outer, inner, material));
   }
-  if (shape === "glass") {
+  if (shape === "glass" || shape === "can") {
     const stem = name.includes("wine");
     const h = 2 * r * (size("height") / (2 * size("radius"))) * (stem ? 1.9 : 1);
     return standing(2 * r, h + r * 0.5, -h / 2, r * 0.26, (g) => bowl(g, r, h, material, stem));

@@ -9,15 +9,16 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
-from .added import Cavity, Noise, Partials
+from .added import Noise, Partials
 from .bar import bar
+from .cavity import Cavity
 from .disc import disc, membrane
 from .listed import listed
 from .material import Material, hertz
 from .mesh import mesh
 from .modes import Modes, loudest
 from .plate import plate
-from .ring import glass, ring
+from .ring import can, glass, ring
 from .sphere import sphere
 from .string import string
 
@@ -28,6 +29,7 @@ __all__ = [
     "Noise",
     "Partials",
     "bar",
+    "can",
     "disc",
     "glass",
     "hertz",

@@ -1,4 +1,4 @@
-"""Additions to the modes of a body's shape, as measured: single partials, bands of noise, a cavity.
+"""Additions to the modes of a body's shape, as measured: single partials, bands of noise, a cavity (cavity.py).
 
 Each is a dataclass of what a preset's section of the same name says, and becomes modes of the body. They are driven by
 the contacts' forces as all modes are, wherever along the path it is struck, and hold the losses that they are given.
@@ -20,7 +20,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .air import IMPEDANCE, SPEED
+from .air import IMPEDANCE
 from .material import Array, Material
 from .modes import MOST_MODES, Modes, columns
 
@@ -31,12 +31,16 @@ Values = float | tuple[float, ...]
 
 @dataclass(frozen=True)
 class Lines:
-    """Modes to add: frequency (Hz), t60 (s), level (dB), each (n,), and modal masses (kg) (n,) or None."""
+    """Modes to add: frequency (Hz), t60 (s), level (dB), each (n,), and modal masses (kg) (n,) or None.
+
+    loudness (n,), in place of levels: sound pressure at 1 m after a blow of 1 N s (Pa); None: by the levels.
+    """
 
     frequency: Array
     t60: Array
     level: Array
     modal_mass: Array | None
+    loudness: Array | None = None
 
 
 class Added(Protocol):
@@ -113,31 +117,6 @@ class Noise:
 
 
 @dataclass(frozen=True)
-class Cavity:
-    """The air in a hollow body, open through a hole or slit: Helmholtz's resonator.
-
-    volume (m^3) behind an opening of an area (m^2) in a wall of a thickness `neck` (m). f = c/(2 pi) sqrt(A/(V L')), L'
-    the neck and at both its ends the air that moves along, 0.85 sqrt(A/pi). Its loss is its radiation, as a source much
-    smaller than its wave: sigma = c k^2 A/(8 pi L') (Kinsler et al., Fundamentals of Acoustics, ch. 10), unless a t60
-    (s) says that it loses more. level (dB): see above.
-    """
-
-    volume: float
-    area: float
-    neck: float
-    level: float
-    t60: float | None = None
-
-    def lines(self, lowest: float) -> Lines:
-        moving = self.neck + 2 * 0.85 * math.sqrt(self.area / math.pi)
-        k = math.sqrt(self.area / (self.volume * moving))
-        decay = SPEED * k**2 * self.area / (8 * math.pi * moving)
-        t60 = self.t60 or math.log(1000) / decay
-        frequency, t60s, level = (np.array([value]) for value in (SPEED * k / (2 * math.pi), t60, self.level))
-        return Lines(frequency, t60s, level, None)
-
-
-@dataclass(frozen=True)
 class Complete:
     """A shape's function that makes modes, with modes that are added to its own.
 
@@ -183,7 +162,7 @@ def _modes(lines: Lines, loudest: float, mass: float, top: float) -> Modes:
     """Return the lines as modes up to `top` (Hz), their weights of pseudo-random signs."""
     masses = np.full(lines.frequency.shape, LOAD * lines.frequency.size * mass)
     masses = masses if lines.modal_mass is None else lines.modal_mass
-    loudness = loudest * 10 ** (lines.level / 20)  # Pa per N s
+    loudness = loudest * 10 ** (lines.level / 20) if lines.loudness is None else lines.loudness  # Pa per N s
     # A mode of mass M radiates 4 pi loudness^2 M/(rho c) (1/s), and no more than it loses.
     masses = np.minimum(masses, IMPEDANCE * math.log(1000) / lines.t60 / (2 * math.pi * loudness**2))
     shape = 1 / np.sqrt(masses)

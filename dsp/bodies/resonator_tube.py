@@ -75,7 +75,7 @@ class Tube:
         """Return the tube of a length that puts its lowest resonance at a frequency (Hz), if it has none yet."""
         if self.length is not None:
             return self
-        slower = 1 - self._loss(np.array([frequency]))[0] * SPEED / (2 * math.pi * frequency)
+        slower = 1 - wall_loss(self.diameter / 2, np.array([frequency]))[0] * SPEED / (2 * math.pi * frequency)
         length = SPEED * slower / (4 * frequency) - _END * self.diameter / 2
         if length <= 0:
             raise ValueError(f"tube_diameter = {self.diameter}: too wide to be in tune with {frequency:g} Hz")
@@ -87,17 +87,12 @@ class Tube:
         length = self.length + _END * self.diameter / 2
         quarters = np.arange(1.0, max(4 * length * top / SPEED, 0.0), 2.0)
         frequency = quarters * SPEED / (4 * length)
-        slowed = self._loss(frequency) * SPEED / (2 * math.pi * frequency)
+        slowed = wall_loss(self.diameter / 2, frequency) * SPEED / (2 * math.pi * frequency)
         frequency = (frequency * (1 - slowed))[slowed < _OVERDAMPED]
+        lost = wall_loss(self.diameter / 2, frequency)
         mass = DENSITY * length / (2 * math.pi * (self.diameter / 2) ** 2)
         radiated = DENSITY * (2 * math.pi * frequency) ** 2 / (4 * math.pi * SPEED)
-        return Column(frequency, SPEED * self._loss(frequency) + radiated / (2 * mass), mass)
-
-    def _loss(self, frequency: Array) -> Array:
-        """Return how sound in it falls at frequencies (Hz), 1/m."""
-        layer = np.sqrt(np.pi * frequency * _VISCOSITY)
-        loss: Array = layer * (1 + (_RATIO - 1) / math.sqrt(_PRANDTL)) / (self.diameter / 2 * SPEED)
-        return loss
+        return Column(frequency, SPEED * lost + radiated / (2 * mass), mass)
 
 
 class Column(NamedTuple):
@@ -106,6 +101,14 @@ class Column(NamedTuple):
     frequency: Array
     decay: Array
     mass: float
+
+
+def wall_loss(radius: float, frequency: Array) -> Array:
+    """Return how sound of frequencies (Hz) falls in a tube of a radius (m), 1/m: by viscosity and conduction at the
+    wall."""
+    layer = np.sqrt(np.pi * frequency * _VISCOSITY)
+    loss: Array = layer * (1 + (_RATIO - 1) / math.sqrt(_PRANDTL)) / (radius * SPEED)
+    return loss
 
 
 def strip_flow(half_width: float, across: Array, below: float) -> Array:

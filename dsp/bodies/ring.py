@@ -1,4 +1,4 @@
-"""Rings, tube walls, glasses and bowls: walls that bend around their circumference."""
+"""Rings, tube walls, glasses, bowls and cans: walls that bend around their circumference."""
 
 import math
 from collections.abc import Sequence
@@ -18,12 +18,15 @@ from .near import critical_frequency, near_field
 from .radiation import wall as wall_air
 from .radiation.sampling import between, members
 from .radiation.thin import Profile
+from .shell import wall_modes
 from .unheard import FINER, Felt, with_unheard
 
 _SIGN_AT = np.radians([13.0])  # around the wall: whose sign a mode's sound has
 _SOLVED = 16  # orders of which the air's load is solved; above, of some
 _FURTHER = 8  # times the orders that are heard: those that are felt
 _NEARLY = 1.1  # times the highest frequency wanted: a pair's lower member and the air's mass bring a mode below it
+_MOST_ROWS = 64  # up a can's wall
+_GOLDEN = (3 - math.sqrt(5)) / 2  # where a can is struck, in its height: no mode of few half waves has a node there
 CANTILEVER = np.array([1.8751040687, 4.6940911330, 7.8547574382])
 """Roots of cos(b) cosh(b) = -1: a wall held at its foot and free at its rim bends as a cantilever along its height."""
 
@@ -60,7 +63,7 @@ def ring(
     mass = 2 * math.pi * radius * thickness * length * material.density
     frequency = _bending(material, radius, thickness, order)
     wall = _Wall(radius, length / 2, thickness * material.density, mass, mass / 2)
-    made = _around(material, wall, [(frequency, _uniform)], Doublets(split, imperfection, split_seed), top)
+    made = _around(material, wall, [_bent(frequency, _uniform)], Doublets(split, imperfection, split_seed), top)
     return replace(made, clicks=ring_clicks(material, radius=radius, thickness=thickness, length=length))
 
 
@@ -99,7 +102,7 @@ def glass(
     mass = 2 * math.pi * radius * thickness * height * material.density
     ring = _bending(material, radius, thickness, order)
     made = [
-        (ring * np.sqrt(1 + root**4 / (order**2 - 1) ** 2 * (radius / height) ** 4), partial(_cantilever, root))
+        _bent(ring * np.sqrt(1 + root**4 / (order**2 - 1) ** 2 * (radius / height) ** 4), partial(_cantilever, root))
         for root in CANTILEVER[:rows]
     ]
     # A cantilever's tip moves by twice the rms of its length, whatever its mode.
@@ -115,6 +118,38 @@ def glass_clicks(
     mass = 2 * math.pi * radius * thickness * height * material.density
     whole = acceleration.ring(mass, radius, height, mass / material.density)
     return _clicks(material, thickness, whole, held=True)
+
+
+def can(
+    material: Material,
+    *,
+    radius: float,
+    height: float,
+    thickness: float,
+    top: float,
+    split: float = 0.0,
+    imperfection: float = 20.0,
+    split_seed: int = 0,
+) -> Modes:
+    """Return the modes of the wall of a can, a thin cylinder that its ends keep round: cos n theta around it, sines up
+    it.
+
+    Lengths in m, top in Hz; the strike path is half the circumference from angle 0, at 0.38 of the height; split,
+    imperfection and split_seed as in `doublets`. ValueError names what is out of range. Its ends do not sound, nor does
+    the air in it: the air is as in a tube that is open. Frequencies: see shell.py.
+    """
+    require_positive(radius=radius, height=height, thickness=thickness)
+    order = np.arange(2.0, MOST_MODES + 2)
+    mass = 2 * math.pi * radius * thickness * height * material.density
+    rows: list[_Family] = []
+    for row in range(1, _MOST_ROWS + 1):
+        frequency, heavier = wall_modes(material, radius, thickness, height, order, row)
+        if rows and frequency.min() > top:
+            break
+        rows.append(_Family(frequency, partial(_sine, row), math.sin(math.pi * row * _GOLDEN), heavier))
+    wall = _Wall(radius, height / 2, thickness * material.density, mass, mass / 4)
+    clicks = _clicks(material, thickness, acceleration.cylinder(mass, height, 2 * radius), held=True)
+    return replace(_around(material, wall, rows, Doublets(split, imperfection, split_seed), top), clicks=clicks)
 
 
 def doublets(
@@ -186,8 +221,25 @@ class _Wall(NamedTuple):
     modal_mass: float
 
 
+class _Family(NamedTuple):
+    """Modes of one profile up the wall, by orders from 2 up, as they are without air: frequencies (Hz), the profile and
+    its value where the wall is struck, and how much heavier each is than by its motion along the radius alone."""
+
+    frequency: Array
+    profile: Profile
+    struck: float
+    heavier: Array
+
+
+def _bent(frequency: Array, profile: Profile) -> _Family:
+    """Return a family of modes that do not stretch the wall: it also moves along its circumference, by 1/n of its
+    radial motion. They are struck at their rim."""
+    order = np.arange(2.0, frequency.size + 2)
+    return _Family(frequency, profile, 1.0, 1 + 1 / order**2)
+
+
 class _Row(NamedTuple):
-    """Modes of one profile up the wall, by order: orders, peaks (kg^-1/2), and what the air makes of them, (k,).
+    """Modes of a family in air: orders, peaks (kg^-1/2) where they are struck, and what the air makes of them, (k,).
 
     Modes that are too high to be heard are as without air.
     """
@@ -197,17 +249,16 @@ class _Row(NamedTuple):
     air: Loaded
 
 
-def _row(wall: _Wall, frequency: Array, profile: Profile, top: float) -> _Row:
-    """Return a row, from the frequencies (Hz) of its orders from 2 up."""
-    count = int(np.searchsorted(frequency, _NEARLY * top))
-    frequency = frequency[: _FURTHER * max(count, 1)]
+def _row(wall: _Wall, family: _Family, top: float) -> _Row:
+    """Return the modes of a family in air, as many as matter up to `top` (Hz)."""
+    count = int(np.max(np.flatnonzero(family.frequency < _NEARLY * top), initial=-1)) + 1
+    frequency = family.frequency[: _FURTHER * max(count, 1)]
     order = np.arange(2.0, frequency.size + 2)
-    # An inextensible wall also moves along its circumference, by 1/n of its radial motion.
-    peak = 1 / np.sqrt(wall.modal_mass * (1 + 1 / order**2))
+    peak = 1 / np.sqrt(wall.modal_mass * family.heavier[: order.size])
     solved = members(count, _SOLVED)
 
     def load(now: Array) -> Load:
-        found = wall_air.load_of(order[solved], wall.radius, wall.half, profile, now[solved])
+        found = wall_air.load_of(order[solved], wall.radius, wall.half, family.profile, now[solved])
         scaled = Load(found.resistance * peak[solved] ** 2, found.mass * peak[solved] ** 2)
         return between(np.log(order[solved]), scaled, np.log(order[:count]))
 
@@ -216,7 +267,7 @@ def _row(wall: _Wall, frequency: Array, profile: Profile, top: float) -> _Row:
     still = np.zeros(frequency.size - count)
     return _Row(
         order,
-        peak,
+        peak * family.struck,
         Loaded(
             np.append(air.frequency, frequency[count:]),
             np.append(air.resistance, still),
@@ -225,11 +276,9 @@ def _row(wall: _Wall, frequency: Array, profile: Profile, top: float) -> _Row:
     )
 
 
-def _around(
-    material: Material, wall: _Wall, rows: Sequence[tuple[Array, Profile]], pairs: Doublets, top: float
-) -> Modes:
-    """Return the modes of a wall, from the frequencies of the orders from 2 up in each row, and the row's profile."""
-    found = [_row(wall, frequency, profile, top) for frequency, profile in rows]
+def _around(material: Material, wall: _Wall, families: Sequence[_Family], pairs: Doublets, top: float) -> Modes:
+    """Return the modes of a wall in air, from the families that they are without."""
+    found = [_row(wall, family, top) for family in families]
     order, peak = (np.concatenate([row[i] for row in found]) for i in (0, 1))
     frequency, resistance, shrinking = (np.concatenate([row.air[i] for row in found]) for i in range(3))
     frequency, which, phase = doublets(frequency, order, *pairs)
@@ -244,6 +293,12 @@ def _around(
     shapes = shape(angles, keep), shape(_SIGN_AT, keep)[0]
     made = heard(material, frequency[keep], resistance[which[keep]], shapes, wall.mass)
     return with_unheard(made, Felt(frequency[others], shape(angles, others)), material.decay, top)
+
+
+def _sine(waves: int, z: Array) -> Array:
+    """Return the shape of so many half waves from end to end."""
+    shape: Array = np.sin(waves * math.pi * (z + 1) / 2)
+    return shape
 
 
 def _uniform(z: Array) -> Array:

@@ -44,6 +44,7 @@ def test_there_is_enough_to_play_with():
     assert len(objects) >= 16 and len(PRESETS.names("strikers")) >= 8
     assert {o.shape for o in objects} == {
         "bar",
+        "can",
         "string",
         "plate",
         "disc",

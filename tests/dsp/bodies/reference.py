@@ -92,6 +92,9 @@ EVERY = {
     "glass": lambda material=STEEL, **more: bodies.glass(
         material, radius=0.04, height=0.08, thickness=0.001, rows=3, split=0.002, **more
     ),
+    "can": lambda material=STEEL, **more: bodies.can(
+        material, radius=0.02, height=0.05, thickness=5e-4, split=0.002, **more
+    ),
     "listed": lambda **more: bodies.listed(
         frequency=[300.0, 100.0, 200.0], t60=[1, 3, 2], modal_mass=[3.0, 1.0, 2.0], mass=8, **more
     ),
