@@ -38,6 +38,8 @@ LOADS = {
 
 HEADER = 44
 """Bytes of a WAV file before its samples."""
+DIGEST = 64
+"""Digits of a digest."""
 
 FIRST = """async () => {
   const begun = performance.now();
@@ -61,30 +63,29 @@ FIRST = """async () => {
 }"""
 
 
-def digest_of(folder: Path, words: list[str]) -> str:
-    """Return the digest of a sound that a process of a page's engine writes as float32."""
-    subprocess.run([sys.executable, "-m", *words], env=ENGINE, check=True)
-    return hashlib.sha256((folder / "sound.f32").read_bytes()).hexdigest()
-
-
-def digest_in_c(folder: Path) -> str:
-    """Return the digest of the sound that a scene's example in C renders."""
-    subprocess.run(["cc", "example.c", "libcarom.a", "-lm", "-o", "example"], cwd=folder, check=True)
-    subprocess.run(["./example", "scene.carom", "made.wav"], cwd=folder, check=True)
+def digest_in_c(folder: Path, seed: int) -> str:
+    """Return the digest of the sound that the example in C renders of a scene."""
+    subprocess.run([folder / "c/example", folder / f"{seed}/scene.carom", folder / "made.wav"], check=True)
     return hashlib.sha256((folder / "made.wav").read_bytes()[HEADER:]).hexdigest()
 
 
 def differing(page: Any, count: int) -> Iterator[str]:
     """Yield the random scores, and where each is played, whose sound differs from the render by a bit."""
-    for seed in range(count):
-        with tempfile.TemporaryDirectory() as made:
-            folder = Path(made)
-            wanted = digest_of(folder, ["tests.clients.export.make_scene", made, str(seed)])
-            with served(folder) as address:
-                page.goto(f"{address}carom.d.ts")
-                found = {"browser": page.evaluate(RENDER)["digest"], "C": digest_in_c(folder)}
-        print(f"score {seed} of {count}: {'differs' if set(found.values()) != {wanted} else 'equal'}", file=sys.stderr)
-        yield from (f"{seed} {where}" for where, digest in found.items() if digest != wanted)
+    with tempfile.TemporaryDirectory() as made, served(Path(made)) as address:
+        folder, words = Path(made), [sys.executable, "-m", "tests.bench.exported", made, str(count)]
+        with subprocess.Popen(words, env=ENGINE, stdout=subprocess.PIPE, text=True) as maker:
+            assert maker.stdout is not None
+            for seed, wanted in enumerate(line.strip() for line in maker.stdout if len(line.strip()) == DIGEST):
+                if not seed:
+                    cc = ["cc", "example.c", "libcarom.a", "-lm", "-o", "example"]
+                    subprocess.run(cc, cwd=folder / "c", check=True)
+                page.goto(f"{address}{seed}/carom.d.ts")
+                found = {"browser": page.evaluate(RENDER)["digest"], "C": digest_in_c(folder, seed)}
+                differ = [where for where, digest in found.items() if digest != wanted]
+                print(f"score {seed} of {count}: {'differs' if differ else 'equal'}", file=sys.stderr)
+                yield from (f"{seed} {where}" for where in differ)
+        if maker.returncode:
+            raise RuntimeError(f"{' '.join(words)}: has failed")
 
 
 def load_of(page: Any, score: str) -> float:
@@ -120,7 +121,9 @@ def measured(count: int, times: int) -> dict[str, Any]:
                 page = context.new_page()
                 page.goto(f"{address}carom.d.ts")
                 cold.append(page.evaluate(FIRST))
-                page.reload()
+                page.goto("about:blank")
+                page.wait_for_timeout(1000)  # until the page has gone
+                page.goto(f"{address}carom.d.ts")
                 warm.append(page.evaluate(FIRST))
                 context.close()
             found["first sound ms, cold"], found["first sound ms, warm"] = map(statistics.median, (cold, warm))

@@ -4,13 +4,23 @@ import { unpacked as plain } from "./lzma.js";
 
 const MAGIC = "carom 1\n";
 const HEAD = 12; // bytes before the map
+const STORE = "carom"; // of decoded files, in browsers
 const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma" };
 
-/** The content of a file that was compressed as LZMA. */
+/** The content of a file that was compressed as LZMA, which the browser keeps when it is decoded. */
 async function fetched(url) {
   const reply = await fetch(url);
   if (!reply.ok) throw new Error(`${url}: ${reply.status} ${reply.statusText}`);
-  return plain(new Uint8Array(await reply.arrayBuffer())).buffer;
+  const made = ["ETag", "Last-Modified", "Content-Length"].map((name) => reply.headers.get(name) ?? "-").join(" ");
+  const store = await globalThis.caches?.open(STORE).catch(() => null); // some windows have none
+  const kept = await store?.match(url);
+  if (kept?.headers.get("Made-Of") === made) {
+    reply.body.cancel();
+    return kept.arrayBuffer();
+  }
+  const { buffer } = plain(new Uint8Array(await reply.arrayBuffer()));
+  store?.put(url, new Response(buffer, { headers: { "Made-Of": made } })).catch(() => {}); // there may be no room
+  return buffer;
 }
 
 /** The map and the data in the file of a baked scene. */

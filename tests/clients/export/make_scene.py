@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from carom.clients.export import c, web
-from carom.clients.export.scene import bake_scene
+from carom.clients.export.scene import Scene, bake_scene
 from carom.dsp.engine.memory.state import RING
 from carom.dsp.runtime import engine
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, STRIKE, Parameter
@@ -37,24 +37,34 @@ ONE_LAW = ("wood", "steel", "coin", "glass-marble")
 PLAYED = [name for name, each in GESTURES.items() if not each.what and not each.breaks]
 """The gestures that a page can begin."""
 SECONDS = 1.6
+PART, PARTS = 0.4, 3
+"""A score's parts, in s, each with a third of the gestures: more at once cost a hundred times real time."""
+STIFF = 3
+"""The first objects, which are stiff: a swarm costs that much, too, on one that gives way."""
 MESSAGES = 400
 
 
-def number(chance: random.Random, of: Parameter) -> float:
-    """Return a number from the useful range of a parameter."""
+SWARMING = 0.4
+"""The part of a wide range, as its logarithm goes, that swarms keep to: some 100 blows per s at most."""
+
+
+def number(chance: random.Random, of: Parameter, part: float = 1.0) -> float:
+    """Return a number from the useful range of a parameter; part: of a wide range, as its logarithm goes."""
     low, high = of.useful or (of.low, of.high)
     if of.whole:
         return chance.randint(int(low), int(min(high, 1000)))
-    return low * (high / low) ** chance.random() if low > 0.0 and high / low > 30.0 else chance.uniform(low, high)
+    wide = low > 0.0 and high / low > 30.0
+    return low * (high / low) ** (part * chance.random()) if wide else chance.uniform(low, high)
 
 
 def gesture(chance: random.Random, name: str, target: str, others: list[str]) -> Message:
     """Return a gesture on an object, with some of its keys."""
     declared = GESTURES[name]
-    args: list[Any] = [number(chance, declared.argument), chance.random()]
+    part = SWARMING if declared.swarms else 1.0
+    args: list[Any] = [number(chance, declared.argument, part), chance.random()]
     for key in (*STRIKE[:4], *declared.keys):
         if chance.random() < 0.15 and key.name not in ("seed", "position", "static", "dynamic"):
-            args += [key.name, number(chance, key)]
+            args += [key.name, number(chance, key, part)]
     if not declared.along and "dissipation" not in args and chance.random() < 0.1:
         args += ["restitution", chance.uniform(0.2, 0.95)]
     if declared.swarms and "exponent" in args:
@@ -89,23 +99,23 @@ def messages(chance: random.Random, names: list[str]) -> Iterator[Message]:
 
 
 def score(seed: int) -> str:
-    """Return a random score: objects that come one after the other, all gestures, and an end."""
+    """Return a random score: objects that come one after the other, and all gestures, in parts that end."""
     chance, lines = random.Random(seed), []
     names = [preset.replace("-", "_") for preset in OBJECTS]
     for n, (name, preset) in enumerate(zip(names, OBJECTS, strict=True)):
         lines.append(
             (0.1 * (n // 3), Message("/object/new", (name, preset, "gain", -9.0, "pan", chance.uniform(-1, 1))))
         )
-    for n, kind in enumerate(PLAYED * 2):
-        target = chance.choice(names)
-        lines.append((0.3 + chance.uniform(0.0, 0.8), gesture(chance, kind, target, names)))
-        if n % 4 == 0:
-            lines.append(
-                (chance.uniform(0.5, 1.2), Message(f"/object/{target}/tune", (chance.uniform(-3, 3), "over", 0.3)))
-            )
-    lines.append((0.5, Message("/object/tom/rest", ("felt", "load", 3.0))))
-    lines.append((1.1, Message("/object/glass_plate/shatter", (2.0, "onto", "tom", "striker", "glass-marble"))))
-    lines.append((1.4, Message("/panic")))
+    for n, kind in enumerate(chance.sample(PLAYED, len(PLAYED))):
+        begins = 0.2 + PART * (n % PARTS)
+        target = chance.choice(names[: STIFF if GESTURES[kind].swarms else None])
+        lines.append((begins + chance.uniform(0.0, 0.2), gesture(chance, kind, target, names)))
+        if n % 2:
+            tuned = Message(f"/object/{target}/tune", (chance.uniform(-3, 3), "over", 0.1))
+            lines.append((begins + chance.uniform(0.1, 0.3), tuned))
+    lines.append((0.65, Message("/object/tom/rest", ("felt", "load", 3.0))))
+    lines.append((1.1, Message("/object/glass_plate/shatter", (2.0, "onto", "marimba_bar", "striker", "glass-marble"))))
+    lines += [(0.2 + PART * (part + 1), Message("/panic")) for part in range(PARTS)]
     return "".join(f"{format_line(time, message)}\n" for time, message in sorted(lines, key=lambda line: line[0]))
 
 
@@ -121,13 +131,16 @@ def _told(session: Session, line: Line) -> list[Message]:
     return session.perform([line.message], sample_at(line.time, session.engine.rate))
 
 
+def random_scene(seed: int, presets: Presets) -> tuple[str, Scene]:
+    """Return a random score, and the scene that is baked of it."""
+    text = accepted(score(seed), presets)
+    return text, bake_scene(parse(text.encode(), "score"), text, "random", presets, Options(seconds=SECONDS), print)
+
+
 def main(folder: Path, seed: int) -> None:
     """Export the score, and write its sound, random messages, and the commands that a session makes of them."""
-    presets = Presets()
-    text = accepted(score(seed), presets)
+    text, scene = random_scene(seed, Presets())
     (folder / "score.txt").write_text(text)
-    options = Options(seconds=SECONDS)
-    scene = bake_scene(parse(text.encode(), "score"), text, "random", presets, options, print)
     baked = scene.baked
     web.write_page(scene, folder)
     if shutil.which("cc"):

@@ -51,6 +51,22 @@ ASK = """async (asked) => {
 }"""
 
 
+FETCHED = """async (changed) => {
+  const { Carom } = await import("./carom.js");
+  const store = await caches.open("carom");
+  let kept;
+  do kept = await store.keys();
+  while (kept.length < 2);
+  for (const file of kept) {
+    const { headers } = await store.match(file);
+    if (changed) headers.set("Made-Of", "another file");
+    await store.put(file, new Response(new Uint8Array(64), { headers }));
+  }
+  return Carom.fetch().then(() => true, () => false);
+}"""
+"""A script that damages what a browser keeps, and fetches a page's files; changed: they have been."""
+
+
 @pytest.fixture(scope="module")
 def page(folder: Path) -> Iterator[Any]:
     """The page of the scene, from a server of static files."""
@@ -81,6 +97,12 @@ def test_files_are_unpacked_by_others_too(folder: Path) -> None:
         content = (folder / f"{name}.lzma").read_bytes()
         plain = lzma.decompress(content, lzma.FORMAT_ALONE)
         assert plain.startswith(begins) and len(plain) == int.from_bytes(content[5:13], "little")
+
+
+def test_a_browser_keeps_decoded_files_until_they_change(page: Any) -> None:
+    """A second visit takes what the first one has decoded, but not of other files of the same names."""
+    assert not page.evaluate(FETCHED, False)
+    assert page.evaluate(FETCHED, True)
 
 
 def test_messages_become_the_commands_of_a_session(page: Any, folder: Path) -> None:
