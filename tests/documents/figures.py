@@ -145,6 +145,7 @@ def web() -> str:
     rows = [
         ("the demo's files, kB", f"{found['kB in all']:.0f}"),
         ("of these the engine", f"{found['kB']['carom.wasm.lzma']:.0f}"),
+        ("of these the scene, mostly the shapes of its modes", f"{found['kB']['scene.carom.lzma']:.0f}"),
         ("memory, MB", f"{found['MB']:.0f}"),
         ("from the click to the first sound, nothing cached, s", f"{found['first sound ms, cold'] / 1e3:.2f}"),
         ("the same, all cached", f"{found['first sound ms, warm'] / 1e3:.2f}"),
