@@ -29,11 +29,7 @@ _END = 7.0  # of a drop's force, in its time scale: 0.1 % of its momentum would 
 _BAND = 0.75  # of the sampling rate: pulses with the bump have nothing beyond
 _HIGHEST = 60.0  # of angular frequency times width: a contact's pulse is below -80 dB of its momentum beyond
 _NODES, _DROP_NODES = 200, 600
-_FINE, _COARSE, _COARSER = (
-    64,
-    32,
-    16,
-)  # places between samples: of short pulses and drops, of longer ones, of the longest
+_FINE, _COARSE, _COARSER = 64, 32, 16  # places between samples: of short pulses and drops, longer, and longest ones
 
 
 class Form(NamedTuple):

@@ -337,6 +337,8 @@ def _lay_blow(
     origin = contact.origin - state.position + swarm.lead + _EARLY
     begun = origin + time * rate + known_of(table.middle, loss) * exp(held)
     momentum = known_of(table.momentum, loss) * ratio * mass * v
+    if shorter + swarm.log_rate > _WIDEST:  # as much power at frequencies above the longer pulse's, and less below
+        momentum *= exp(1.5 * (_WIDEST - shorter - swarm.log_rate))
     if swarm.places > 0:
         end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], begun, held, loss, momentum)
         swarm.busy[where] = max(swarm.busy[where], end)

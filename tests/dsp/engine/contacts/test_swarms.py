@@ -134,6 +134,15 @@ def test_modes_get_no_more_energy_than_the_blows_bring(kind, keys, modal_mass):
         assert energy_of(engine) > 0.005 * brought
 
 
+@pytest.mark.parametrize(("modal_mass", "rate"), [(0.1, 22_050.0), (0.1, 192_000.0), (10.0, 44_100.0)])
+def test_blows_that_last_longer_than_the_grid_bring_no_more_energy(modal_mass, rate):
+    """Soft grains of 4 g, each of whose blows lasts a tenth of a second: the modes from 150 Hz on hardly hear them."""
+    modes, law = plate(24, modal_mass, t60=100.0), (4e-3, 7e3, 0.3, 2.5)
+    _, engine = swarmed("crumple", {**CRUMPLE, "spread": 0.0}, rate, 0.2, modes=modes, law=law)
+    assert engine.stats.coupled == 0 and drawn(engine)[3] > 0.0
+    assert 0.0 < energy_of(engine) < 0.01 * drawn(engine)[3]
+
+
 @pytest.mark.parametrize("stopped", [False, True])
 def test_a_step_is_over_by_itself_or_when_it_is_stopped(stopped):
     _, engine = swarmed("step", STEP, seconds=1.0, events=[stop(7, 0.4)] if stopped else [])
