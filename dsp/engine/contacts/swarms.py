@@ -59,6 +59,7 @@ _LOWEST = 16.0  # Hz: of the bands of modes
 _IMPACT = NUMBERS["impact"]
 _BRIEFEST = 1e-6  # s: of a memory
 _NEAR = 1e-9  # of a rate
+_BENT = 1e-6  # of a step's rate: its bends lie on the lattice of knots
 
 
 @kernel
@@ -176,12 +177,20 @@ def _asked_of(swarm: Swarm, contact: Contact, time: float) -> tuple[float, float
 
 
 @kernel
-def _follow_course(swarm: Swarm, contact: Contact, until: float) -> None:
-    """Give a step's blows the pieces of its course that begin before a time (s from its beginning)."""
+def _follow_course(swarm: Swarm, until: float) -> None:
+    """Give a step's blows the pieces of its course that begin before a time (s from its beginning), by the law that
+    they have before: what is asked for by now may begin later."""
     while swarm.duration > 0.0 and swarm.piece < PIECES and next_bend(swarm) <= until:
-        bend = next_bend(swarm)
+        bend, last = next_bend(swarm), swarm.knots[swarm.count - 1]
+        _, before = course_at(swarm, bend)
         swarm.piece += 1
-        _add_knot(swarm, contact, bend)
+        _, after = course_at(swarm, bend)
+        knot = add_knot(swarm, bend)
+        knot.slope = last.slope * after / before if before != 0.0 else 0.0
+        if swarm.piece >= PIECES:
+            knot.rate = 0.0
+        knot.scale, knot.excitation, knot.memory = last.scale, last.excitation, last.memory
+        knot.steepness, knot.span, knot.variety = last.steepness, last.span, last.variety
 
 
 @kernel
@@ -191,7 +200,7 @@ def steer_swarm(state: State, contact: Contact, time: float) -> None:
     if contact.trait.breaks == 1:
         return
     since = max((max(time, float(state.position)) - contact.origin) / state.rate, 0.0)
-    _follow_course(swarm, contact, since)
+    _follow_course(swarm, since)
     _add_knot(swarm, contact, since)
 
 
@@ -202,7 +211,10 @@ def _follow_ramp(swarm: Swarm, contact: Contact, begin: float, seconds: float) -
     last, asked = swarm.knots[swarm.count - 1], contact.target
     rate, _, scale = _asked_of(swarm, contact, begin)
     there = max(last.rate + last.slope * max(begin - last.time, 0.0), 0.0)
-    ramped = abs(rate - there) > _NEAR * rate
+    if swarm.duration == 0.0:
+        ramped = abs(rate - there) > _NEAR * rate
+    else:
+        ramped = last.time <= begin and abs(rate - there) > _BENT * rate
     others = scale != last.scale or asked.excitation != last.excitation or asked.steepness != last.steepness
     others = others or max(asked.memory, _BRIEFEST) != last.memory or math.log1p(asked.variety) != last.variety
     others = others or (last.slope != 0.0 and swarm.duration == 0.0)
@@ -210,7 +222,7 @@ def _follow_ramp(swarm: Swarm, contact: Contact, begin: float, seconds: float) -
         knot = _add_knot(swarm, contact, begin)
         if ramped and swarm.duration == 0.0:
             knot.rate, knot.slope = there, (rate - there) / seconds
-    _follow_course(swarm, contact, begin + seconds)
+    _follow_course(swarm, begin + seconds)
 
 
 @noinline_kernel

@@ -165,6 +165,13 @@ def test_a_step_crackles_as_the_force_of_a_foot_changes():
     assert np.diff([0, *counts]) == pytest.approx(expected, rel=0.06)
 
 
+def test_a_step_that_is_steered_just_after_its_force_turns_has_the_same_crackles_at_any_sampling_rate():
+    """The force turns at 0.099 s, within the same 64 frames at 22 kHz."""
+    events = [steer(7, "force", 7000.0, 0.0995), steer(7, "steepness", 2.5, 0.1995)]
+    found = [drawn(swarmed("step", STEP, rate, 1.0, events)[1]) for rate in (22_050.0, 48_000.0, 192_000.0)]
+    assert found[0][0] > 1000 and found == [found[0]] * 3
+
+
 SHATTER = {"velocity": 3.0, "pieces": 80.0, "whole": 0.1, "height": 0.1, "seed": 7, "spread": 0.0}
 
 
