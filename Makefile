@@ -88,7 +88,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simu
 	$(BIN)/python -m tests.bench.worlds
 	$(BIN)/python -m tests.bench.simulators
 	$(BIN)/python -m tests.bench.datasets
-	$(BIN)/python -m tests.bench.meshes --errors
+	$(BIN)/python -m tests.bench.meshes
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.extreme_groups
 	$(BIN)/python -m tests.bench.rests

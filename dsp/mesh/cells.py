@@ -12,7 +12,7 @@ import numpy as np
 from ..bodies.material import Array, Material
 from .fronts import Elements, Factor
 from .lanczos import lowest
-from .polynomials import gauss, products
+from .polynomials import gauss, integrals, moments, products
 from .rays import Grid, Quadrature, grid_about, quadrature
 from .sheets import of_sheet
 from .surface import Indices, MeshError, Surface, faces_of, rotation, volume_of
@@ -27,8 +27,8 @@ _AGREED = 0.02  # of the volume, by triangles and by rays: within that the trian
 _SHIFT = 0.02  # of a wave's frequency along the body
 _SIZES = 24  # halvings
 _SAMPLES = 30_000
-_RAYS = (10, 20)  # of a cell: the fewest, the most
-_THROUGH = 3  # rays through a wall
+_RAYS = (24, 40)  # of a cell: the fewest, the most
+_THROUGH = 4  # rays through a wall
 
 
 class Mesh(NamedTuple):
@@ -184,19 +184,23 @@ def _matrices(
 
 def _of_cell(places: Array, weights: Array, mesh: Mesh, material: Material) -> tuple[Array, Array]:
     """Return the stiffness and the mass of a cell that is met at places (n, 3) of it, 0 to 1, with weights in m^3."""
-    values, slopes = products(places, mesh.degree)
-    count = values.shape[1]
-    nu, root = material.poisson_ratio, np.sqrt(weights)[:, None]
-    mu = material.youngs_modulus / (2 * (1 + nu))
+    degree = mesh.degree
+    of, count = moments(places, weights, degree), (degree + 1) ** 3
+    nu = material.poisson_ratio
+    mu = material.youngs_modulus / (2 * (1 + nu)) / mesh.grid.side**2
     lame = 2 * mu * nu / (1 - 2 * nu)
-    strains = np.hstack(list(slopes)) * (root / mesh.grid.side)
-    pairs = (strains.T @ strains).reshape(3, count, 3, count)  # integrals of d_i N_a d_j N_b
-    stiffness = lame * pairs.transpose(1, 0, 3, 2) + mu * pairs.transpose(1, 2, 3, 0)
-    trace = np.einsum("iaib->ab", pairs)
+    stiffness, trace = np.empty((count, 3, count, 3)), np.zeros((count, count))
+    for i in range(3):
+        for j in range(i, 3):
+            pair = integrals(of, degree, (i, j))
+            stiffness[:, i, :, j] = lame * pair + mu * pair.T
+            if i != j:
+                stiffness[:, j, :, i] = stiffness[:, i, :, j].T
+            else:
+                trace += pair
     for axis in range(3):
         stiffness[:, axis, :, axis] += mu * trace
-    motions = values * root
-    return stiffness.reshape(3 * count, 3 * count), material.density * (motions.T @ motions)
+    return stiffness.reshape(3 * count, 3 * count), material.density * integrals(of, degree)
 
 
 def _modes(elements: Elements, stiffness: Array, mass: Array, shift: float, count: int) -> tuple[Array, Array]:

@@ -27,6 +27,8 @@ SIZES = (1e-3, 20.0)
 _RIGID = 6
 _SPARE = 4  # modes beyond those wanted
 _FLOOR = 1e-3  # of the highest frequency: below lie rigid motions of parts that don't touch
+_ABOUT = 2  # modes to each side: one that changes little by chance is as far off as they are
+_LEAST_ERROR = 1e-3  # of a frequency: the quadrature's
 _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
 _TRIANGLES, _FINE_TRIANGLES = 2600, 8000  # of a shell, about
@@ -174,7 +176,9 @@ def _errors(surface: Surface, material: Material, wanted: Wanted, frequency: Arr
     again = other.frequency[_elastic(other.frequency, wanted.modes)][: len(frequency)]
     found = np.full(len(frequency), np.nan)
     change = np.abs(frequency[: len(again)] / again - 1)
-    found[: len(again)] = change if not wanted.fine else change / 3
+    around = np.pad(change, _ABOUT, mode="edge")
+    most = np.lib.stride_tricks.sliding_window_view(around, 2 * _ABOUT + 1).max(axis=1)
+    found[: len(again)] = _LEAST_ERROR + (1 if wanted.fine else 2) * most
     return found
 
 

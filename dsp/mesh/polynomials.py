@@ -1,4 +1,9 @@
-"""Polynomials of a cell: Lagrange's on Lobatto's nodes, and Gauss points, on 0 to 1."""
+"""Polynomials of a cell: Lagrange's on Lobatto's nodes, Legendre's, and Gauss points, on 0 to 1.
+
+A product of two of Lagrange's, or of their slopes, is a sum of Legendre's. So all integrals of such products over a
+part of a cell follow from the part's moments, by Legendre's polynomials in each direction: (2 degree + 1)^3 numbers,
+however many points the part is met by.
+"""
 
 from functools import lru_cache
 
@@ -43,3 +48,38 @@ def products(at: Array, degree: int) -> tuple[Array, Array]:
 
     gradients = [product(*(slopes[k] if k == axis else values[k] for k in range(3))) for axis in range(3)]
     return product(*values), np.stack(gradients)
+
+
+def moments(at: Array, weights: Array, degree: int) -> Array:
+    """Return the integrals (k, k, k) of Legendre's polynomials in x, y and z, k = 2 degree + 1, by places (n, 3) of a
+    cell and their weights (n,)."""
+    x, y, z = (np.polynomial.legendre.legvander(2 * at[:, axis] - 1, 2 * degree) for axis in range(3))
+    count = x.shape[1]
+    both = ((x * weights[:, None])[:, :, None] * y[:, None]).reshape(len(at), count**2)
+    found: Array = (both.T @ z).reshape(count, count, count)
+    return found
+
+
+@lru_cache(maxsize=16)
+def _as_legendre(degree: int) -> Array:
+    """Return the shares (2, 2, (degree + 1)^2, k) of Legendre's polynomials in products of two of Lagrange's: of each
+    the value, or the slope."""
+    nodes, weights = gauss(2 * degree + 1)
+    both = np.stack(lagrange(nodes, degree))
+    legendre = np.polynomial.legendre.legvander(2 * nodes - 1, 2 * degree) * (2 * np.arange(2 * degree + 1) + 1)
+    shares: Array = np.einsum("n,ina,jnb,nk->ijabk", weights, both, both, legendre)
+    return shares.reshape(2, 2, -1, 2 * degree + 1)
+
+
+def integrals(of: Array, degree: int, slopes: tuple[int, int] | None = None) -> Array:
+    """Return the integrals (m, m) of all products of two of a cell's polynomials, by its moments (k, k, k).
+
+    slopes: the axes along which the first and the second one's slope is taken; None: their values.
+    """
+    shares = _as_legendre(degree)
+    first, second = slopes or (3, 3)
+    x, y, z = (shares[int(axis == first), int(axis == second)] for axis in range(3))
+    n, k = degree + 1, len(of)
+    found = (x @ of.reshape(k, k * k)).reshape(n * n, k, k)
+    found = np.matmul(np.matmul(y, found), z.T).reshape(n, n, n, n, n, n)
+    return np.ascontiguousarray(found.transpose(0, 2, 4, 1, 3, 5)).reshape(n**3, n**3)

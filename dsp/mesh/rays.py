@@ -17,6 +17,7 @@ from .surface import Indices, Surface, faces_of
 _CHUNK = 2_000_000  # candidates of faces and rays that are tried at a time
 _SHORT = 0.3  # of a cell: a piece that is shorter takes one point less
 _NEAR = 4  # hits that say where the surface looks
+_CUBES = 32  # small cubes along a cell's side, all points of which are shared alike
 _LEAST_SHARE = 1e-4
 _MOST_CHANGE = 1.5  # by which a cell's weights are set right at most
 
@@ -101,7 +102,7 @@ def quadrature(surface: Surface, grid: Grid, degree: int) -> Quadrature:
     cell = grid.number(at)
     keep = cut[cell]
     at, weight, axis_of, cell = at[keep], weight[keep], axis_of[keep], cell[keep]
-    share = _shares(at, axis_of, surface_points, np.vstack(normals), step)
+    share = _shares(at, axis_of, surface_points, np.vstack(normals), grid)
     weight = weight * share
     volume = (looks * plain).sum(axis=0) / np.maximum(looks.sum(axis=0), 1e-300)
     got = np.bincount(cell, weight, len(volume))
@@ -219,13 +220,17 @@ def _along(hits: _Hits, grid: Grid, axis: int, degree: int) -> tuple[Array, Arra
     return np.concatenate(places), np.concatenate(weights), np.concatenate(rays)
 
 
-def _shares(places: Array, axes: Indices, surface: Array, normals: Array, step: float) -> Array:
-    """Return the share of each point's direction: the square of the normals along it where the surface is nearest."""
+def _shares(places: Array, axes: Indices, surface: Array, normals: Array, grid: Grid) -> Array:
+    """Return the share of each point's direction: the square of the normals along it where the surface is nearest to
+    the small cube that holds the point."""
     from scipy.spatial import cKDTree
 
+    small = Grid(grid.corner, grid.side / _CUBES, grid.counts * _CUBES, 1)
+    cubes, number = np.unique(small.number(places), return_inverse=True)
     tree = cKDTree(surface, balanced_tree=False, compact_nodes=False)
-    distance, near = tree.query(places, k=min(_NEAR, len(surface)))
-    weight = 1 / (distance.reshape(len(places), -1) + 0.05 * step) ** 2
-    squares = normals[near.reshape(len(places), -1), axes[:, None]] ** 2
-    shares: Array = (weight * squares).sum(axis=1) / weight.sum(axis=1)
-    return shares
+    middles = small.corner + small.side * (small.cell(cubes) + 0.5)
+    distance, near = tree.query(middles, k=min(_NEAR, len(surface)))
+    weight = 1 / (distance.reshape(len(cubes), -1) + 0.05 * grid.side / grid.rays) ** 2
+    squares = normals[near.reshape(len(cubes), -1)] ** 2
+    shares = np.einsum("ck,cka->ca", weight, squares) / weight.sum(axis=1)[:, None]
+    return np.asarray(shares[number, axes])

@@ -23,7 +23,8 @@ def refined(surface: Surface, count: int) -> Surface:
 
 
 def divided(surface: Surface, longest: float, most: int) -> Surface:
-    """Return a surface whose sides are at most `longest` (m), or that has more than `most` triangles."""
+    """Return a surface whose sides are at most `longest` (m), or to split which all once more makes over `most`
+    triangles."""
     points, faces = surface
     for _ in range(_ROUNDS):
         sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2)
@@ -35,7 +36,7 @@ def divided(surface: Surface, longest: float, most: int) -> Surface:
         wanted = np.zeros(len(edges), bool)
         worst = number[np.arange(len(faces)), each.argmax(axis=1)]
         wanted[worst[each.max(axis=1) > longest]] = True
-        if not wanted.any() or len(faces) > most:
+        if not wanted.any() or len(faces) + int(wanted[number].sum()) > most:
             break
         middle = np.where(wanted, len(points) + np.cumsum(wanted) - 1, -1)
         points = np.vstack([points, points[edges[wanted]].mean(axis=1)])

@@ -44,6 +44,18 @@ def test_the_quadrature_measures_bodies():
     assert volume == pytest.approx(volume_of(ball), rel=2e-3)
 
 
+def test_moments_give_the_integrals_of_products():
+    from carom.dsp.mesh.polynomials import integrals, moments, products
+
+    rng = np.random.default_rng(3)
+    places, weights = rng.random((40, 3)), rng.random(40)
+    of = moments(places, weights, 2)
+    values, slopes = products(places, 2)
+    assert np.allclose(integrals(of, 2), (values * weights[:, None]).T @ values, atol=1e-12)
+    for i, j in ((0, 0), (0, 1), (2, 1)):
+        assert np.allclose(integrals(of, 2, (i, j)), (slopes[i] * weights[:, None]).T @ slopes[j], atol=1e-10)
+
+
 def test_parts_that_overlap_count_once():
     half = forms.box(0.1, 0.05, 0.05)
     body = turned(forms.together(half, forms.moved(half, (0.04, 0, 0))))
@@ -85,15 +97,14 @@ def test_a_ball_rings_as_lambs_sphere_does():
 
 @pytest.mark.slow
 def test_a_bar_rings_as_caroms_own_bar_does():
-    """Bending in both planes is Timoshenko's; in twisting, the 4th and the 7th, the two theories are 1.3 % apart."""
+    """Bending in both planes is Timoshenko's; the 4th and the 7th mode twist."""
     size = {"length": 0.24, "width": 0.03, "thickness": 0.01}
     block = forms.box(*size.values())
     found = cells.solve(block, STEEL, cells.sizes(block, 78), 4, 17)
     closed = bar(STEEL, top=9000.0, **size)
     own = found.frequency[6:13]
     apart = np.abs(own / closed.frequency[: len(own)] - 1)
-    assert apart[[0, 1, 2, 4, 5]].max() < 5e-3
-    assert apart.max() < 0.015
+    assert apart.max() < 6e-3
     assert found.mass == pytest.approx(closed.mass, rel=2e-3)
     # At an end, in the middle of the face: the first mode's shape is a free bar's, 2/sqrt(m).
     tip = found.at(np.array([[0.12, 0.0, 0.0]]))[0, :, 6]
