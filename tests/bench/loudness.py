@@ -22,7 +22,7 @@ from carom.presets.schema import SUITABLE
 RATE = 48_000
 GESTURES = 14.0  # LU between a strike and another gesture on the same object, at most
 SECONDS = {
-    "impact": 1.0, "bounce": 1.0, "roll": 1.5, "slide": 1.5, "spin": 3.0, "rain": 2.0, "shake": 2.0, "crumple": 2.0,
+    "impact": 1.0, "bounce": 1.0, "roll": 1.5, "slide": 10.0, "spin": 3.0, "rain": 2.0, "shake": 2.0, "crumple": 2.0,
     "pour": 2.0, "step": 1.0, "shatter": 2.0,
 }  # fmt: skip
 """s: of each gesture that are listened to."""
