@@ -42,6 +42,8 @@ def update_objects(state: State) -> None:
             follow_tension(state, obj)
         if follows or obj.glide == 0.0:
             obj.driven_gain = 0.0
+        if follows:
+            obj.driven_lately = 0
         obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = 0
         obj.rolls_head = -1
         obj.ahead = obj.resumes = 0
@@ -160,6 +162,7 @@ def _mix(state: State, slot: int, voice: View2D[float]) -> None:
     add_voice(state, slot, voice)
     state.stats.live_modes += obj.live
     state.stats.sounding += 1
+    obj.driven_lately = max(obj.driven_lately, obj.driven_modes)
     if obj.driven_modes > 0:
         obj.last_driven_at = state.position
     if obj.driven_modes == 0 and is_left_out(state, obj) and is_faded(state, obj):
@@ -197,7 +200,7 @@ def _rest_silent(state: State, obj: Object) -> None:
         return
     threshold = least_heard(state, obj)
     for _ in range(2):
-        if obj.live <= obj.driven_modes:
+        if obj.live <= obj.driven_lately:
             return
         first = obj.first + obj.live - LANES
         if is_heard(state, obj, first, first + LANES, threshold):

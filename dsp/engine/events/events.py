@@ -276,6 +276,7 @@ def _new(state: State, event: Event) -> None:
     obj.sheet = event.layout.sheet
     obj.rang, obj.amplified = 0.0, 1.0
     obj.stretch, obj.detuned, obj.deflection, obj.lent = 0.0, 0, 0.0, 0.0
+    obj.driven_lately = 0
     obj.settings = event.settings
     obj.live = 0
     obj.stale_modes = obj.size
