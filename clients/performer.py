@@ -164,7 +164,9 @@ class Performer:
     def _remember(self, first: int, sent: list[Sent]) -> None:
         for number, each in enumerate(sent, first):
             if each.message.address == "/object/new":
-                self._names[each.serial] = str(each.message.args[0])
+                name = str(each.message.args[0])
+                if self._names.setdefault(each.serial, name) == name and self.contacts:
+                    self._striking[number] = Striking(name, "", "", "rest", each.mass, 0.0)  # of one that stands
             elif self.contacts and each.serial:
                 striker = self._names.get(each.by, "") if each.by else ""
                 gesture = each.message.address.rsplit("/", 1)[1]

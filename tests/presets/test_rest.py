@@ -21,7 +21,7 @@ def excess(name, accuracy, *balls):
     all weights (100 ms)."""
     with carom.Scene(channels=1, calibrated=True, contacts=True) as scene:
         scene.accuracy(accuracy)
-        body = scene.new("a", name)
+        body = scene.new("a", name, rest="none")
         for ball in balls:
             body.roll(0.1, 0.4, striker=ball, roughness=0.0, id=ball)
         told = scene.render(0.1).contacts
@@ -68,3 +68,10 @@ def test_a_press_that_rests_takes_one_step_a_sample(name, held, accuracy):
     engine.process(RATE // 20)
     assert RATE // 20 <= contact["steps"] - before < 1.1 * RATE // 20
     assert contact["force"] == pytest.approx([20.0] * 3, rel=0.05)
+
+
+def test_feet_that_an_object_stands_on_are_told_as_rests():
+    with carom.Scene(contacts=True) as scene:
+        scene.new("a", "tumbler").impact(1.0)
+        told = scene.render(0.05).contacts
+    assert sorted((each.object, each.gesture) for each in told) == [("a", "impact"), *[("a", "rest")] * 3]

@@ -19,8 +19,8 @@ from tests.dsp.engine.support import strike
 PRESETS = carom.Presets()
 LONG = {
     "exact": {
-        *("cello-string", "cymbal", "guitar-string", "opera-gong", "pot-lid", "small-gong", "splash-cymbal"),
-        *("thunder-sheet", "tom"),
+        *("cello-string", "cymbal", "drinks-can", "goblet", "guitar-string", "opera-gong", "pot-lid", "small-gong"),
+        *("splash-cymbal", "thunder-sheet", "tom"),
     }
 }
 """Objects whose own strikers take longer than a server grants, at an accuracy."""
