@@ -21,7 +21,7 @@ def excess(name, accuracy, *balls):
     all weights (100 ms)."""
     with carom.Scene(channels=1, calibrated=True, contacts=True) as scene:
         scene.accuracy(accuracy)
-        body = scene.new("a", name, rest="none")
+        body = scene.new("a", name, **({"rest": "none"} if PRESETS.object(name).standing else {}))
         for ball in balls:
             body.roll(0.1, 0.4, striker=ball, roughness=0.0, id=ball)
         told = scene.render(0.1).contacts
