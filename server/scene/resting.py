@@ -60,8 +60,11 @@ def stand(transaction: Transaction, call: Call, name: str, obj: PlayedObject) ->
 
 def _lift(to: ObjectCall, message: Message) -> None:
     """Take an object off what it stands on by itself."""
-    if to.obj.stands:
-        _add(to, message, Command(NOW, Kind.STOP, gesture=to.obj.stands))
+    stands = to.obj.stands
+    if stands:
+        _add(to, message, Command(NOW, Kind.STOP, gesture=stands))
+        to.obj.stands = 0
+        to.transaction.on_undo(lambda: setattr(to.obj, "stands", stands))
 
 
 def _lay(

@@ -208,3 +208,11 @@ def _level(sound, at, frequency):
     window = sound[int(at * 48_000) :][:4_096] * np.hanning(4_096)
     bins = np.fft.rfftfreq(4_096, 1 / 48_000)
     return np.square(np.abs(np.fft.rfft(window)))[np.abs(bins - frequency) < 40].sum()
+
+
+def test_what_was_lifted_stands_no_more():
+    session = Session(Engine(48_000), Presets())
+    session.perform([Message("/object/new", ("a", "tumbler"))], NOW)
+    assert session.perform([Message("/object/a/rest", ("none",))], NOW) == []
+    (warning,) = session.perform([Message("/object/a/rest", ("none",))], NOW)
+    assert warning.address == "/warning" and warning.args[0].startswith("a stands on nothing by itself")
