@@ -61,6 +61,9 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
     samples = 0.0 if coupled.touching == 1 else flight(state, contact, True)
+    if _is_over(contact, now, samples):
+        report_end(state, contact.gesture, END_STOPPED)
+        return False
     if contact.gone_at == math.inf and (samples == 0.0 or now - contact.begun > _LONGEST_TOUCH * state.rate):
         _release_spent(state, contact, now)
     if samples == 0.0:
@@ -88,6 +91,13 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     contact.start = state.position + frame + int(skipped)
     contact.fraction = 0.0
     return True
+
+
+@kernel
+def _is_over(contact: Contact, now: float, samples: float) -> bool:
+    """True if a blow's striker flies that is awaited no longer than it surely touches nothing."""
+    flies = contact.trait.single == 1 and contact.coupled.touching == 0
+    return flies and contact.until < math.inf and now + samples >= contact.until
 
 
 @kernel

@@ -52,6 +52,7 @@ HEAVY = 0.1
 """m M of a blow, above which it is a contact of its own."""
 _WIDEST = math.log(LEAST * 2.0**OCTAVES)  # ln of samples: the rms width of a pulse
 _OFTEN, _AT_ONCE = 400.0, 8.0  # such contacts of a swarm a second, and at once
+_AWAITED = 0.005  # s from the beginning of such a blow: one that flies off then touches no more
 _MOST = 16_384  # blows of a swarm in a quantum
 _EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's
 _SAME = 1e-6  # of a position
@@ -405,13 +406,14 @@ def _become_contact(state: State, contact: Contact, position: float, v: float, m
     blow.unsettled = blow.solved = blow.ahead = blow.led = 0
     blow.forces[:] = 0.0
     blow.spot = np.uint64(0)
-    blow.until = blow.gone_at = math.inf
+    blow.gone_at = math.inf
     blow.v_in, blow.m = v, mass
     blow.k = swarm.k * math.exp(math.log(mass / swarm.m) / 6.0)
     blow.now.position = blow.target.position = position
     blow.origin = contact.origin + swarm.lead
     blow.elapsed = swarm.time
     schedule_contact(state, blow)
+    blow.until = blow.start + _AWAITED * state.rate
     append_contact(state, state.objects[contact.point[0].slot], index)
 
 

@@ -18,6 +18,7 @@ from tests.dsp.engine.support import RATE, free, gesture, impact, panic, steer, 
 
 GRAIN = (1e-4, 3e8, 0.3, 1.5)
 """m, k, mu, a of a grain of 0.1 g: 20 µs at 1 m/s."""
+FINGER = (0.01, 1e6, 1.0, 1.5)
 SHAKE = {"rate": 2000.0, "speed": 0.5, "seed": 7}
 CRUMPLE = {"speed": 0.5, "density": 4000.0, "energy": 1e-6, "seed": 7}
 RAIN = {"rate": 2000.0, "seed": 7}
@@ -298,6 +299,20 @@ def test_heavy_grains_are_contacts_of_their_own():
     _, engine = swarmed("shake", {**SHAKE, "rate": 100.0}, modes=plate(8, 0.01), law=(0.01, 1e7, 0.2, 1.5), seconds=0.5)
     assert engine.stats.impacts == drawn(engine)[0] or engine.stats.impacts == drawn(engine)[0] - 1
     assert engine.stats.coupled > 20
+
+
+def test_heavy_grains_that_fly_before_a_light_object_are_not_awaited_for_long():
+    """The object sways slowly and far, so that it may always reach them yet: two hundred were at once."""
+    engine = Engine(RATE)
+    handle, pulses = engine.add(plate(8, 0.003, t60=3.0), 1.0), engine.lay_out_pulses(1.5)
+    heavy = (0.01, 1e7, 0.2, 1.5)
+    engine.send([gesture("shake", handle, heavy, 0.0, 7, **pulses, **{**SHAKE, "rate": 400.0, "speed": 0.02})])
+    engine.send([gesture("press", handle, FINGER, 0.0, 8, velocity=0.01, force=5.0)])
+    most = 0
+    for _ in range(400):
+        engine.process(QUANTUM)
+        most = max(most, engine.stats.contacts_active)
+    assert engine.stats.coupled > 50 and most <= 12
 
 
 def test_a_swarm_that_ends_leaves_its_place_to_heavy_grains_of_others():
