@@ -78,6 +78,9 @@ class Sheet(Record):
     retuned: int  # times its object had got new coefficients as those here were made
     scale: float  # samples of modes over what they were without the gains of gestures
     tension: float  # factor on the stretching energy: the square of the tune
+    leaves: int  # 1: it falls asleep: the force of stretching fades
+    left: int  # samples of that yet
+    share: float  # of the force that there is still: 1 until then
     psi: float  # sqrt(2 V + c0)
     truth: float  # that of the grid, as last looked at
     c0: float  # J

@@ -86,9 +86,10 @@ def take(sheet: Sheet, energy: float, answer: View[f32]) -> None:
     """Take the stretching energy V (J) and its gradient (2, functions), both at a tune of 1, as looked at now."""
     n, plain = sheet.functions, sheet.plain
     now, last, before = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2]
-    square = 2.0 * sheet.tension * energy + sheet.c0
+    tension = sheet.tension * sheet.share
+    square = 2.0 * tension * energy + sheet.c0
     sheet.truth = math.sqrt(max(square, _FLOOR * sheet.c0, _LEAST))
-    scale = sheet.tension / sheet.truth
+    scale = tension / sheet.truth
     for i in range(2 * n - plain):
         before[i] = last[i]
     for i in range(n):
@@ -214,8 +215,32 @@ def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float, h: floa
 
 
 @kernel
+def fade(sheet: Sheet, samples: int) -> None:
+    """Fade the force of stretching by a sample, of so many: if it ended at once, all modes that it bends would ring.
+
+    Energy that stretching holds falls with it. Where V is below 0, psi stays, and `settle` has the modes pay.
+    """
+    if sheet.left == 0:
+        return
+    sheet.left -= 1
+    x = sheet.left / samples
+    share = x * x * x * (10.0 - x * (15.0 - 6.0 * x))
+    stored = sheet.psi * sheet.psi - sheet.c0
+    if stored > 0.0:
+        sheet.psi = math.sqrt(sheet.c0 + stored * share / sheet.share)
+    sheet.share = share
+
+
+@simd_kernel
 def set_constant(sheet: Sheet, c0: float) -> None:
-    """Change c0, which changes no energy."""
-    sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + c0 - sheet.c0, 0.0))
-    sheet.truth = math.sqrt(max(sheet.truth * sheet.truth + c0 - sheet.c0, 0.0))
+    """Change c0, which changes no energy, and no force: gradients are of psi."""
+    n = 2 * sheet.functions - sheet.plain
+    now, last, before = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2]
+    old, more = sheet.truth, c0 - sheet.c0
+    sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + more, 0.0))
+    sheet.truth = math.sqrt(max(old * old + more, _FLOOR * c0, _LEAST))
     sheet.c0 = c0
+    for i in range(n):
+        now[i] *= old / sheet.truth
+        last[i] *= old / sheet.truth
+        before[i] *= old / sheet.truth

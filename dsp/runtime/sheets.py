@@ -58,7 +58,7 @@ class Sheets:
         sheet["highest"], sheet["bent"], sheet["waits"] = laid.highest, 0.0, 0
         sheet["growth"], sheet["least"] = laid.growth, laid.least
         sheet["coupled"] = sheet["level"] = 0
-        sheet["scale"] = sheet["tension"] = 1.0
+        sheet["scale"] = sheet["tension"] = sheet["share"] = 1.0
         sheet["drained"][: laid.drained.size] = laid.drained
         self._fill_ladder(sheet, laid)
         for grid, tables in zip(sheet["grids"], laid.grids, strict=True):

@@ -1,8 +1,8 @@
 """Plates whose modes are coupled while they swing far: when they are, and the kick in each sample.
 
 A plate that swings by less than `least` rings as any other object. It is coupled in the quantum in which a blow may
-bring it above, as far as there is room, and uncoupled once it is below. Neither makes energy: what stretching holds is
-taken from the modes first, and is lost in the end.
+bring it above, as far as there is room. Once it is below, the force of stretching fades, and it is uncoupled. Neither
+makes energy: what stretching holds is taken from the modes first, and is lost in the end.
 """
 
 import math
@@ -14,6 +14,7 @@ from ...karman.step import (
     Heard,
     displace,
     extrapolate,
+    fade,
     give_back,
     kick,
     prepare,
@@ -36,6 +37,7 @@ _MOST_STRETCHED = 0.25  # of the energy: more must not be taken from the modes a
 _LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
 _UNHEARD = 1e-9  # output
 _GIVEN, _GIVEN_STRUCK = 0.999, 0.9  # of what modes have lost: how much they may get back, and in a contact
+_FADES = 0.04  # s in which stretching fades as a plate falls asleep
 _FOLLOWS = 0.001  # s in which psi follows the grid's
 
 
@@ -94,13 +96,35 @@ def _follow(state: State, obj: Object, sheet: Sheet) -> None:
         return
     stored = 0.5 * (sheet.psi * sheet.psi - sheet.c0)
     sheet.energy = max(ringing + stored, 0.0)
-    if sheet.energy + coming < _AGAIN * sheet.least and stored >= 0.0:
-        uncouple(state, obj)
+    if _is_left(state, obj, sheet, sheet.energy + coming):
         return
     wanted = sheet.growth * (sheet.energy + coming)
     if wanted > sheet.c0 or (wanted < _LOWERED * sheet.c0 and sheet.psi * sheet.psi - sheet.c0 > -0.5 * wanted):
         set_constant(sheet, wanted)
     _renew(state, obj, sheet)
+
+
+@kernel
+def _is_left(state: State, obj: Object, sheet: Sheet, energy: float) -> bool:
+    """Begin to fade the stretching of a plate of so much energy (J), or go on; return True if that is over: it was
+    uncoupled, or woken, which couples it anew."""
+    if sheet.leaves == 0:
+        if energy < _AGAIN * sheet.least:
+            sheet.leaves, sheet.left = 1, _fading(state)
+        return False
+    if sheet.left > 0 and energy <= sheet.least:
+        return False
+    _repay(state, obj, sheet)
+    uncouple(state, obj)
+    if energy > sheet.least:
+        _couple(state, obj, sheet, energy)
+    return True
+
+
+@kernel
+def _fading(state: State) -> int:
+    """Return the samples in which stretching fades."""
+    return int(_FADES * state.rate)
 
 
 @kernel
@@ -174,6 +198,7 @@ def _couple(state: State, obj: Object, sheet: Sheet, energy: float) -> None:
     sheet.c0 = sheet.growth * (energy + abs(stored))
     sheet.psi = math.sqrt(max(sheet.c0 + 2.0 * stored, 0.0))
     sheet.energy, sheet.owed = energy, 0.0
+    sheet.leaves, sheet.share = 0, 1.0
     for side in range(2):
         sheet.bent[side, 0] = sheet.bent[side, 1] = 0.0
     sheet.coupled = 1
@@ -189,6 +214,8 @@ def kick_modes(state: State, obj: Object) -> None:
     y1, y2 = bank.y1[first:last], bank.y2[first:last]
     every = looks_every(state, sheet.every)
     h = 1.0 / state.rate
+    if sheet.leaves == 1:
+        fade(sheet, _fading(state))
     if sheet.turn >= every:
         sheet.turn = 0
     if sheet.turn == 0:

@@ -309,8 +309,55 @@ def test_a_tam_tam_swells_where_it_is_struck_hard_and_not_where_softly():
     body = bodies.disc(BRONZE, radius=0.35, thickness=0.0015, dome=0.01, nonlinear_modes=250, split=0.004, top=20_000.0)
     time, level = swell(body, 4.0)
     assert level.max() - level[0] > 12.0 and 0.1 < time[level.argmax()] < 1.2
-    (_, soft), (_, linear) = (swell(each, 0.005, seconds=0.12) for each in (body, replace(body, sheet=None)))
+    (_, soft), (_, linear) = (swell(each, 0.005, seconds=0.4) for each in (body, replace(body, sheet=None)))
     assert abs(soft.max() - linear.max()) < 1.5
+
+
+def treble(sound):
+    """Return the most that there is above 2 kHz in a window of 43 ms, dB."""
+    frames = np.lib.stride_tricks.sliding_window_view(sound, 2048)[::256] * np.blackman(2048)
+    return 10 * np.log10((np.abs(np.fft.rfft(frames)) ** 2)[:, 86:].sum(axis=1).max())
+
+
+@pytest.mark.slow
+def test_a_plate_falls_asleep_without_a_click():
+    """A soft blow, which couples it for a moment: nothing of the treble is louder than of the linear plate, and energy
+    never grows."""
+    body = plate(60, 0.01, 0.35, 0.0015, 20_000.0)
+    sounds = []
+    for each in (body, replace(body, sheet=None)):
+        engine = Engine(48_000)
+        handle = engine.add(each, 1e3)
+        strike(engine, handle, BEATER, velocity=0.005, position=0.81)
+        blocks, before, seen = [], np.inf, []
+        for _ in range(240):
+            blocks.append(engine.process(QUANTUM)[:, 0].astype(float))
+            seen.append(each.sheet is not None and bool(is_coupled(engine, handle)))
+            if seen[-1]:
+                now = whole(engine, handle)
+                assert now <= before * (1 + 1e-12)
+                before = now if not engine.stats.contacts_active else np.inf
+        sounds.append(np.concatenate(blocks))
+        assert seen[0] == (each is body) and not seen[-1]
+    assert treble(sounds[0]) < treble(sounds[1]) + 1.0
+
+
+@pytest.mark.slow
+def test_a_plate_that_falls_asleep_is_coupled_anew_by_a_blow():
+    """Struck again while stretching fades, it has all of it, and no more energy than it had and the blow brings."""
+    engine = Engine(48_000)
+    handle = engine.add(plate(40, 0.006))
+    strike(engine, handle, STICK, velocity=1.0, position=0.8)
+    engine.send([setting(handle, "damp", 0.4, 9_600.0), setting(handle, "damp", 0.0, 19_200.0)])
+    while sheet_of(engine, handle)["leaves"] == 0:
+        engine.process(QUANTUM)
+    engine.process(10 * QUANTUM)
+    assert is_coupled(engine, handle) and 0.0 < sheet_of(engine, handle)["share"] < 1.0
+    before = whole(engine, handle)
+    strike(engine, handle, STICK, velocity=1.0, position=0.8)
+    engine.process(QUANTUM)
+    assert is_coupled(engine, handle) and sheet_of(engine, handle)["share"] == 1.0
+    assert whole(engine, handle) < before + 0.5 * STICK[0]
 
 
 @pytest.mark.slow
