@@ -135,6 +135,7 @@ class ShakeKeys(Keys, total=False):
     by: str
     gain: SupportsFloat
     speed: SupportsFloat
+    evenness: SupportsFloat
     variety: SupportsFloat
     spread: SupportsFloat
     seed: SupportsFloat

@@ -329,8 +329,12 @@ SHAKE = Gesture(
     "shake", "lets many of the striker hit it at random times, until it is stopped: gravel, dice in a cup", RATE,
     (
         Parameter(
-            "speed", 0.0, 100.0, "m/s", "of the grains as they hit, rms", default=1.0, useful=(0.05, 5.0),
-            steerable=True, glide=0.02,
+            "speed", 0.0, 100.0, "m/s", "of the grains as they hit: one in e is faster; rms, with an evenness of 2",
+            default=1.0, useful=(0.05, 5.0), steerable=True, glide=0.02,
+        ),
+        Parameter(
+            "evenness", 0.5, 10.0, "", "of their speeds: as many are above v as exp(-(v/speed)^evenness); 2 for a gas",
+            default=2.0, steerable=True,
         ),
         VARIETY,
         SPREAD,

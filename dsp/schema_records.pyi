@@ -33,6 +33,7 @@ class Steered(Record):
     by_position: float
     rate: float  # 1/s
     size: float  # m
+    evenness: float
     variety: float
     density: float  # 1/m
     energy: float  # J
@@ -100,6 +101,7 @@ class Values(Record):
     size: float  # m
     spread: float
     rate: float  # 1/s
+    evenness: float
     variety: float
     density: float  # 1/m
     energy: float  # J

@@ -11,7 +11,7 @@ It needs `pip install 'carom[mujoco]'`.
 """
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_void_p, cast
 from typing import Any
 
@@ -67,7 +67,8 @@ class Bridge:
     preset; else `default`. modes: at most, of each. settle: s, for which no blow is told as it begins: bodies that are
     placed in each other fly apart. sensors: contact microphones and accelerometers, by name: each a mapping with
     `site`, a site of the model, or `body`, and what else World.sensor takes. bodies: keys of World.body by name, for
-    those that need more. The other options are those of a World; without any, `world` may be one that is there
+    those that need more. grains: bodies whose blows are heard together, by a name each: their names or a pattern, as
+    World.grains has them. The other options are those of a World; without any, `world` may be one that is there
     already.
 
     A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
@@ -93,6 +94,7 @@ class Bridge:
         settle: float = 0.0,
         sensors: Mapping[str, Mapping[str, Any]] | None = None,
         meshes: bool = True,
+        grains: Mapping[str, str | Sequence[str]] | None = None,
         **options: Any,
     ) -> None:
         if restitution not in ("simulator", "materials"):
@@ -135,6 +137,8 @@ class Bridge:
             warnings.warn(text, stacklevel=2)
         for name, keys in (sensors or {}).items():
             self._mount(name, keys, parts, frames)
+        for name, chosen_bodies in (grains or {}).items():
+            self.world.grains(name, chosen_bodies)
         moving = [part for part in parts if part.body]
         self._frames = frames[: len(moving)]
         self._bodies = np.array([part.body for part in moving], np.intp)

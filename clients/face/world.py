@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._capture import Capture
+from ._grains import Grained
 from ._listening import Listening, ride
 from .clients.actions import CommandError
 from .clients.client import Client
@@ -50,7 +51,7 @@ _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 
 
-class World(Closing):
+class World(Grained, Closing):
     """The sound of a simulation, computed in step with it, or played on a server.
 
         with carom.World(microphones=[carom.Microphone((0, -1, 0.5))]) as world:

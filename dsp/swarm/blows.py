@@ -2,7 +2,8 @@
 
 A grain of mass m meets the object at v by the contact law: its pulse is that of contact/closed_form.py. Sizes between
 two sieves are spread evenly by ratios, s = exp(V (2 u - 1)): mass goes as s^3, stiffness as the root of s (Hertz).
-Speeds are those at which a gas of grains meets a wall, v = v_rms sqrt(-ln u); grains that fall from h on what is uneven
+Speeds are those at which a gas of grains meets a wall, v = v_rms sqrt(-ln u), or with another root than the square one
+of Weibull's distribution; grains that fall from h on what is uneven
 meet it at v = sqrt(2 g h u), as many at each share u of their energy along its normal. Energies follow a power law E^-b
 between two ends, by inverse transform.
 
@@ -39,6 +40,7 @@ _FASTEST, _SLOWING, _SLOWED = 9.65, 10.3, 600.0  # m/s, m/s, 1/m
 _NEARLY = _SLOWING / _FASTEST * math.exp(-_SLOWED * SMALLEST_DROP)
 _DROP_TIME = 0.34
 _SLOWEST = 1e-9  # m/s
+_GAS = 2.0  # exponent of a gas's speeds at a wall
 _LN2 = math.log(2.0)
 _UNMOVED = 2e-3  # m M: the pulse is shorter by that over a + 1
 _FLAT = 1e-9  # of 1 - b: the power law is as good as even by ratios
@@ -81,7 +83,11 @@ def _draw_speed(law: int, knot: Knot, mass: float, u: float) -> float:
     """Return the speed (m/s) of a grain of a mass (kg)."""
     if law == ENERGIES:
         return math.sqrt(2.0 * _draw_energy(knot, u) / mass)
-    return knot.scale * math.sqrt(u if law == FALLS else -log(u))
+    if law == FALLS:
+        return knot.scale * math.sqrt(u)
+    if knot.steepness > 0.0 and knot.steepness != _GAS:
+        return knot.scale * exp(log(-log(u)) / knot.steepness)
+    return knot.scale * math.sqrt(-log(u))
 
 
 @kernel

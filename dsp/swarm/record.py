@@ -100,7 +100,7 @@ class Knot(Record):
     excitation: float  # share of the blows that others set off
     memory: float  # s: for which a blow does so
     scale: float  # m/s, J or m: of speeds, the highest energy, or of drops' sizes
-    steepness: float  # exponent of the power law of energies
+    steepness: float  # exponent of the power law of energies, or of how many are above a speed
     span: float  # ln of the ratio of the highest to the least energy
     variety: float  # ln of the ratio of the largest grain to the usual one
 

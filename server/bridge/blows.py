@@ -38,7 +38,7 @@ class Counts:
     """Counts of what was told and what became of it. hits: blows; faint: of these, those that nobody would hear, and
     the same of gestures; over_budget: those left out as too many came at once, and the same of gestures, of which some
     had begun; gestures: slides and rolls that began; crowded: points of contact that found no room; rests: of bodies on
-    others, that began."""
+    others, that began; grains: of the blows, those that are told together."""
 
     hits: int = 0
     faint: int = 0
@@ -46,6 +46,7 @@ class Counts:
     gestures: int = 0
     crowded: int = 0
     rests: int = 0
+    grains: int = 0
 
 
 def hits_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Hit]:

@@ -102,8 +102,31 @@ class Lying(NamedTuple):
         return Message(f"/object/{self.to}/rest", (self.what, *at, "load", self.load, *own, "id", self.id))
 
 
+class Swarm(NamedTuple):
+    """A swarm of blows on an object that begins. rate: 1/s; speed, evenness: as a shake has them; keys: what strikes,
+    its law or a preset."""
+
+    time: float
+    to: str
+    id: str
+    place: float
+    spread: float
+    rate: float
+    speed: float
+    evenness: float
+    seed: int
+    keys: tuple[tuple[str, float | str], ...]
+
+    @property
+    def message(self) -> Message:
+        own = (part for pair in self.keys for part in pair)
+        steered = "speed", self.speed, "evenness", self.evenness
+        named = "spread", self.spread, "id", self.id, "seed", self.seed
+        return Message(f"/object/{self.to}/shake", (self.rate, self.place, *own, *steered, *named))
+
+
 class Steering(NamedTuple):
-    """A new value of a parameter of a slide or of a rest."""
+    """A new value of a parameter of a slide, of a rest or of a swarm."""
 
     time: float
     id: str
@@ -116,7 +139,7 @@ class Steering(NamedTuple):
 
 
 class Ending(NamedTuple):
-    """The end of a slide or of a rest."""
+    """The end of a slide, of a rest or of a swarm."""
 
     time: float
     id: str
@@ -126,7 +149,7 @@ class Ending(NamedTuple):
         return Message(f"/gesture/{self.id}/stop", ())
 
 
-Request = Said | Blow | Slide | Lying | Gains | Steering | Ending
+Request = Said | Blow | Slide | Lying | Swarm | Gains | Steering | Ending
 """Each has the time (s) of the simulation at which it is heard."""
 
 

@@ -16,6 +16,7 @@ from ..osc.wire import Argument
 from .blows import Counts, Hit, blows_of, hits_of
 from .bodies import Body, BodyMaker, Progress, WorldError
 from .gestures import Gestures, id_of, seed_of
+from .grains import Grains
 from .hearing import Hearing, begin_hearing
 from .pairs import SOFT, Pair, Surfaces, law_of, pair_of
 from .requests import Gains, Lying, Request, Said, Slide, Steering
@@ -76,6 +77,7 @@ class Simulation:
         """Presets of bodies that slide on each other, as far as they are known, by their numbers."""
         self._gestures = Gestures()
         self.state["seed"] = seed_of(self.hearing.seed)
+        self.grains = Grains(presets, self.state, self.bodies, seed_of(self.hearing.seed))
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
         self._now, self._steps = self.state["time"], self.state["steps"]
@@ -164,9 +166,9 @@ class Simulation:
     @property
     def counts(self) -> Counts:
         """Counts of what was told since the beginning, and what became of it."""
-        names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out", "lain")
-        hits, faint, over, unheard, begun, crowded, lain = (int(self.state[name][0]) for name in names)
-        return Counts(hits, faint, over + unheard, begun, crowded, lain)
+        names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out", "lain", "grains")
+        hits, faint, over, unheard, begun, crowded, lain, grains = (int(self.state[name][0]) for name in names)
+        return Counts(hits, faint, over + unheard, begun, crowded, lain, grains)
 
     def number(self, name: str) -> int:
         """Return the number of a body, from 0 on. WorldError if there is none of that name."""
@@ -271,6 +273,7 @@ class Simulation:
         self.state["until"] = self.state["rung"] = self.state["loudest_at"] = -math.inf
         self._microphones["next"] = math.inf
         self._gestures = Gestures()
+        self.grains.restart()
         self.settle(self._settle)
 
     def begin(self, time: float) -> None:
@@ -356,6 +359,8 @@ class Simulation:
         """Return the requests of the step since a time (s): all of them, or those of slides and rests alone that begin
         and end."""
         requests: list[Request] = []
+        if self.state["due"][0]:
+            requests += self.grains.tell()
         if all_of_it:
             microphones = self._microphones[0]
             for n in microphones["changed"][: microphones["found"]].tolist():

@@ -24,6 +24,7 @@ from .mujoco.arrays import ARRAYS, Arrays, gather
 from .mujoco.mechanism import ask_mechanism
 from .tracking.blows import find_blows, judge_blows, weigh_blow
 from .tracking.contact_events import take_step
+from .tracking.grains import grains_are_due
 from .tracking.microphones import MICROPHONE_STATE, MicrophoneState, find_gains
 from .tracking.shared_blows import share_blows
 from .tracking.slides import find_slides
@@ -117,7 +118,8 @@ def tell(telling: int) -> int:
     if take_step(state, microphones, points, time) < 0:
         return NOT_WHOLE
     microphones.found = state.struck = heard = 0
-    if state.happened > 0 or time >= microphones.next:
+    due = grains_are_due(state, link.before)
+    if state.happened > 0 or time >= microphones.next or due:
         find_gains(microphones, state)
     if state.happened > 0:
         heard = _find_blows(link, state, microphones)
@@ -130,6 +132,7 @@ def tell(telling: int) -> int:
             return NO_ROOM
         _write(link, state, microphones)
         looks = _slide(link, state)
+    looks |= due
     return PER_BLOW * state.struck + (LOOK if looks else 0)
 
 

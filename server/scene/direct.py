@@ -7,7 +7,7 @@ import numpy as np
 from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
 from ...dsp.schema import STEERABLE
 from ...dsp.schema_records import VALUES
-from ..bridge.requests import Blow, Ending, Gains, Lying, Request, Said, Slide, Steering
+from ..bridge.requests import Blow, Ending, Gains, Lying, Request, Said, Slide, Steering, Swarm
 from ..osc.wire import Message
 from .session import Session
 
@@ -25,8 +25,8 @@ _CHECKED = ("surface", "radius", "roughness")
 class Direct:
     """Sends requests to a session's engine, as the messages would that say the same.
 
-    Objects, rests, and the first slide of a radius on a surface, are messages, which are checked; all else is numbers
-    that are within their ranges as the simulation made them. say: carries a message out at a time (samples).
+    Objects, rests, swarms, and the first slide of a radius on a surface, are messages, which are checked; all else is
+    numbers that are within their ranges as the simulation made them. say: carries a message out at a time (samples).
     """
 
     def __init__(self, session: Session, say: Callable[[Message, float], object]) -> None:
@@ -45,7 +45,7 @@ class Direct:
         waiting: list[tuple[float, Request]] = []
         for time, request in requests:
             new = isinstance(request, Slide) and self._known(request) not in self._slides
-            if isinstance(request, Said | Lying) or new:
+            if isinstance(request, Said | Lying | Swarm) or new:
                 self._write(waiting)
                 waiting = []
                 self._say(request.message, time)
@@ -136,7 +136,7 @@ class Direct:
             values["by_x"][n], values["by_y"][n], values["by_z"][n] = at.by_point
 
     def _change(self, number: int, time: float, request: Steering | Ending) -> None:
-        """Steer or end a slide or a rest."""
+        """Steer or end a slide, a rest or a swarm."""
         steers = isinstance(request, Steering)
         n = self._add(number, time, self._blank, _STEER if steers else _STOP)
         self._column["gesture"][n] = self._session.gestures.number_of(request.id)

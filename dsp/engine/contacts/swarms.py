@@ -15,6 +15,7 @@ from ...numerics.constants import STANDARD_GRAVITY
 from ...numerics.elementary import exp
 from ...resonator.fed import REACH
 from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
+from ...schema_records import Steered
 from ...swarm.blows import NARROWEST, ROLL_OFF, draw_blow, known_of, pulse_of, yielding
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import HALF, LEAST, find_force, find_moments, lay_pulse, move_on
@@ -150,9 +151,16 @@ def _add_knot(swarm: Swarm, contact: Contact, time: float) -> Knot:
     """Give a swarm's blows from a time (s from its beginning) on the law that is asked for; return its knot."""
     asked, knot = contact.target, add_knot(swarm, time)
     knot.rate, knot.slope, knot.scale = _asked_of(swarm, contact, knot.time)
-    knot.excitation, knot.memory, knot.steepness = asked.excitation, max(asked.memory, _BRIEFEST), asked.steepness
+    knot.excitation, knot.memory = asked.excitation, max(asked.memory, _BRIEFEST)
+    knot.steepness = _exponent(swarm, asked)
     knot.span, knot.variety = asked.decades * math.log(10.0), math.log1p(asked.variety)
     return knot
+
+
+@kernel
+def _exponent(swarm: Swarm, asked: Steered) -> float:
+    """Return the exponent of a swarm's speeds or energies that is asked for."""
+    return asked.evenness if swarm.law == SPEEDS else asked.steepness
 
 
 @kernel
@@ -216,7 +224,7 @@ def _follow_ramp(swarm: Swarm, contact: Contact, begin: float, seconds: float) -
         ramped = abs(rate - there) > _NEAR * rate
     else:
         ramped = last.time <= begin and abs(rate - there) > _BENT * rate
-    others = scale != last.scale or asked.excitation != last.excitation or asked.steepness != last.steepness
+    others = scale != last.scale or asked.excitation != last.excitation or _exponent(swarm, asked) != last.steepness
     others = others or max(asked.memory, _BRIEFEST) != last.memory or math.log1p(asked.variety) != last.variety
     others = others or (last.slope != 0.0 and swarm.duration == 0.0)
     if ramped or others or asked.decades * math.log(10.0) != last.span:

@@ -12,6 +12,7 @@ from ....dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
 from ....dsp.contact.law import restitution_of
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.native.typed import View2D
+from .grains import is_of_grains, pile_up
 from .microphones import MicrophoneState
 from .skins import curvature_of
 from .state import EVENTS, HIT, OCTAVES, Blow, State
@@ -45,7 +46,9 @@ def judge_blows(state: State) -> int:
         blow = state.blows[state.order[n]]
         state.hits += 1
         blow.heard = 0
-        if blow.rings == 0 or not _is_heard(state, blow.pressure, blow.time):
+        if is_of_grains(state, blow.a, blow.b):
+            pile_up(state, blow)
+        elif blow.rings == 0 or not _is_heard(state, blow.pressure, blow.time):
             state.faint += 1
         elif room <= 0:
             state.over_budget += 1

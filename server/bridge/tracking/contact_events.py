@@ -15,6 +15,7 @@ import math
 
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.native.typed import View
+from .grains import is_of_grains
 from .microphones import MicrophoneState
 from .motion import find_glide, follow, hop, weight_of
 from .points import clear, into, longest_hop, remember, take_point
@@ -106,6 +107,8 @@ def _step_pair(state: State, microphones: MicrophoneState, i: int, span: float) 
     elif pair.settled == 0 or state.time - pair.begun > _STOOD or _is_calm(state, pair):
         pair.stood = 1
     follow(state, pair, span)
+    if is_of_grains(state, pair.a, pair.b):
+        return
     slip, sweep = pair.now[0], pair.now[1]
     fastest = max(slip, sweep)
     if pair.moves == STILL or pair.moves == LYING:

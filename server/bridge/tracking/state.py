@@ -17,6 +17,10 @@ MATERIALS = 64
 """Materials of bodies."""
 SUPPORTS = 8
 """Supports whose laws pairs may have."""
+GRAINS = 8
+"""Kinds of grains."""
+HEAPS = 64
+"""Bodies that grains hit, of all kinds."""
 OCTAVES = 21
 """Contact times for which it is known how loud a blow is: s, by octaves up to 1."""
 KEPT = 16
@@ -202,6 +206,29 @@ class Blow(Record):
 BLOW = dtype_of(Blow)
 
 
+class Heap(Record):
+    """The blows of one kind of grains on one body since they were told last."""
+
+    kind: int
+    body: int
+    both: int  # 1: they are of grains of the kind on each other
+    count: float
+    impulse: float  # N s: all of them
+    energy: float  # J: m v^2/2
+    momentum: float  # N s: m v
+    exponent: float  # of the last one's law
+    # Weighed by m v: the effective mass (kg), the stiffness, the place on the body's strike path and its square, and
+    # the point in its axes.
+    mass: float
+    stiffness: float
+    place: float
+    square: float
+    point: Annotated[View[float], 3]
+
+
+HEAP = dtype_of(Heap)
+
+
 class State(Record):
     """The whole memory. `pair` numbers bodies; `normal` leads from the first of them to the second."""
 
@@ -236,6 +263,15 @@ class State(Record):
     # Of each pair of materials: the stiffness of a contact of a radius of 1 m, dissipation, exponent.
     law: Annotated[View3D[float], MATERIALS, MATERIALS, 3]
     surface: Annotated[View2D[int], MATERIALS, MATERIALS]  # 1 and the number of theirs, 0: it is not known
+    # Grains: of each body the number of its kind, 0: it is none; of each kind the body that sounds for it, -1: none
+    # does. Their blows, by kind and body, since they were told last, and when that was.
+    grain: Annotated[View[int], BODIES]
+    sounds: Annotated[View[int], GRAINS + 1]
+    piled: int
+    heaps: Annotated[View[Heap], HEAPS]
+    told_at: float
+    due: int  # 1: they are to be told after this step
+    grains: int  # blows of grains since the beginning
     bounce: Annotated[View2D[float], BODIES, BODIES]  # 1 and the restitution of a pair, 0: its own
     support: Annotated[View2D[i8], BODIES, BODIES]  # 1 and the number of a support whose law a pair has, 0: its own
     supports: Annotated[View2D[float], SUPPORTS, 3]  # the laws of these: stiffness, dissipation, exponent
@@ -303,6 +339,7 @@ def new_state(rest: float, gravity: float) -> np.ndarray:
     state["rest"], state["gravity"] = rest, gravity
     state["turn"][:] = np.eye(3).ravel()
     state["until"] = state["rung"] = state["loudest_at"] = -np.inf
+    state["told_at"], state["sounds"] = np.nan, -1
     for name in TOLD:
         state[name][:] = np.nan
     return state

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.stats import kstest, weibull_min
 
 from carom.dsp.native.typed import dtype_of
 from carom.dsp.schema import DROPS, ENERGIES, SPEEDS
@@ -124,3 +125,10 @@ def test_drops_that_arrive_are_as_many_as_are_there_times_their_speed():
     for power in (1, 3):
         assert np.mean(diameter**power) == pytest.approx((x**power * flux).sum() / flux.sum(), rel=0.02)
     assert len(TABLE["width"]) == FORMS
+
+
+@pytest.mark.parametrize("evenness", [0.7, 2.0, 6.0])
+def test_speeds_are_spread_as_evenly_as_is_asked(evenness):
+    record = swarm(scale=0.5, steepness=evenness)
+    speeds = [draw_blow(record, record["knots"][0], TABLE)[1] for _ in range(4000) if take_blow(record, 100.0)]
+    assert len(speeds) == 4000 and kstest(speeds, weibull_min(evenness, scale=0.5).cdf).pvalue > 0.05
