@@ -42,8 +42,7 @@ class Grained:
         energy: float | None = None,
         position: float | None = None,
     ) -> None:
-        """Add blows of grains on a body to those that are heard: what a particle engine has counted since the last
-        step.
+        """Add blows of grains on a body, as a particle engine has counted them since the last step.
 
         name: of grains with a striker. count: how many; it need not be whole. speed (m/s, rms), impulse (N s, of all of
         them) or energy (J): at least one of the three; what is left out is as of a gas. position: 0 to 1 along the
