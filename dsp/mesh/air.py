@@ -7,6 +7,8 @@ G. Miller, Proc. R. Soc. A 323, 1971). K is strongly singular: its static part i
 neighbours, and its diagonal follows from a constant jump, which moves nothing inside of a closed body.
 """
 
+import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +23,10 @@ Complex = npt.NDArray[np.complex128]
 
 _SAMPLES = 32  # of each point
 _NEAR = 3.2  # spacings: nearer points are summed over their samples
-_RINGS = (2.5, 3.0, 3.5, 4.0)  # spacings of samples: where the plane's finite part begins
+_WINDOW = 0.9  # of the spacing: within, the plane's finite part stands for the samples
+_INSET = 0.25  # of the spacing: by which a layer of even jumps ends before its rim, so that it acts as one as large
+_MOST_INSET = 0.4  # of a point's samples
+_SHARP = 0.4  # of the spacing: how far the rim is looked for
 _GROUP = 0.06  # of a frequency: modes within are solved together
 _LOSS = 0.02  # of the wavenumber: takes the edge off resonances of air inside thin walls
 _DIRECTIONS = 240
@@ -79,9 +84,13 @@ def layer_of(surface: Surface, kind: str, points: int) -> tuple[Layer, Array]:
     looks = np.where(thin[:, None], 0.0, middle.normals) * (_APART * spacing)
     places, own = spread(np.hstack([middle.places, looks]), spacing)
     places = places[:, :3]
-    normals = _directions(middle.normals, own, len(places))
     closed = kind != "sheet" and not thin.any()
+    inner = np.ones(len(own), bool) if closed else _inset(middle, weights, own, spacing)
+    middle, weights, own = Samples(middle.places[inner], middle.normals[inner], middle.area), weights[inner], own[inner]
+    normals = _directions(middle.normals, own, len(places))
     if not closed:
+        places = np.stack([np.bincount(own, each, len(places)) for each in middle.places.T], axis=1)
+        places /= np.bincount(own, minlength=len(places))[:, None]
         normals = _alike(places, normals)
     areas = np.asarray(np.bincount(own, weights, len(places)), np.float64)
     keep = areas > _LEAST_AREA * np.median(areas)
@@ -89,7 +98,26 @@ def layer_of(surface: Surface, kind: str, points: int) -> tuple[Layer, Array]:
     stay = keep[own]
     middle = Samples(middle.places[stay], middle.normals[stay], middle.area)
     layer = Layer(places[keep], normals[keep], areas[keep], middle, weights[stay], number[own[stay]], closed)
-    return layer, samples.places[stay]
+    return layer, samples.places[inner][stay]
+
+
+def _inset(samples: Samples, weights: Array, own: Indices, spacing: float) -> npt.NDArray[np.bool_]:
+    """True for samples that stay: those near a rim go, of each point 40 % at most."""
+    from scipy.spatial import cKDTree
+
+    width = _SHARP * spacing
+    tree = cKDTree(samples.places)
+    near = tree.sparse_distance_matrix(tree, 2.5 * width, output_type="coo_matrix")
+    shares = np.exp(-((near.data / width) ** 2)) * weights[near.col]
+    covered = np.bincount(near.row, shares, len(own)) / (np.pi * width**2)
+    aside = covered < (1 + math.erf(_INSET / _SHARP)) / 2
+    # The place of each sample among those of its point, the nearest to the rim first.
+    order = np.lexsort((covered, own))
+    count = np.bincount(own)
+    rank = np.empty(len(own))
+    rank[order] = np.arange(len(own)) - np.repeat(np.cumsum(count) - count, count)
+    inner: npt.NDArray[np.bool_] = ~(aside & (rank + 1 <= _MOST_INSET * count[own]))
+    return inner
 
 
 def _beside(places: Array, thin: npt.NDArray[np.bool_], reach: float) -> npt.NDArray[np.bool_]:
@@ -223,18 +251,35 @@ def _near(layer: Layer, rest: Array) -> None:
 
 
 def _constant(layer: Layer) -> Array:
-    """Return the motion (n,) at each point by a constant jump over the layer: the finite part of the sum over all
-    samples, of which the plane's within a ring of r is -1/(2 r)."""
-    spacing = np.sqrt(np.median(layer.weights))
+    """Return the motion (n,) at each point by a constant jump over the layer, as a finite part.
+
+    Samples count by 1 - exp(-(r/s)^4). What that leaves of a plane is -Gamma(3/4)/(2 s), less what lies beyond a
+    straight rim, whose distance follows from how much of the plane about is there.
+    """
+    from scipy.special import erfinv
+
+    width = _WINDOW * float(np.sqrt(np.median(layer.areas)))
     every = np.arange(len(layer.samples.places))
-    found = np.empty(len(layer.places))
-    for number in range(len(found)):
+    sums, covered = np.empty((2, len(layer.places)))
+    for number in range(len(sums)):
         value = _kernel(layer, np.full(len(every), number), every)
         # A constant jump along the normal of this point: samples count by their own point's side.
-        distance = np.linalg.norm(layer.samples.places - layer.places[number], axis=1)
-        rings = [value[distance > ring * spacing].sum() - 1 / (2 * ring * spacing) for ring in _RINGS]
-        found[number] = np.mean(rings)
+        square = ((layer.samples.places - layer.places[number]) ** 2).sum(axis=1) / width**2
+        sums[number] = value @ -np.expm1(-(square**2))
+        covered[number] = layer.weights @ np.exp(-square) / (np.pi * width**2)
+    rim = erfinv(2 * np.clip(covered, 0.55, 1 - 1e-6) - 1)
+    found: Array = sums - (math.gamma(0.75) / 2 + np.interp(rim, *_beyond_rim())) / width
     return found
+
+
+@lru_cache(maxsize=1)
+def _beyond_rim() -> tuple[Array, Array]:
+    """Return distances of a straight rim, and the integral of exp(-r^4)/(4 pi r^3) beyond each."""
+    distance = np.linspace(0.05, 3.0, 600)
+    angle = (np.arange(400) + 0.5) / 400 * np.pi / 2
+    r = distance[:, None] / np.cos(angle)
+    each = np.exp(-(r**4)) * angle * np.sin(angle)
+    return distance, each.sum(axis=1) * (np.pi / 2 / 400) / (2 * np.pi * distance)
 
 
 def _solved(layer: Layer, static: _Static, motion: Array, frequency: float) -> tuple[Array, Array]:

@@ -147,8 +147,7 @@ def _solution(
         text = f"a sheet of {1e3 * wanted.wall:.3g} mm, of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm"
         return solved, "cells", (f"{text} and degree {degree}",)
     _require_few(surface.faces)
-    fit = refined(surface, _FINE_TRIANGLES if fine else _TRIANGLES)
-    _require_few(fit.faces)
+    fit = refined(surface, _FINE_TRIANGLES if fine else _TRIANGLES, _MOST_TRIANGLES)
     made = shells.solve(fit, wanted.wall, material, count)
     return made, "shells", (f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(fit.faces)} triangles",)
 

@@ -11,10 +11,12 @@ _SLIVER = 1e-3  # of a side squared: a triangle's area
 _ROUNDS = 24
 
 
-def refined(surface: Surface, count: int) -> Surface:
-    """Return a surface of about so many triangles at least: sides that are too long are split, and slivers left out."""
+def refined(surface: Surface, count: int, most: int | None = None) -> Surface:
+    """Return a surface of about so many triangles at least: sides that are too long are split, as far as it stays below
+    `most`, and slivers are left out."""
     longest = 1.5 * math.sqrt(float(faces_of(surface).areas.sum()) / count * 2)
-    points, faces = divided(surface, longest, _MOST_SPLIT * count)
+    bound = _MOST_SPLIT * count
+    points, faces = divided(surface, longest, bound if most is None else min(bound, most))
     corners = points[faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     faces = faces[area > _SLIVER * ((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=2).max(axis=1)]

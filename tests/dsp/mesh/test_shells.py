@@ -5,6 +5,7 @@ import pytest
 
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms, shells
+from carom.dsp.mesh.refining import refined
 from carom.dsp.mesh.surface import Surface
 
 METAL = Material("metal", 2700.0, 70e9, 0.3, 1.0, 0.0)
@@ -60,3 +61,9 @@ def test_a_free_cylinder_has_rayleighs_and_loves_frequencies():
         # Each is a pair.
         near = np.sort(np.abs(found / rayleigh - 1))[:2]
         assert near.max() < 0.012
+
+
+def test_triangles_are_made_smaller_as_far_as_there_is_room():
+    plain = square(2, 0.2)
+    assert 100 <= len(refined(plain, 100).faces) <= 400
+    assert len(refined(plain, 100, 60).faces) <= 60
