@@ -26,7 +26,7 @@ TRIALS = 40
 FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
 _LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
 _LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
-_LEAST_SWING = 1e-3  # of the compression at which a striker rests: an amplitude that counts as heard in any case
+_LEAST_SWING = 1e-5  # of the compression at which a striker rests: an amplitude that counts as heard in any case
 LEAST = 1e-12  # samples: the force is held no shorter, or steps that fail one after the other come to nothing
 RETRY = 0.25  # of a step whose equations are not solved
 REFINE = 0.5  # of a step whose energy is not right
@@ -160,10 +160,12 @@ def taken_at_end(given: View[float], f: View[float], eta: float) -> tuple[float,
 
 @kernel
 def speed_of(contact: Coupled, x: float, v: float) -> float:
-    """Return the speed that kinetic and elastic energy amount to; of a striker that rests, about its rest."""
+    """Return the speed that kinetic and elastic energy amount to; of what rests, about its rest, of the mass that is
+    felt there."""
     if contact.swing > 0.0:
-        away = contact.swing * (x - contact.rest_compression)
-        return max(math.sqrt(v * v + away * away), _LEAST_SWING * contact.swing * contact.rest_compression)
+        swing = contact.swing * math.sqrt(contact.m / contact.mass)
+        away = swing * (x - contact.rest_compression)
+        return max(math.sqrt(v * v + away * away), _LEAST_SWING * swing * contact.rest_compression)
     return math.sqrt(v * v + 2.0 * elastic(x, contact.k, contact.a) / contact.mass)
 
 
@@ -172,8 +174,7 @@ def ratio_to_longest(contact: Coupled, eta: float, x: float, v: float) -> float:
     """Return the factor by which to change the step to meet the tolerance."""
     speed = max(speed_of(contact, x, v), speed_of(contact, contact.motion[0], contact.motion[1] / contact.period))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
-    mass = contact.m if contact.swing > 0.0 else contact.mass
-    return step_within(rest, contact.tolerance * mass * speed)
+    return step_within(rest, contact.tolerance * contact.mass * speed)
 
 
 @kernel

@@ -20,7 +20,7 @@ PRESETS = carom.Presets()
 LONG = {
     "exact": {
         *("cello-string", "cymbal", "drinks-can", "goblet", "guitar-string", "opera-gong", "pot-lid", "small-gong"),
-        *("splash-cymbal", "thunder-sheet", "tom"),
+        *("splash-cymbal", "thunder-sheet", "tom", "tumbler"),
     }
 }
 """Objects whose own strikers take longer than a server grants, at an accuracy."""

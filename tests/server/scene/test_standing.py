@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import j0
 
+import carom
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets import PresetError, Presets
 from carom.presets.supports import SUPPORTS
@@ -216,3 +217,22 @@ def test_what_was_lifted_stands_no_more():
     assert session.perform([Message("/object/a/rest", ("none",))], NOW) == []
     (warning,) = session.perform([Message("/object/a/rest", ("none",))], NOW)
     assert warning.address == "/warning" and warning.args[0].startswith("a stands on nothing by itself")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "under"), [("polycarbonate-sheet", "table"), ("polycarbonate-sheet", "other"), ("ceramic-tile", "other")]
+)
+def test_a_soft_blow_on_what_lies_on_a_hard_support_is_as_accurate_as_asked(name, under):
+    """The blow compresses the contact by a thousandth of what the load does: steps are as fine as that takes."""
+    exact, *others = (
+        carom.render(
+            f"0 /accuracy {level}\n0 /object/new a {name}\n0 /object/new other {name} tune 0.3\n"
+            f"0 /object/a/rest {under}\n0.002 /object/a/impact 0.001 0.3\n",
+            seconds=0.1,
+            limiter=False,
+        ).samples.astype(float)
+        for level in ("exact", "-60", "-80")
+    )
+    for sound, bound in zip(others, (1e-3, 1e-4), strict=True):
+        assert np.linalg.norm(sound - exact) < bound * np.linalg.norm(exact)
