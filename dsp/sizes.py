@@ -12,6 +12,12 @@ VARIABLE = "CAROM_SIZES"
 """The environment variable that names one of SIZES for a process."""
 
 
+MOST_COUPLED = 512
+"""Modes of a plate that can be coupled."""
+MOST_SCATTERED = 3_840
+"""Modes of a plate of which some are coupled: others exchange energy with these, up to what is heard."""
+
+
 class Sizes(NamedTuple):
     """Room of an engine."""
 

@@ -14,7 +14,6 @@ from ..dsp.bodies.added import Added
 from ..dsp.bodies.bar import ENDS
 from ..dsp.bodies.disc import EDGES as DISC_EDGES
 from ..dsp.bodies.heard import BAFFLES
-from ..dsp.bodies.karman import MOST as MOST_COUPLED
 from ..dsp.bodies.material import LOSSES
 from ..dsp.bodies.mesh import Table
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
@@ -22,6 +21,7 @@ from ..dsp.bodies.radiation.board import BOARDS
 from ..dsp.bodies.unison import MOST_WIRES
 from ..dsp.errors import CaromError
 from ..dsp.rolling.variation import MOST_VARIATION
+from ..dsp.sizes import MOST_COUPLED
 from ..dsp.wording import expected
 from .supports import SUPPORTS
 from .values import Choice, Domain, Made, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown

@@ -91,7 +91,7 @@ def _makers() -> bytes:
     """Return a hash of all that modes are made by."""
     scipy = importlib.util.find_spec("scipy")
     libraries = [Path(scipy.origin).with_name("version.py")] if scipy and scipy.origin else []
-    own = [Path(__file__).with_name("making.py")]
+    own = [Path(__file__).with_name("making.py"), _DSP / "sizes.py"]
     for package in ("bodies", "karman", "numerics"):
         own += sorted((_DSP / package).rglob("*.py"))
     found = hashlib.blake2b(f"{sys.version} {np.__version__} {platform.node()}".encode())

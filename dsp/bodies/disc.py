@@ -8,13 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..sizes import MOST_COUPLED, MOST_SCATTERED
 from . import acceleration
 from .acceleration import Click
 from .air import plate_mass
 from .dome import SHALLOW, Waves, domed
 from .felts import felt_losses
 from .heard import BAFFLES, heard, loaded
-from .karman import MOST, MOST_SCATTERED, Sheet, mixing
+from .karman import Sheet, mixing
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
 from .near import critical_frequency, near_field
@@ -121,8 +122,8 @@ def _require_cap(dome: float, radius: float, edge: str) -> None:
 
 def _require_coupled(modes: int, split: float, seed: int) -> None:
     """Raise ValueError if so many modes of a disc with such pairs can't be coupled."""
-    if not 0 < modes <= MOST:
-        raise ValueError(f"nonlinear_modes = {modes}: expected 0 to {MOST}")
+    if not 0 < modes <= MOST_COUPLED:
+        raise ValueError(f"nonlinear_modes = {modes}: expected 0 to {MOST_COUPLED}")
     if split == 0:
         raise ValueError(f"split = {split}: expected more than 0 where nonlinear_modes = {modes}; both of a pair move")
     if seed:
@@ -233,7 +234,7 @@ def _enough(members: int, most: int | None = None) -> float:
     return math.sqrt(8 * (most or MOST_MODES) / members) + 8
 
 
-_RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1))
+_RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1), _enough(2, MOST_SCATTERED))
 """The limits up to which roots are searched: few searches serve all discs, and that for few modes takes little time."""
 
 
@@ -342,13 +343,13 @@ def _bessel(order: Array, x: Array) -> Array:
     return value
 
 
-@cache  # 0.8 MB in all, 40 ms
+@cache  # 1.5 MB in all, 80 ms
 def _bessel_table() -> tuple[Array, Array]:
     """Return J_n of the orders n from 0 and its change in a step, at the steps from 0, as far as roots go;
     read-only."""
     from scipy.special import jv
 
-    step, most = _TABLE_STEP, _enough(1)
+    step, most = _TABLE_STEP, _RUNGS[-1]
     grid = np.arange(0, most + 2 * step, step)
     table = jv(np.arange(-1.0, math.ceil(most) + 1)[:, None], grid)
     slopes = (table[:-2] - table[2:]) * step / 2  # J_n' = (J_(n-1) - J_(n+1)) / 2

@@ -17,13 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..sizes import MOST_SCATTERED
 from .dome import Waves, strains
 from .material import Array, Indices, Material
-
-MOST = 512
-"""Modes of a plate that can be coupled."""
-MOST_SCATTERED = 2048
-"""Modes of a plate of which some are coupled: others exchange energy with these, up to what is heard."""
 
 _STRESSES = 0.7  # times the modes' highest wavenumber: that of the stress functions
 _FIRST_STRESSES = 3.0  # added to it

@@ -5,14 +5,10 @@ from typing import Annotated
 import numpy as np
 
 from ..native.typed import Record, View, View2D, dtype_of, f32
-from ..sizes import CAPACITY
+from ..sizes import CAPACITY, MOST_COUPLED, MOST_SCATTERED
 
 MOST_ORDERS = 96
 """Angular orders of a grid's functions, and of its stress functions."""
-MOST_COUPLED = 512
-"""Modes of a plate that are coupled."""
-MOST_SCATTERED = 2_048
-"""Modes of a plate that are coupled, or exchange energy with those that are."""
 SHEETS = CAPACITY.sheets
 TABLE_VALUES = CAPACITY.sheet_tables
 SPACE = 65_536

@@ -3,7 +3,8 @@
 import numpy as np
 
 from ..bodies.karman import Laid, Tables
-from ..karman.layout import LEVELS, MOST_COUPLED, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
+from ..karman.layout import LEVELS, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
+from ..sizes import MOST_COUPLED
 from .arena import Arena, EngineFull
 
 

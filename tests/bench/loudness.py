@@ -76,9 +76,10 @@ def write(path: Path, level: float) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("objects", nargs="*", metavar="OBJECT", help="those to measure; without one, all")
     parser.add_argument("--dry", action="store_true", help="print the figures, write none")
     options = parser.parse_args()
-    names = carom.Presets().names("objects")
+    names = options.objects or carom.Presets().names("objects")
     if not options.dry:
         for name in names:
             level = carom.Presets().object(name).level + gesture(name, "impact").raise_by
@@ -91,7 +92,8 @@ def main() -> None:
         others = " ".join(f"{row.gestures[each]:7.1f}" if each in row.gestures else " " * 7 for each in SUITABLE)
         print(f"{name:20} {row.level:6.1f} {row.loudness:6.1f} {row.peak:6.1f} {row.pascals:7.3f}  {others}")
     if not options.dry:
-        kept = {name: asdict(row) for name, row in rows.items()}
+        kept = json.loads(MEASURED.read_text(encoding="utf-8")) if options.objects else {}
+        kept = dict(sorted((kept | {name: asdict(row) for name, row in rows.items()}).items()))
         MEASURED.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from carom.dsp.bodies.modes import MOST_MODES
-from carom.dsp.karman.layout import MOST_SCATTERED
+from carom.dsp.sizes import MOST_SCATTERED
 from carom.presets import PresetError, Presets
 from tests.presets.examples import LISTED, with_object
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from carom.dsp.bodies.karman import MOST_SCATTERED
 from carom.dsp.bodies.modes import MOST_MODES
 from carom.dsp.contact.law import restitution
+from carom.dsp.sizes import MOST_SCATTERED
 from carom.presets import BUILT_IN, PresetError, Presets, library
 from carom.presets.schema import SHAPES
 from tests.presets.examples import BAR, with_object

@@ -104,6 +104,39 @@ def sway(
         y1[0], y2[0] = a1[0] * y1[0] + a2[0] * y2[0], y1[0]
 
 
+@kernel
+def push(sheet: Sheet, state: View[float], rate: float, gradient: View[float], heard: View[float]) -> None:
+    """Move one mode by gradients, one for each sample, and write what is heard: its output less what is bent."""
+    y1, y2, a1, a2 = state[0:1], state[1:2], state[2:3], state[3:4]
+    for n in range(len(heard)):
+        y1[0], y2[0] = a1[0] * y1[0] + a2[0] * y2[0], y1[0]
+        sheet.gradient[0, 0] = gradient[n]
+        kick(sheet, y1, y2, 1.0 / rate)
+        heard[n] = y1[0] - sheet.bent[0, 0]
+
+
+@pytest.mark.parametrize("slow", [100.0, 200.0, 400.0])
+def test_a_slow_force_is_heard_as_the_acceleration_of_what_it_bends(slow):
+    """A mode of 1 kHz that a sine of f bends is heard by its acceleration, (f/1 kHz)^2 of what its displacement would
+    sound like, within 3 dB; and by its displacement not at all as loud."""
+    rate, omega = 48_000.0, 2 * math.pi * 1000.0
+    theta, r = omega / rate, math.exp(-200.0 / rate)
+    sheet = np.zeros(1, SHEET)
+    sheet["functions"] = sheet["plain"] = sheet["grids"]["domed"] = 1
+    sheet["scale"] = sheet["tension"] = sheet["share"] = 1.0
+    sheet["highest"], sheet["growth"], sheet["c0"], sheet["psi"] = 5_000.0, 2.2, 1e9, math.sqrt(1e9)
+    state = np.array([0.0, 0.0, 2 * r * math.cos(theta), -(r**2), 1.0])
+    prepare(sheet[0], Heard(state[2:3], state[3:4], state[4:5], state[4:5]), rate)
+    time = np.arange(int(0.3 * rate)) / rate
+    force = np.sin(2 * math.pi * slow * time) * np.minimum(time / 0.1, 1.0)
+    heard = np.empty(time.size)
+    push(sheet[0], state, rate, force / math.sqrt(1e9), heard)
+    bent = 1 / omega  # amplitude of the displacement's sound
+    share = (slow / 1000.0) ** 2
+    loudest = np.abs(heard[-int(rate / 20) :]).max() / bent
+    assert abs(20 * math.log10(loudest * (1 - share) / share)) < 3.0
+
+
 @pytest.mark.parametrize("rate", [48_000.0, 96_000.0])
 def test_a_mode_that_is_bent_by_stretching_loses_by_its_motion_alone(rate):
     """A dome that is pushed in stays so, and swings about there as a differential equation says: what the losses of the

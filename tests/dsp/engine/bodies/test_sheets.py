@@ -83,13 +83,21 @@ def test_energy_stays_to_a_billionth_over_ten_seconds(rate, dome, amplitude):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("dome", [0.0, 0.01])
-def test_the_true_energy_is_that_of_the_scheme(dome):
-    """Blows at random, to five times the thickness: what modes have and the grid says is stretched, and what psi says,
-    are within 0.2 %."""
+@pytest.mark.parametrize(("dome", "thickness"), [(0.0, 0.0008), (0.01, 0.00166)])
+def test_the_true_energy_is_that_of_the_scheme(dome, thickness):
+    """Blows at random, to five times the thickness and more: what modes have and the grid says is stretched, and what
+    psi says, are within 0.2 %. Where nothing brings psi to the grid's, they are over 1 % apart."""
+    assert apart(dome, thickness, settles=True) < 2e-3
+    assert apart(dome, thickness, settles=False) > 1e-2
+
+
+def apart(dome, thickness, settles):
+    """Return by how much the true energy of a plate is at most off the scheme's after random blows."""
     rng = np.random.default_rng(18)
     engine = Engine(48_000)
-    handle = engine.add(plate(36, dome, 0.2, 0.00166, 8_000.0))
+    handle = engine.add(plate(36, dome, 0.2, thickness, 8_000.0))
+    if not settles:
+        sheet_of(engine, handle)["drained"][:] = 0.0
     errors = []
     for _ in range(40):
         mass, speed = 10 ** rng.uniform(-2.5, -0.5), 10 ** rng.uniform(-1.0, 0.7)
@@ -97,7 +105,8 @@ def test_the_true_energy_is_that_of_the_scheme(dome):
         engine.process(24 * QUANTUM)
         if is_coupled(engine, handle):
             errors.append(true_energy(engine, handle) / whole(engine, handle) - 1)
-    assert len(errors) > 30 and np.abs(errors).max() < 2e-3
+    assert len(errors) > 30
+    return np.abs(errors).max()
 
 
 @pytest.mark.slow
