@@ -4,7 +4,7 @@ This is how a non-uniform Fourier transform grids its points (Fessler and Sutton
 2003): g[m] += J K(m - t), K = pulse * bump, and f = filter(g), with a filter of 1/FT(bump) up to EDGE of the sampling
 rate. The bump exp(beta (sqrt(1 - (2 t/W)^2) - 1)) of W samples has its images at -70 dB there. f is what drives modes
 as resonator/fed.py does. K is a table over the pulse's width, dissipation and place between samples (tables.py), with
-lines between: its error is below -59.5 dB of the momentum up to EDGE.
+lines between: its error is below -60 dB of the momentum up to EDGE.
 """
 
 import math

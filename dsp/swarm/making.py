@@ -1,7 +1,7 @@
 """The values of tables of pulses, from the pulses' forms: by one kernel, so that exported engines make the same bits.
 
 A row is a pulse with the bump about it, at a place between samples, as a Fourier series of the row's length. Its
-coefficients lie on lines between those of the pulse's spectrum, which is summed over the nodes of its form.
+coefficients lie on parabolas through those of the pulse's spectrum, which is summed over the nodes of its form.
 """
 
 import math
@@ -16,7 +16,8 @@ from .record import MOST_LENGTH, OCTAVES, PULSE_TABLE, PULSE_WORK, PulseTable, P
 from .simd import add_rows
 
 PITCH = 0.02
-"""The pitch of angular frequencies times width in a pulse's spectrum: lines between err by -86 dB."""
+"""The pitch of angular frequencies times width in a pulse's spectrum. Lines between would err by -86 dB, and that where
+the bump has its power: a row's ends let it leak to EDGE, where the filter lifts it by 40 dB."""
 
 
 @noinline_kernel
@@ -35,12 +36,17 @@ def _sum_spectrum(times: View[float], impulses: View[float], nodes: int, points:
 
 
 @kernel
-def _between(known: View[float], points: int, place: float) -> float:
-    """Return a part of a spectrum on the line between two points; 0 beyond the last one."""
-    k = int(place)
+def _between(known: View[float], points: int, place: float, sign: float) -> float:
+    """Return a part of a spectrum on the parabola through the three points that are nearest; 0 beyond the last one.
+
+    sign: of the part at negative frequencies.
+    """
+    k = int(place + 0.5)
     if k >= points - 1:
         return 0.0
-    return known[k] + (place - k) * (known[k + 1] - known[k])
+    before = known[k - 1] if k > 0 else sign * known[1]
+    x = place - k
+    return known[k] + 0.5 * x * (known[k + 1] - before + x * (known[k + 1] - 2.0 * known[k] + before))
 
 
 @kernel
@@ -64,8 +70,8 @@ def _make_rows(
         values[first + n] = 0.0
     for order in range(table.orders[octave]):
         place = width * (2.0 * math.pi / PITCH) * order / length
-        even = _between(work.even, table.points, place) * table.weight[octave, order]
-        odd = _between(work.odd, table.points, place) * table.weight[octave, order]
+        even = _between(work.even, table.points, place, 1.0) * table.weight[octave, order]
+        odd = _between(work.odd, table.points, place, -1.0) * table.weight[octave, order]
         _lay_order(table, octave, order, work)
         for phase in range(phases + 1):
             turn = order * phase % (length * phases)

@@ -219,6 +219,31 @@ def test_a_ramp_of_the_rate_gives_the_blows_of_its_integral():
     assert counts[0] == pytest.approx(counts[1], rel=0.005)
 
 
+STEERED = {
+    "shake": (SHAKE, {"rate": (100.0, 4000.0), "speed": (0.1, 1.0), "evenness": (1.0, 4.0)}),
+    "crumple": (CRUMPLE, {"speed": (0.1, 2.0), "density": (1000.0, 5000.0)}),
+    "step": (STEP, {"force": (100.0, 1000.0), "crackles": (0.1, 2.0)}),
+}
+
+
+@pytest.mark.parametrize("kind", STEERED)
+def test_blows_of_ramps_that_begin_where_a_quantum_does_are_the_same_at_any_block(kind):
+    """Ramps, and a stop, on the beginnings of quanta and elsewhere."""
+    keys, steered = STEERED[kind]
+    numbers, time, events = np.random.default_rng(4), 0.0, []
+    for name, (low, high) in [*steered.items()] * 2:
+        time += numbers.choice([QUANTUM / RATE * numbers.integers(1, 40), numbers.uniform(0.01, 0.05)])
+        values = {"over": float(numbers.choice([0.033, 20 * QUANTUM / RATE]))}
+        value = float(numbers.uniform(low, high))
+        events.append(Command(time, Kind.STEER, value=value, gesture=7, parameter=name, values=values))
+    events.append(stop(7)._replace(time=QUANTUM / RATE * 260))
+    found = [swarmed(kind, keys, seconds=0.4, events=events, blocks=each) for each in ((), [37] * 999, [63, 1000] * 99)]
+    whole, engine = found[0]
+    assert drawn(engine)[0] > 50
+    for sound, other in found[1:]:
+        assert drawn(other) == drawn(engine) and np.array_equal(sound, whole)
+
+
 def test_there_is_room_for_so_many_swarms_and_no_more():
     engine = Engine(RATE)
     handle, pulses = engine.add(plate(), 1.0), engine.lay_out_pulses(1.5)
