@@ -184,7 +184,7 @@ def _errors(surface: Surface, material: Material, wanted: Wanted, frequency: Arr
 def _heard(surface: Surface, solution: Solution, keep: Indices, wanted: Wanted) -> Radiation:
     """Return the radiation of the modes."""
     kind = "solid" if wanted.wall is None else "sheet" if openings(surface) else "hollow"
-    layer, places = layer_of(surface, kind, wanted.points)
+    layer, places = layer_of(surface, kind, max(wanted.points, POINTS))
     motion = velocities(layer, solution.at(places)[:, :, keep])
     return radiation(layer, motion, solution.frequency[keep])
 

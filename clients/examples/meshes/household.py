@@ -182,7 +182,7 @@ def main(folder: Path) -> None:
     for name, (make, material, wall, modes) in OBJECTS.items():
         file = folder / f"{name}.ply"
         write(make(), file)
-        made = carom.mesh(file, folder, name, material, wall=wall, modes=modes, points=250)
+        made = carom.mesh(file, folder, name, material, wall=wall, modes=modes, points=250, fine=True)
         print(*made.files)
 
 
