@@ -14,12 +14,12 @@ from ..contact.block_tables import feel, settle_tables, take_answers, take_rows
 from ..contact.collocation import elastic
 from ..contact.coupled import ContactLaw, begin_coupled, respond_with
 from ..contact.coupled_records import COUPLED_GROUP, Coupled
-from ..engine.contacts.blocks import WEIGHTS
+from ..engine.contacts.blocks import lay_motion
 from ..native.jit import kernel
 from ..native.typed import View, dtype_of
 from ..numerics.legendre import AHEAD, KEPT
 from ..resonator.bank import Modes, Point, inject_fine, inject_kept, observe, receptance
-from ..resonator.rows import lay_rows, room_for_rows
+from ..resonator.rows import ROOM
 from .coupled import MEMBER, NOT_KEPT, Bank, Case, Run, bank_of, motion_and_energy, restart, ring_on, step_alone
 
 _TOLERANCE = 1e-3  # of samples that no block follows
@@ -31,11 +31,7 @@ def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[
     flat = room[1]
     for i in range(len(flat)):
         flat[i] = 0.0
-    if block.parts == 1:
-        return lay_rows(modes, point, WEIGHTS[0], room[0], flat)
-    if block.parts == 2:
-        return lay_rows(modes, point, WEIGHTS[1], room[0], flat)
-    return lay_rows(modes, point, WEIGHTS[2], room[0], flat)
+    return lay_motion(block.parts, modes, point, room[0], flat)
 
 
 @kernel
@@ -110,7 +106,7 @@ def _simulation(case: Case, parts: int) -> tuple[NDArray[np.void], Callable[...,
     contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
     blocks, net = np.zeros(1, dtype_of(Block)), np.zeros(1, dtype_of(Net))[0]
     net["size"], net["gain"], net["share"] = 1, 1.0, 1.0
-    room = np.zeros(room_for_rows(ROWS)), np.zeros(AHEAD * ROWS)
+    room = np.zeros(ROOM), np.zeros(AHEAD * ROWS)
     law = tuple(map(float, (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.rate)))
     return contacts, partial(_simulate, (contacts, group, blocks, net), bank_of(case), room, law, parts)
 

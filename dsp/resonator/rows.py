@@ -7,10 +7,11 @@ from numpy.polynomial import Legendre, legendre
 from ..native.jit import simd_kernel
 from ..native.typed import View
 from ..numerics.checks import Array
-from ..numerics.legendre import FINE
+from ..numerics.legendre import AHEAD, FINE
+from ..numerics.sums import line_of
 from .bank import MOBILITY, RESPONSES, Modes, Point
 from .simd import LANES, dot, put_product
-from .simd_rows import COURSE, add_courses, put_courses, put_factors
+from .simd_rows import AT_ONCE, add_courses, add_lanes, put_factors
 
 _SERIES = [Legendre.basis(k, domain=[0, 1]) for k in range(FINE)]
 
@@ -29,9 +30,8 @@ def course_weights(degree: int, begin: float, end: float) -> Array:
     return np.array([(-1.0) ** k * (shares @ each.deriv()(times)) for k, each in enumerate(_SERIES)])
 
 
-def room_for_rows(rows: int) -> int:
-    """Return the number of values that `lay_rows` needs room for."""
-    return (2 * rows + COURSE) * LANES
+ROOM = (4 * AT_ONCE + AHEAD * AT_ONCE + 2) * LANES
+"""Values that `lay_rows` needs room for."""
 
 
 @simd_kernel
@@ -40,24 +40,46 @@ def lay_rows(
 ) -> float:
     """Add the point's motion over the coming AHEAD samples without a force to `out`: one row after the other.
 
-    Return the point's displacement now (m). weights: a tuple for each row, by `row_weights` or `course_weights`; the
-    last one's is the displacement at the sample's end. Displacements are in m, rates in m per sample. `room` (float64)
-    has `room_for_rows` values.
+    Return the last row's value a sample before its first: the point's displacement now (m), if that row is the
+    displacement at the sample's end. weights: a tuple for each row, AT_ONCE of them at most, by `row_weights` or
+    `course_weights`. Displacements are in m, rates in m per sample. `room` (float64) has ROOM values.
     """
-    w = point.weights[0], point.weights[1], point.weights[2], point.weights[3]
-    course = 2 * len(weights) * LANES
-    last = course - 2 * LANES
+    room = room[line_of(room) :]
+    begin, size = AHEAD * len(weights) * LANES, len(modes.y1)
+    for i in range(begin):
+        room[i] = 0.0
     place = 0.0
-    for first in range(0, len(modes.y1), LANES):
-        group = first // LANES * RESPONSES
-        phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
-        put_product(room, course, phi, dot(modes.response, group + MOBILITY, 0, (1.0,)))
-        scale = dot(room, course, 0, (1.0,))
-        put_product(room, course, scale, dot(modes.a2, first, 0, (1.0,)))
-        # As `observe` does: by the state a sample later and the one before that.
-        put_factors(room, (scale, dot(room, course, 0, (1.0,))), modes.response, group, weights)
-        put_courses(room, course, modes.y1, modes.y2, modes.a1, modes.a2, first)
-        add_courses(out, room, course, weights)
-        for k in range(LANES):  # what the last row would have been a sample ago
-            place += room[last + k] * room[course + k * COURSE] + room[last + LANES + k] * modes.y1[first + k]
+    for first in range(0, size - LANES, 2 * LANES):
+        second = first + LANES
+        place += _put(modes, point, weights, room, (first, begin))
+        place += _put(modes, point, weights, room, (second, begin + 2 * len(weights) * LANES))
+        add_courses(room, modes.y1, modes.y2, modes.a1, modes.a2, (first, second), weights)
+    if size % (2 * LANES) > 0:
+        place += _put(modes, point, weights, room, (size - LANES, begin))
+        add_courses(room, modes.y1, modes.y2, modes.a1, modes.a2, (size - LANES,), weights)
+    add_lanes(out, room, weights)
+    return place
+
+
+@simd_kernel
+def _put(
+    modes: Modes, point: Point, weights: tuple[tuple[float, ...], ...], room: View[float], at: tuple[int, int]
+) -> float:
+    """Write the factors of LANES modes in rows; return what the last row would have been a sample before its first.
+
+    at: the first mode, and the factors' place in `room`, in which one more value for each mode follows.
+    """
+    first, begin = at
+    group, aside = first // LANES * RESPONSES, begin + 2 * len(weights) * LANES
+    w = point.weights[0], point.weights[1], point.weights[2], point.weights[3]
+    phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
+    put_product(room, aside, phi, dot(modes.response, group + MOBILITY, 0, (1.0,)))
+    scale = dot(room, aside, 0, (1.0,))
+    put_product(room, aside, scale, dot(modes.a2, first, 0, (1.0,)))
+    # As `observe` does: by the state a sample later and the one before that.
+    put_factors(room, begin, (scale, dot(room, aside, 0, (1.0,))), modes.response, group, weights)
+    place, last = 0.0, aside - 2 * LANES - first
+    for i in range(first, first + LANES):
+        after = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i]
+        place += room[last + i] * after + room[last + LANES + i] * modes.y1[i]
     return place

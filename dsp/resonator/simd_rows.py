@@ -2,15 +2,13 @@
 
 from typing import Any
 
-from ..native.jit import Lowered, cgutils, intrinsic, ir, types
+from ..native.jit import Lowered, cgutils, intrinsic, types
 from ..native.typed import View
 from ..numerics.legendre import AHEAD
-from .simd import LANES, REASSOCIATE, int32, int64, pointer_to, vector_of
+from .simd import LANES, REASSOCIATE, int64, pointer_to, sums_of, vector_of
 
-COURSE = AHEAD + LANES
-"""Samples of a mode that are kept: AHEAD + 1 are needed."""
-
-_AT_ONCE = 5  # rows whose sums stay in registers, of processors that have 16 of them too
+AT_ONCE = 5
+"""Rows that are laid at once, at most: so many factors stay in registers, of processors that have 16 of them too."""
 
 
 def _times(builder: Any, a: Any, b: Any) -> Any:
@@ -21,137 +19,108 @@ def _plus(builder: Any, a: Any, b: Any) -> Any:
     return builder.fadd(a, b, flags=REASSOCIATE)
 
 
-def _transposed(builder: Any, vectors: list[Any]) -> list[Any]:
-    """Return LANES vectors whose lanes are the vectors that were given."""
-    half = 1
-    while half < LANES:
-        # Of two vectors that are `half` apart, the lanes off the diagonal change places, `half` at a time.
-        picks = []
-        for upper in (0, 1):
-            lanes = [i if i // half % 2 == 0 else LANES + i - half for i in range(LANES)]
-            if upper:
-                lanes = [i + half if i // half % 2 == 0 else LANES + i for i in range(LANES)]
-            picks.append(ir.Constant(ir.VectorType(ir.IntType(32), LANES), lanes))
-        changed = list(vectors)
-        for i in range(LANES):
-            if i // half % 2 == 0:
-                a, b = vectors[i], vectors[i + half]
-                changed[i], changed[i + half] = (builder.shuffle_vector(a, b, pick) for pick in picks)
-        vectors = changed
-        half *= 2
-    return vectors
-
-
-@intrinsic
-def put_courses(
-    typingctx: object, room: View[float], at: int, y1: View[float], y2: View[float], a1: View[float], a2: View[float],
-    first: int,
-) -> Lowered[None]:  # fmt: skip
-    """Write the coming COURSE samples of each of LANES modes from `first` on, one mode after the other.
-
-    The first 2 LANES go sample by sample, the others by the recursion of samples LANES apart, whose steps do not wait
-    for each other.
-    """
-
-    def codegen(context, builder, signature, args):
-        room, at, first = args[0], args[1], args[6]
-
-        def place(offset):
-            return pointer_to(context, builder, signature.args[0], room, builder.add(at, int64(offset)))
-
-        here, before, p, q = (
-            builder.load(pointer_to(context, builder, signature.args[n], args[n], first), align=8) for n in range(2, 6)
-        )
-        begun = []
-        for _ in range(2 * LANES):
-            before, here = here, _plus(builder, _times(builder, p, here), _times(builder, q, before))
-            begun.append(here)
-        stride = 1
-        while stride < LANES:
-            doubled = _times(builder, vector_of(builder, [ir.Constant(ir.DoubleType(), 2.0)] * LANES), q)
-            p, q = _plus(builder, _times(builder, p, p), doubled), builder.fneg(_times(builder, q, q))
-            stride *= 2
-        starts = _transposed(builder, begun[:LANES]), _transposed(builder, begun[LANES:])
-        for i in range(LANES):
-            before, here = starts[0][i], starts[1][i]
-            one, two = (vector_of(builder, [builder.extract_element(each, int32(i))] * LANES) for each in (p, q))
-            builder.store(before, place(i * COURSE), align=8)
-            builder.store(here, place(i * COURSE + LANES), align=8)
-            for n in range(2 * LANES, COURSE, LANES):
-                next_one = _plus(builder, _times(builder, one, here), _times(builder, two, before))
-                before, here = here, next_one
-                builder.store(here, place(i * COURSE + n), align=8)
-        return context.get_dummy_value()
-
-    return types.void(room, types.intp, y1, y2, a1, a2, types.intp), codegen
-
-
 @intrinsic
 def put_factors(
     typingctx: object,
     room: View[float],
+    at: int,
     scales: tuple[tuple[float, ...], ...],
     table: View[float],
     first: int,
     weights: tuple[tuple[float, ...], ...],
 ) -> Lowered[None]:
-    """Write the factors of LANES modes in rows: of row r from room[2 r LANES] on the one on a sample, then that on the
-    sample before.
+    """Write the factors of LANES modes in rows: of row r from room[at + 2 r LANES] on the one on a sample, then that on
+    the sample before.
 
     They are scales[s][i] sum_k weights[r][k] table[first + (2 k + s) LANES + i] with s = 0, 1.
     """
 
     def codegen(context, builder, signature, args):
-        rows = [cgutils.unpack_tuple(builder, row) for row in cgutils.unpack_tuple(builder, args[4])]
-        lanes = [cgutils.unpack_tuple(builder, each) for each in cgutils.unpack_tuple(builder, args[1])]
+        rows = [cgutils.unpack_tuple(builder, row) for row in cgutils.unpack_tuple(builder, args[5])]
+        lanes = [cgutils.unpack_tuple(builder, each) for each in cgutils.unpack_tuple(builder, args[2])]
         scales = [vector_of(builder, each) for each in lanes]
         for s in range(2):
             totals: list[Any] = [None] * len(rows)
             for k in range(len(rows[0])):
-                at = builder.add(args[3], int64((2 * k + s) * LANES))
-                values = builder.load(pointer_to(context, builder, signature.args[2], args[2], at), align=8)
+                at = builder.add(args[4], int64((2 * k + s) * LANES))
+                values = builder.load(pointer_to(context, builder, signature.args[3], args[3], at), align=8)
                 for r, row in enumerate(rows):
                     term = _times(builder, vector_of(builder, [row[k]] * LANES), values)
                     totals[r] = term if totals[r] is None else _plus(builder, totals[r], term)
             for r, total in enumerate(totals):
-                pointer = pointer_to(context, builder, signature.args[0], args[0], int64((2 * r + s) * LANES))
+                place = builder.add(args[1], int64((2 * r + s) * LANES))
+                pointer = pointer_to(context, builder, signature.args[0], args[0], place)
                 builder.store(_times(builder, scales[s], total), pointer, align=8)
         return context.get_dummy_value()
 
-    return types.void(room, scales, table, types.intp, weights), codegen
+    return types.void(room, types.intp, scales, table, types.intp, weights), codegen
 
 
 @intrinsic
 def add_courses(
-    typingctx: object, out: View[float], room: View[float], course: int, weights: tuple[tuple[float, ...], ...]
-) -> Lowered[None]:
-    """Add LANES modes to rows of AHEAD samples, one row after the other: by their factors in `room`, as `put_factors`
-    has them with those weights, and their courses from room[course] on."""
+    typingctx: object, room: View[float], y1: View[float], y2: View[float], a1: View[float], a2: View[float],
+    firsts: tuple[int, ...], weights: tuple[tuple[float, ...], ...],
+) -> Lowered[None]:  # fmt: skip
+    """Add groups of LANES modes, from `firsts` on, to rows of AHEAD samples, each mode in a lane of its own.
+
+    In `room` lie the lanes of each row at the first sample, then those at the next one, and so on; after them the
+    factors, as `put_factors` has them with those weights, one group's after the other's.
+    """
 
     def codegen(context, builder, signature, args):
-        room, course = args[1:3]
-        count = len(signature.args[3])
-        data = context.make_array(signature.args[1])(context, builder, room).data
+        count = len(signature.args[6])
 
-        def place(n, at):
-            return pointer_to(context, builder, signature.args[n], args[n], at)
+        def place(n, index):
+            return pointer_to(context, builder, signature.args[n], args[n], index)
 
-        for begin in range(0, count, _AT_ONCE):
-            rows = range(begin, min(begin + _AT_ONCE, count))
-            with cgutils.for_range_slice(builder, int64(0), int64(AHEAD), int64(LANES)) as (n, _):
-                places = [place(0, builder.add(n, int64(r * AHEAD))) for r in rows]
-                totals = [builder.load(each, align=8) for each in places]
-                for i in range(LANES):
-                    at = builder.add(builder.add(course, n), int64(i * COURSE))
-                    # Of a sample and the one before; the row's first is a sample later.
-                    values = [builder.load(place(1, builder.add(at, int64(1 - s))), align=8) for s in range(2)]
-                    for j, r in enumerate(rows):
-                        for s in range(2):
-                            factor = builder.load(builder.gep(data, [int64((2 * r + s) * LANES + i)]))
-                            term = _times(builder, vector_of(builder, [factor] * LANES), values[s])
-                            totals[j] = _plus(builder, totals[j], term)
-                for total, each in zip(totals, places, strict=True):
-                    builder.store(total, each, align=8)
+        groups = []
+        for g, first in enumerate(cgutils.unpack_tuple(builder, args[5])):
+            y1, y2, p, q = (builder.load(place(n, first), align=8) for n in range(1, 5))
+            begin = AHEAD * count + 2 * count * g
+            factors = [builder.load(place(0, int64((begin + i) * LANES)), align=8) for i in range(2 * count)]
+            begun = _plus(builder, _times(builder, p, y1), _times(builder, q, y2))
+            # A row's first sample is the one after the next: of that and the one before.
+            coming = _plus(builder, _times(builder, p, begun), _times(builder, q, y1))
+            motion = [cgutils.alloca_once_value(builder, each) for each in (coming, begun)]
+            groups.append((p, q, factors, motion))
+        with cgutils.for_range_slice(builder, int64(0), int64(AHEAD * count * LANES), int64(count * LANES)) as (n, _):
+            values = [[builder.load(each) for each in motion] for *_, motion in groups]
+            for r in range(count):
+                total = place(0, builder.add(n, int64(r * LANES)))
+                added = builder.load(total, align=8)
+                for (_, _, factors, _), pair in zip(groups, values, strict=True):
+                    for s in range(2):
+                        added = _plus(builder, added, _times(builder, factors[2 * r + s], pair[s]))
+                builder.store(added, total, align=8)
+            for (p, q, _, motion), (here, before) in zip(groups, values, strict=True):
+                builder.store(_plus(builder, _times(builder, p, here), _times(builder, q, before)), motion[0])
+                builder.store(here, motion[1])
         return context.get_dummy_value()
 
-    return types.void(out, room, types.intp, weights), codegen
+    return types.void(room, y1, y2, a1, a2, firsts, weights), codegen
+
+
+@intrinsic
+def add_lanes(
+    typingctx: object, out: View[float], room: View[float], weights: tuple[tuple[float, ...], ...]
+) -> Lowered[None]:
+    """Add the lanes that `add_courses` has summed to `out`: AHEAD samples of one row after the other."""
+
+    def codegen(context, builder, signature, args):
+        count = len(signature.args[2])
+
+        def place(n, index):
+            return pointer_to(context, builder, signature.args[n], args[n], index)
+
+        with cgutils.for_range_slice(builder, int64(0), int64(AHEAD), int64(LANES)) as (n, _):
+            begin = builder.mul(n, int64(count * LANES))
+            for r in range(count):
+                lanes = [
+                    builder.load(place(1, builder.add(begin, int64((i * count + r) * LANES))), align=8)
+                    for i in range(LANES)
+                ]
+                row = place(0, builder.add(n, int64(r * AHEAD)))
+                builder.store(_plus(builder, builder.load(row, align=8), sums_of(builder, lanes)), row, align=8)
+        return context.get_dummy_value()
+
+    return types.void(out, room, weights), codegen

@@ -14,10 +14,12 @@ from ...contact.block_nodes import MOMENTS_AHEAD, MOST_PARTS, TILT, nodes_of
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, rows_of
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows
 from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View
 from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
 from ...resonator.rows import course_weights, lay_rows, row_weights
+from ...resonator.simd_rows import AT_ONCE
 from ...rolling.block_path import is_even, project_path, roll_back, roll_evenly
 from ...rolling.body import share_of
 from ...rolling.coupled_roll import lead_coupled_roll
@@ -45,7 +47,10 @@ def _weights_of(parts: int) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(row.tolist()) for row in [*rows, row_weights(1.0)])
 
 
-WEIGHTS = tuple(_weights_of(parts) for parts in range(1, MOST_PARTS + 1))
+_WEIGHTS = [_weights_of(parts) for parts in range(1, MOST_PARTS + 1)]
+_OF_ONE, _OF_TWO, _OF_THREE = ([rows[i : i + AT_ONCE] for i in range(0, len(rows), AT_ONCE)] for rows in _WEIGHTS)
+(_ONE_A,), (_TWO_A, _TWO_B), (_THREE_A, _THREE_B, _THREE_C) = _OF_ONE, _OF_TWO, _OF_THREE
+_SECOND, _THIRD = AT_ONCE * AHEAD, 2 * AT_ONCE * AHEAD  # where their rows begin
 
 _FEWEST = 8  # frames that are worth a block
 _BENT = -1  # in the place of a moment: a force that lasts
@@ -347,14 +352,23 @@ def _clear_rows(state: State, block: Block) -> None:
 
 
 @noinline_kernel
+def lay_motion(parts: int, modes: Modes, point: Point, room: View[float], rows: View[float]) -> float:
+    """Add the motion of a point without a force to `rows`, those of so many parts of a sample, one row after the other;
+    return where it is now (m). `room` has ROOM values (resonator/rows.py)."""
+    if parts == 1:
+        return lay_rows(modes, point, _ONE_A, room, rows)
+    if parts == 2:
+        lay_rows(modes, point, _TWO_A, room, rows)
+        return lay_rows(modes, point, _TWO_B, room, rows[_SECOND:])
+    lay_rows(modes, point, _THREE_A, room, rows)
+    lay_rows(modes, point, _THREE_B, room, rows[_SECOND:])
+    return lay_rows(modes, point, _THREE_C, room, rows[_THIRD:])
+
+
+@kernel
 def _lay(state: State, block: Block, modes: Modes, where: Point) -> float:
-    """Add the motion of a point without a force to `rows`, one row after the other; return where it is now (m)."""
-    scratch = state.scratch
-    if block.parts == 1:
-        return lay_rows(modes, where, WEIGHTS[0], scratch.room, scratch.rows)
-    if block.parts == 2:
-        return lay_rows(modes, where, WEIGHTS[1], scratch.room, scratch.rows)
-    return lay_rows(modes, where, WEIGHTS[2], scratch.room, scratch.rows)
+    """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
+    return lay_motion(block.parts, modes, where, state.scratch.room, state.scratch.rows)
 
 
 @kernel

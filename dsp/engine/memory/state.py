@@ -16,7 +16,7 @@ from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32,
 from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
 from ...resonator.bank import RESPONSES, Driver
 from ...resonator.fed import HALF, REACH
-from ...resonator.rows import room_for_rows
+from ...resonator.rows import ROOM as ROOM_FOR_ROWS
 from ...resonator.simd import LANES
 from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
@@ -244,7 +244,7 @@ class Scratch(Record):
     observed: Annotated[View[float], FINE]
     net: Net  # rolls that are solved in blocks together
     rows: Annotated[View[float], AHEAD * ROWS]  # of a point's motion over a quantum
-    room: Annotated[View[float], room_for_rows(ROWS)]  # to lay them out
+    room: Annotated[View[float], ROOM_FOR_ROWS]  # to lay them out
     receptance: Annotated[View[float], FINE]
     drivers: Annotated[View[Driver], DRIVEN]  # of the rolls and swarms on one object, at one time
     blows: Annotated[View2D[float], DRIVEN, QUANTUM]  # their forces by one number a frame, those at one place together
