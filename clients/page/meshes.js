@@ -163,7 +163,8 @@ function seenFrom({ turn, tilt }, form) {
       const found = pick(x, y);
       return found && [0, 1, 2].map((k) => Number(found.shares.reduce((sum, each, j) => sum + each * points[faces[found.n][j]][k], 0).toFixed(5)));
     },
-    point: (point) => seen(point).slice(0, 2),
+    /** Where a point is seen; of a position along a path, which the page is not told, the middle. */
+    point: (place) => (Array.isArray(place) ? seen(place).slice(0, 2) : [0, 0]),
     /** The body as it is seen after so many radians about its upright axis, and up. */
     turned: (about, above) => seenFrom({ turn: turn + about, tilt: clamp(tilt + above, -STEEP, STEEP) }, form),
     /** Light where points swing, by their shares of the largest swing. */

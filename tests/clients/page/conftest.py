@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from carom.server.osc.score import Line, read
 from tests.support import Running, serving
@@ -44,10 +46,11 @@ class Table:
             self.page.wait_for_timeout(20)
         return found
 
-    def until_last(self, end: str, value: float, near: float = 0.0) -> list[Line]:
-        """Return the same, once the last of them has a value, or is so near to it."""
+    def until_last(self, end: str, value: ArrayLike, near: float = 0.0) -> list[Line]:
+        """Return the same, once the last of them has a value or several, or is so near to them."""
         deadline = time.monotonic() + PATIENCE
-        while not (found := self.lines(end)) or abs(found[-1].message.args[0] - value) > near:
+        values = np.atleast_1d(value)
+        while not (found := self.lines(end)) or np.abs(found[-1].message.args[: len(values)] - values).max() > near:
             assert time.monotonic() < deadline, (end, [line.message for line in self.lines()])
             self.page.wait_for_timeout(20)
         return found
