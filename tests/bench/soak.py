@@ -29,12 +29,13 @@ MOST_GROWTH, SLOWEST = 10.0, 0.05  # MB, s
 
 @dataclass
 class Soak:
-    """Observations: memory (MB), answers (s) and loads (%) in time, what was dropped, strikes sent, impacts carried out
-    with those of the rolls, and rolls that still went on at the end."""
+    """Observations: memory (MB), answers (s) and loads (%) in time, the furthest quality that the load asked for, what
+    was dropped, strikes sent, impacts carried out with those of the rolls, and rolls that still went on at the end."""
 
     memory: list[float] = field(default_factory=list)
     answers: list[float] = field(default_factory=list)
     loads: list[float] = field(default_factory=list)
+    quality: int = 0
     dropped: dict[str, object] = field(default_factory=dict)
     sent: int = 0
     carried_out: int = 0
@@ -78,6 +79,7 @@ def soak(port: int, pid: int, seconds: float, tell: bool = False) -> Soak:
                 seen.answers.append(time.monotonic() - looked)
                 seen.memory.append(memory(pid))
                 seen.loads.append(float(status["load"]))
+                seen.quality = max(seen.quality, int(status["quality"]))
                 seen.dropped = {name: status[name] for name in DROPS}
                 if tell and looked > told + 10:
                     told = looked
