@@ -19,6 +19,7 @@ export class Touch {
     this.hands = hands;
     this.pointers = new Map();
     this.mode = "play"; // what a drag does: play, move or turn
+    this.holdAfter = HOLD;
     stage.addEventListener("pointerdown", (event) => this.down(event, stage));
     stage.addEventListener("pointermove", (event) => this.move(event));
     stage.addEventListener("pointerup", (event) => this.up(event));
@@ -57,7 +58,7 @@ export class Touch {
       pointer.kind = "touch";
       this.hands.strike(found.object, found.position, this.speed(event, found.object), event.timeStamp);
       this.hands.scene.choose(found.object.name);
-      pointer.timer = setTimeout(() => this.hold(pointer), HOLD);
+      pointer.timer = setTimeout(() => this.hold(pointer), this.holdAfter);
     }
     this.table.wake();
   }

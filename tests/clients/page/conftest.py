@@ -66,6 +66,12 @@ class Table:
             assert time.monotonic() < deadline, script
             self.page.wait_for_timeout(20)
 
+    def drag_from(self, x: float, y: float) -> None:
+        """Press the mouse at a pixel; the touch never becomes a hold, however late the first move comes."""
+        self.ask("carom.touch.holdAfter = 1e6")
+        self.page.mouse.move(x, y)
+        self.page.mouse.down()
+
     def spot(self, name: str, position: float = 0.5) -> tuple[float, float]:
         """Return the pixel of a point of an object's strike path."""
         x, y = self.ask(

@@ -106,8 +106,7 @@ def test_a_mesh_is_turned_to_another_side(play, way):
 def test_a_drag_leads_a_slide_over_the_surface(play):
     table = with_mug(play())
     x, y, scale = corner(table)
-    table.page.mouse.move(x - 0.02 * scale, y)
-    table.page.mouse.down()
+    table.drag_from(x - 0.02 * scale, y)
     for n in range(1, 11):
         table.page.mouse.move(x - 0.02 * scale, y + 0.003 * n * scale)
         table.page.wait_for_timeout(16)

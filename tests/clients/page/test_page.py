@@ -77,8 +77,7 @@ def test_a_hold_presses_and_letting_go_ends_it(play):
 def test_a_drag_along_rolls_at_the_pointers_speed_and_place(play):
     table = play()
     (x0, y0), (x1, y1) = table.spot("wood-board", 0.2), table.spot("wood-board", 0.8)
-    table.page.mouse.move(x0, y0)
-    table.page.mouse.down()
+    table.drag_from(x0, y0)
     for n in range(4, 31):
         table.page.mouse.move(x0 + (x1 - x0) * n / 30, y0 + (y1 - y0) * n / 30)
         table.page.wait_for_timeout(16)
@@ -98,8 +97,7 @@ def test_a_pull_back_strikes_the_harder_the_further(play):
     x, y = table.spot("marimba-bar")
     for far, speed in ((80, 0.05 * 100 ** (80 / 260)), (200, 0.05 * 100 ** (200 / 260))):
         before = len(table.lines("/impact"))
-        table.page.mouse.move(x, y)
-        table.page.mouse.down()
+        table.drag_from(x, y)
         for n in range(1, 6):
             table.page.mouse.move(x, y - far * n / 5)
         table.page.mouse.up()
