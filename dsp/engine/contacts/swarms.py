@@ -52,7 +52,7 @@ LOOK = 44
 HEAVY = 0.1
 """m M of a blow, above which it is a contact of its own."""
 _WIDEST = math.log(LEAST * 2.0**OCTAVES)  # ln of samples: the rms width of a pulse
-_OFTEN, _AT_ONCE = 400.0, 8.0  # such contacts of a swarm a second, and at once
+_OFTEN, _AT_ONCE = 100.0, 4.0  # such contacts of a swarm a second, and soon after one another
 _AWAITED = 0.005  # s from the beginning of such a blow: one that flies off then touches no more
 _MOST = 16_384  # blows of a swarm in a quantum
 _EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's

@@ -326,6 +326,20 @@ def test_heavy_grains_are_contacts_of_their_own():
     assert engine.stats.coupled > 20
 
 
+def test_of_many_heavy_grains_few_are_contacts_of_their_own_and_seldom_at_once():
+    """Contacts that touch one object at once are solved together, which costs most."""
+    heavy = (0.01, 1e7, 0.2, 1.5)
+    engine, at_once = Engine(RATE), []
+    handle = engine.add(plate(), 1.0)
+    pulses = engine.lay_out_pulses(1.5)
+    engine.send([gesture("shake", handle, heavy, 0.0, 7, **pulses, **SHAKE)])
+    for _ in range(1_000):
+        engine.process(48)
+        at_once.append(engine.stats.contacts_active - 1)
+    assert 80 <= engine.stats.coupled <= 104 and engine.stats.impacts > 1_800
+    assert max(at_once[100:]) <= 2 and np.mean(at_once[100:]) < 1.0
+
+
 def test_heavy_grains_that_fly_before_a_light_object_are_not_awaited_for_long():
     """The object sways slowly and far, so that it may always reach them yet: two hundred were at once."""
     engine = Engine(RATE)
