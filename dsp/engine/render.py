@@ -24,7 +24,7 @@ from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
 from .memory.state import QUANTUM, Object, State
 from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
 from .output.space import hear_space
-from .output.space_lines import add_voice
+from .output.space_lines import add_voice, travels
 from .panic import mix_fading
 
 _RETUNE_BUDGET = 1024  # modes per quantum that get new coefficients in the background
@@ -97,6 +97,7 @@ def _render_group(state: State) -> None:
         awake |= obj.live > 0 or obj.has_contact == 1 or obj.voice >= 0
     for g in range(scratch.group_size):
         obj = state.objects[scratch.group[g]]
+        obj.travels = int(travels(state, scratch.group[g]))
         if awake or obj.fading > 0:
             glide_gains(state, obj)
     if not awake:
@@ -107,7 +108,8 @@ def _render_group(state: State) -> None:
     frame = 0
     while frame < QUANTUM:
         for g in range(scratch.group_size):
-            if frame >= state.objects[scratch.group[g]].resumes:
+            obj = state.objects[scratch.group[g]]
+            if frame >= obj.resumes and (obj.contact >= 0 or obj.shares_contact == 1):
                 solve_blocks(state, scratch.group[g], frame)
         # The modes answer a force in the first frame that they ring after it.
         stop = QUANTUM

@@ -22,7 +22,7 @@ from ..native.jit import kernel, simd_kernel
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
 from .simd import HALF, LANES, STRETCH, add_product, dot, put_product, put_projections
-from .simd_ring import ANSWERS, push, put_answers, ring_answering, ring_moved, ring_pushed
+from .simd_ring import ANSWERS, push, put_answers, ring_answering, ring_middle_once, ring_moved, ring_pushed
 
 MOBILITY = 2 * FINE * LANES
 """First of the rows that `observe`, `receptance` and velocity.py need."""
@@ -139,6 +139,18 @@ def ring(modes: Modes, out: View2D[float], start: int, stop: int) -> None:
         out[0, t] = l0
         out[1, t] = r0
         t += 1
+
+
+@kernel
+def ring_middle(modes: Modes, half: float, out: View2D[float], start: int, stop: int) -> None:
+    """Ring modes from frame `start` to `stop` where one point is heard of them: right has the share `half` of it, and
+    both rows of `out` are overwritten, with the same but in the last frames of no LANES."""
+    t = start
+    while t + LANES <= stop:
+        ring_middle_once((modes.y1, modes.y2, modes.a1, modes.a2, modes.balance), half, out, t)
+        t += LANES
+    if t < stop:
+        ring(modes, out, t, stop)
 
 
 @simd_kernel

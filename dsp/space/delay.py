@@ -45,6 +45,9 @@ _FITTED = (
     ),
 )  # fmt: skip
 _WEIGHTS = np.array(_FITTED)
+_LAID = 16
+_ROWS = np.zeros((DEGREE + 1, _LAID))
+_ROWS[:, :TAPS] = _WEIGHTS
 
 
 @kernel
@@ -58,9 +61,13 @@ def tap_weight(fraction: float, tap: int) -> float:
 
 @simd_kernel
 def read_steady(window: View[float], fraction: float, weights: View[float], out: View[float], count: int) -> None:
-    """Read `count` samples that lie a fraction after window[TAPS // 2 - 1], one after the other."""
-    for k in range(TAPS):
-        weights[k] = tap_weight(fraction, k)
+    """Read `count` samples that lie a fraction after window[TAPS // 2 - 1], one after the other; `weights` has room for
+    16."""
+    f = fraction - 0.5
+    for k in range(_LAID):
+        even = _ROWS[0, k] + f * f * (_ROWS[2, k] + f * f * _ROWS[4, k])
+        odd = _ROWS[1, k] + f * f * (_ROWS[3, k] + f * f * _ROWS[5, k])
+        weights[k] = even + f * odd
     a, b, c, d, e = weights[0], weights[1], weights[2], weights[3], weights[4]
     v, w, x, y, z = weights[5], weights[6], weights[7], weights[8], weights[9]
     for n in range(count):
@@ -71,25 +78,25 @@ def read_steady(window: View[float], fraction: float, weights: View[float], out:
 
 @kernel
 def read_moving(window: View[float], first: int, places: View[float], out: View[float], count: int) -> None:
-    """Read `count` samples at places, of which window[0] is number `first`: stretch by stretch, over which places go on
-    between the same samples."""
+    """Read `count` samples, number n at n + places[n], of which window[TAPS // 2 - 1] is at `first`: stretch by
+    stretch, over which places lie between the same samples."""
     begin = 0
     while begin < count:
-        lag = math.floor(places[begin]) - begin
+        lag = math.floor(places[begin])
         end = begin + 1
-        while end < count and lag <= places[end] - end < lag + 1:
+        while end < count and lag <= places[end] < lag + 1:
             end += 1
-        _read_stretch(window[begin + lag - first - (TAPS // 2 - 1) :], places[begin:end], lag + begin, out[begin:end])
+        read_stretch(window[begin + lag - first :], places[begin:end], lag, out[begin:end])
         begin = end
 
 
 @kernel
-def _read_stretch(window: View[float], places: View[float], whole: int, out: View[float]) -> None:
-    """Read samples at places, of which number n lies between samples whole + n and the next; window[n + TAPS // 2 - 1]
-    is the one before it. Taps lie alike on both sides of the middle, so that polynomials of even degree see sums, and
+def read_stretch(window: View[float], places: View[float], whole: int, out: View[float]) -> None:
+    """Read samples, number n at n + places[n], all of which lie between `whole` and the next; window[n + TAPS // 2 - 1]
+    is the one before. Taps lie alike on both sides of the middle, so that polynomials of even degree see sums, and
     those of odd degree differences."""
     for n in range(len(out)):
-        f = places[n] - (whole + n) - 0.5
+        f = places[n] - whole - 0.5
         a, b, c, d, e = window[n], window[n + 1], window[n + 2], window[n + 3], window[n + 4]
         v, w, x, y, z = window[n + 9], window[n + 8], window[n + 7], window[n + 6], window[n + 5]
         sums, differences = (a + v, b + w, c + x, d + y, e + z), (a - v, b - w, c - x, d - y, e - z)

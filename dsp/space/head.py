@@ -10,15 +10,14 @@ _DARKEST = math.radians(150.0)  # from the ear: there the shadow is deepest
 
 
 @kernel
-def ear_path(cosine: float, radius: float) -> float:
-    """Return by how much (m) the way to an ear is longer than to the head's middle, by the cosine of the angle between
-    the ear and the source: Woodworth's, for a source far away."""
-    c = min(max(cosine, -1.0), 1.0)
-    return -radius * c if c > 0.0 else radius * (math.acos(c) - 0.5 * math.pi)
+def ear_path(angle: float, radius: float) -> float:
+    """Return by how much (m) the way to an ear is longer than to the head's middle, by the angle (rad) between the ear
+    and the source: Woodworth's, for a source far away."""
+    return -radius * math.cos(angle) if angle < 0.5 * math.pi else radius * (angle - 0.5 * math.pi)
 
 
 @kernel
-def ear_shadow(cosine: float) -> float:
-    """Return the amplitude of high frequencies at an ear, 2 beside it and 0.1 behind the head; of low ones it is 1."""
-    angle = math.acos(min(max(cosine, -1.0), 1.0))
+def ear_shadow(angle: float) -> float:
+    """Return the amplitude of high frequencies at an ear, by the same angle: 2 beside it and 0.1 behind the head; of
+    low ones it is 1."""
     return (1.0 + 0.5 * _LEAST) + (1.0 - 0.5 * _LEAST) * math.cos(angle / _DARKEST * math.pi)

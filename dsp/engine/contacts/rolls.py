@@ -8,7 +8,7 @@ much later. A roll that feels all modes is computed with them instead (coupled_r
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View, View2D
 from ...numerics.legendre import KEPT
-from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_under
+from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_middle, ring_under
 from ...resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
 from ...rolling.body import fill_roll
@@ -86,7 +86,11 @@ def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: i
 def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: int) -> None:
     """Ring an object's modes from frame `start` to `stop`, by themselves."""
     if obj.rolls_head < 0:
-        ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
+        if obj.travels == 1:
+            half = 0.5 if state.output.channels == 2 else 0.0
+            ring_middle(modes_of(state, obj, 0, obj.live), half, voice, start, stop)
+        else:
+            ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return
     moves = _moves(state, obj)
     frame = start

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from ...native.typed import Record, View, View2D, dtype_of, f32
+from ...native.typed import Record, View, View2D, View3D, dtype_of, f32
 from ...numerics.legendre import AHEAD
 from ...sizes import CAPACITY
 from .capacity import MOST_CHANNELS
@@ -48,6 +48,7 @@ class Line(Record):
     """A line: what an object has sounded, where it was, and its ways to the listener."""
 
     used: int
+    number: int
     slot: int
     serial: int
     left: int  # 1: its object is gone, or in space no more
@@ -57,8 +58,6 @@ class Line(Record):
     moved_at: int  # samples: the end of the quantum in which it last moved
     amplitude: float  # gain at the quantum's end
     pose: Pose
-    knots: Annotated[View2D[float], KNOTS, 3]
-    sound: Annotated[View[f32], FRAMES]
     paths: Annotated[View[Path], PATHS]
 
 
@@ -86,9 +85,10 @@ class Space(Record):
     order: int
     head: float  # m
     speed: float  # m/s
-    air: float  # dB/m at the frequency of `turn`
-    turn: float  # rad a sample
+    air: float  # dB/m at one frequency
+    turned: float  # the cosine of what that turns by in a sample
     listener: Pose
+    stays: int  # 1: the listener is where it was a quantum ago
     walls: int  # 0, 1 (a floor) or 6
     low: Annotated[View[float], 3]  # m: the room's corner
     high: Annotated[View[float], 3]  # m: the one across
@@ -97,6 +97,9 @@ class Space(Record):
     faded: int
     panicked: int  # samples: what left before fades
     lines: Annotated[View[Line], LINES]
+    # By time first: what is heard of many lines in a quantum lies close together.
+    knots: Annotated[View3D[float], KNOTS, LINES, 3]
+    sounds: Annotated[View3D[f32], KNOTS, LINES, AHEAD]
     late: Late
     window: Annotated[View[float], 6 * AHEAD]
     places: Annotated[View[float], AHEAD]

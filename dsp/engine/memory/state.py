@@ -191,6 +191,7 @@ class Object(Record):
     sensors: int  # on it
     line: int  # 1 + its line in space; 0: it has none
     # In this quantum:
+    travels: int  # 1: its sound goes through space
     has_contact: int  # a contact touches it
     shares_contact: int  # with another object
     restless: int  # 1: what rests on it, or on which it rests, is awake

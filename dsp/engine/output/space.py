@@ -5,7 +5,7 @@ from ..memory.space_record import KNOTS, LINES, Line
 from ..memory.state import QUANTUM, State
 from .fade import fade_length
 from .late import hear_late
-from .space_lines import MASK, pose_at
+from .space_lines import pose_at
 from .space_paths import hear_path
 
 
@@ -20,6 +20,10 @@ def hear_space(state: State) -> None:
     for k in range(7):
         space.listener.before[k] = space.listener.now[k]
     pose_at(space.listener, float(end))
+    space.stays = 1
+    for k in range(7):
+        if space.listener.now[k] != space.listener.before[k]:
+            space.stays = 0
     for n in range(QUANTUM):
         space.late.fed[n] = 0.0
     for n in range(LINES):
@@ -57,7 +61,7 @@ def _hear_line(state: State, line: Line, end: int) -> None:
     obj = state.objects[line.slot]
     if line.left == 0 and (obj.used == 0 or obj.serial != line.serial):
         line.left = 1
-    sound = line.sound[state.position & MASK :][:QUANTUM]
+    sound = space.sounds[state.position // QUANTUM & (KNOTS - 1), line.number]
     if line.written == 0:
         for n in range(QUANTUM):
             sound[n] = 0.0
@@ -67,9 +71,9 @@ def _hear_line(state: State, line: Line, end: int) -> None:
     knot = end // QUANTUM & (KNOTS - 1)
     before = end // QUANTUM - 1 & (KNOTS - 1)
     for i in range(3):
-        if line.knots[before, i] != line.pose.now[i]:
+        if space.knots[before, line.number, i] != line.pose.now[i]:
             line.moved_at = end
-        line.knots[knot, i] = line.pose.now[i]
+        space.knots[knot, line.number, i] = line.pose.now[i]
     heard = False
     for p in range(1 + space.walls):
         heard |= hear_path(state, line, line.paths[p], p, end)

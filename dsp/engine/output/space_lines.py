@@ -5,12 +5,11 @@ import math
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View, View2D
 from ..memory.quality import is_left_out
-from ..memory.space_record import FRAMES, KNOTS, LINES, PATHS, Line, Pose
+from ..memory.space_record import FRAMES, KNOTS, LINES, PATHS, Line, Pose, Space
 from ..memory.state import QUANTUM, Object, State
 from ..memory.told import Told
 from .mix import add_share
 
-MASK = FRAMES - 1
 _SILENCE = 1e-9  # amplitude of a sample that is none
 
 
@@ -54,7 +53,7 @@ def listen(state: State, told: Told, time: float, wholly: bool) -> None:
     if wholly:
         numbers = told.values
         space.layout, space.order, space.head = int(numbers[0]), int(numbers[1]), numbers[2]
-        space.speed, space.air, space.turn = numbers[3], numbers[4], numbers[5]
+        space.speed, space.air, space.turned = numbers[3], numbers[4], math.cos(numbers[5])
         space.on = 1
 
 
@@ -75,7 +74,7 @@ def place_object(state: State, slot: int, told: View[float], time: float, length
     if n >= 0 and space.lines[n].left == 0:
         go_to(space.lines[n].pose, told, time, length)
         if length <= 0.0:
-            _be_there(space.lines[n], told)
+            _be_there(space, space.lines[n], told)
         return
     n = 0
     while n < LINES and space.lines[n].used == 1:
@@ -84,23 +83,23 @@ def place_object(state: State, slot: int, told: View[float], time: float, length
         state.stats.faults += 1
         return
     line = space.lines[n]
-    line.used, line.slot, line.serial, line.left = 1, slot, obj.serial, 0
+    line.used, line.number, line.slot, line.serial, line.left = 1, n, slot, obj.serial, 0
     line.since = line.last = state.position
     go_to(line.pose, told, time, 0.0)
     line.pose.begin = line.pose.end = time
     line.amplitude = obj.settings.gain
-    _be_there(line, told)
+    _be_there(space, line, told)
     for n_path in range(PATHS):
         line.paths[n_path].known = 0
     obj.line = n + 1
 
 
 @kernel
-def _be_there(line: Line, told: View[float]) -> None:
+def _be_there(space: Space, line: Line, told: View[float]) -> None:
     """Put an object at a place, as if it had always been there: what is on its way to the listener jumps, too."""
     for k in range(KNOTS):
         for i in range(3):
-            line.knots[k, i] = told[i]
+            space.knots[k, line.number, i] = told[i]
     line.moved_at = -FRAMES
     for p in range(PATHS):
         line.paths[p].still = 0
@@ -139,7 +138,8 @@ def send_off(state: State, slot: int, voice: View2D[float]) -> None:
     two = state.output.channels == 2
     asked = 0.0 if obj.dying == 2 or is_left_out(state, obj) else obj.settings.gain
     begin, step = line.amplitude, (asked - line.amplitude) / QUANTUM
-    sound, share, other = line.sound[state.position & MASK :][:QUANTUM], state.scratch.share, 1 if two else 0
+    sound = state.surroundings.sounds[state.position // QUANTUM & (KNOTS - 1), line.number]
+    share, other = state.scratch.share, 1 if two else 0
     for n in range(QUANTUM):
         share[n] = 0.5 * (voice[0, n] + voice[other, n]) * (begin + (n + 1) * step)
     if line.written == 0:

@@ -9,27 +9,28 @@ import math
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View, View2D
-from ...space.delay import AHEAD_OF, TAPS, read_moving, read_steady
+from ...resonator.pole import run_pole
+from ...resonator.simd_pole import run_filter
+from ...space.delay import AHEAD_OF, TAPS, read_moving, read_steady, read_stretch
 from ...space.harmonics import harmonics
 from ...space.head import ear_path, ear_shadow
-from ...space.pole import run_pole
 from ..memory.capacity import STEMS
 from ..memory.channels import pan_gains
 from ..memory.space_record import FRAMES, KNOTS, Line, Path, Space
 from ..memory.state import QUANTUM, State
 from .fade import left_of
-from .space_lines import MASK
 
 NEAREST = 0.1
 """m: what is nearer is as loud as there."""
 _SOONEST = AHEAD_OF + 1.0  # samples: no way is shorter
 _LONGEST = FRAMES - 4.0 * QUANTUM  # nor longer
 _ROUNDS = 6
-_EXACT = 1e-9  # samples
+_EXACT = 1e-4  # samples: what a smaller step of Newton's leaves is none
 _FASTEST = 0.1  # least derivative of the arrival by the departure: bodies are slower than sound
 _JUMP = 2.5  # quanta that may pass at a line's far end in one: more is a jump
 _STEADY = 1e-7  # samples
 _INAUDIBLE = 1e-3  # dB that the air takes
+_SAME = 1e-5  # of the poles: less is left as it is
 _EASY = 1.0  # dB up to which one filter takes it all
 
 
@@ -41,7 +42,7 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
         return _hear_still(state, line, path)
     found = space.weights  # room for 7
     begin, slope = path.place, path.slope
-    place = _departed(space, line, rate, wall, begin + QUANTUM if path.known == 1 else 1e300, float(end), found)
+    place = _departed(space, line, rate, wall, begin + slope * QUANTUM if path.known == 1 else 1e300, float(end), found)
     frames = rate / space.speed
     moves = along = 0.0
     for i in range(3):
@@ -72,10 +73,7 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
 @kernel
 def _stays(space: Space, line: Line) -> bool:
     """True if neither an object nor the listener has moved for as long as a line holds."""
-    moved = line.moved_at + FRAMES > space.now
-    for k in range(7):
-        moved |= space.listener.now[k] != space.listener.before[k]
-    return not moved
+    return space.stays == 1 and line.moved_at + FRAMES <= space.now
 
 
 @kernel
@@ -95,7 +93,7 @@ def _hear_still(state: State, line: Line, path: Path) -> bool:
     for ear in range(2 if space.layout == 1 else 1):
         place = min(begin - path.longer[ear], state.position - _SOONEST)
         whole = math.floor(place)
-        _copy(line, whole - (TAPS // 2 - 1), QUANTUM + TAPS, state.position + QUANTUM, space.window)
+        _copy(space, line, whole - (TAPS // 2 - 1), QUANTUM + TAPS, state.position + QUANTUM)
         read_steady(space.window, place - whole, space.taps, space.heard[ear], QUANTUM)
     _filter(state, path, path.air[0], path.air[1])
     _mix_path(state, line, path)
@@ -110,7 +108,7 @@ def _place_at(space: Space, line: Line, time: float, wall: int, out: View[float]
     share = time / QUANTUM - knot
     here, there = int(knot) & (KNOTS - 1), (int(knot) + 1) & (KNOTS - 1)
     for i in range(3):
-        a, b = line.knots[here, i], line.knots[there, i]
+        a, b = space.knots[here, line.number, i], space.knots[there, line.number, i]
         out[i] = a + share * (b - a)
         out[3 + i] = (b - a) / QUANTUM
     if wall > 0:
@@ -165,15 +163,22 @@ def _aim(state: State, path: Path, wall: int, found: View[float]) -> tuple[float
     else:
         level = math.sqrt(max(1.0 - up * up, 0.0))
         pan_gains(space.asked, channels, -math.atan2(left, ahead) / math.pi if level > 1e-6 else 0.0, gain)
-    for ear in range(2):
-        toward = left if ear == 0 else -left
-        space.aim[ear] = ear_path(toward, space.head) / space.speed * state.rate if space.layout == 1 else 0.0
-        space.aim[2 + ear] = ear_shadow(toward) if space.layout == 1 else 1.0
+    if space.layout == 1:
+        angle = math.acos(min(max(left, -1.0), 1.0))
+        for ear in range(2):
+            space.aim[ear] = ear_path(angle, space.head) / space.speed * state.rate
+            space.aim[2 + ear] = ear_shadow(angle)
+            angle = math.pi - angle
+    else:
+        space.aim[0] = space.aim[1] = 0.0
+        space.aim[2] = space.aim[3] = 1.0
     lost = space.air * far
     first = _air_pole(space, min(lost, _EASY + 0.5 * max(lost - _EASY, 0.0)))
     second = _air_pole(space, 0.5 * max(lost - _EASY, 0.0))
     if path.known == 0:
         _settle(state, path, first, second)
+    if abs(first - path.air[0]) + abs(second - path.air[1]) < _SAME:
+        return path.air[0], path.air[1]
     return first, second
 
 
@@ -191,7 +196,7 @@ def _air_pole(space: Space, lost: float) -> float:
     if lost < _INAUDIBLE:
         return 0.0
     square = math.exp(-0.1 * math.log(10.0) * lost)
-    half = (1.0 - square * math.cos(space.turn)) / (1.0 - square)
+    half = (1.0 - square * space.turned) / (1.0 - square)
     return min(half - math.sqrt(max(half * half - 1.0, 0.0)), 0.999)
 
 
@@ -226,46 +231,49 @@ def _read(state: State, line: Line, path: Path, out: View2D[float]) -> None:
         more = (space.aim[ear] - path.longer[ear]) / QUANTUM
         longer, soonest = path.longer[ear], state.position - _SOONEST
         for n in range(QUANTUM):
-            space.weights[n] = min(space.places[n] - longer - n * more, soonest + n)
+            # In samples from the quantum's begin, each less its number: of what is steady all are alike.
+            space.weights[n] = min(space.places[n] - longer - n * more, soonest + n) - n
         low, high = _range_of(space.weights)
-        first = math.floor(low) - (TAPS // 2 - 1)
-        count = min(math.floor(high) + AHEAD_OF + 1 - first, len(space.window))
-        _copy(line, first, count, state.position + QUANTUM, space.window)
-        if _is_steady(space.weights):
-            read_steady(space.window, space.weights[0] - math.floor(space.weights[0]), space.taps, out[ear], QUANTUM)
+        least, greatest = math.floor(low), math.floor(high)
+        first = least - (TAPS // 2 - 1)
+        _copy(space, line, first, min(greatest - least + QUANTUM + TAPS, len(space.window)), state.position + QUANTUM)
+        if high - low < _STEADY:
+            read_steady(space.window, low - least, space.taps, out[ear], QUANTUM)
+        elif least == greatest:
+            read_stretch(space.window, space.weights, least, out[ear])
         else:
-            read_moving(space.window, first, space.weights, out[ear], QUANTUM)
+            read_moving(space.window, least, space.weights, out[ear], QUANTUM)
 
 
 @kernel
-def _range_of(places: View[float]) -> tuple[float, float]:
-    """Return the least and the greatest of a quantum's places."""
-    low, high = places[0], places[0]
-    for n in range(0, QUANTUM, 4):
-        a, b, c, d = places[n], places[n + 1], places[n + 2], places[n + 3]
-        low = min(low, min(min(a, b), min(c, d)))
-        high = max(high, max(max(a, b), max(c, d)))
+def _range_of(lags: View[float]) -> tuple[float, float]:
+    """Return the least and the greatest of a quantum's lags."""
+    low, high = lags[0], lags[0]
+    for n in range(0, QUANTUM, 8):
+        a, b, c, d = lags[n], lags[n + 1], lags[n + 2], lags[n + 3]
+        p, q, r, s = lags[n + 4], lags[n + 5], lags[n + 6], lags[n + 7]
+        low = min(low, min(min(min(a, b), min(c, d)), min(min(p, q), min(r, s))))
+        high = max(high, max(max(max(a, b), max(c, d)), max(max(p, q), max(r, s))))
     return low, high
 
 
 @kernel
-def _copy(line: Line, first: int, count: int, end: int, window: View[float]) -> None:
-    """Copy samples of a line from number `first` on; before it began, and from `end` on, they are silence."""
-    at = first & MASK
-    if first >= line.since and first + count <= end and at + count <= FRAMES:
-        sound = line.sound[at : at + count]
-        for n in range(count):
-            window[n] = sound[n]
-        return
-    for n in range(count):
-        window[n] = line.sound[first + n & MASK] if line.since <= first + n < end else 0.0
-
-
-@kernel
-def _is_steady(places: View[float]) -> bool:
-    """True if places follow each other by a sample, as good as exactly."""
-    middle, last = places[QUANTUM // 2] - places[0], places[QUANTUM - 1] - places[0]
-    return abs(middle - QUANTUM // 2) < _STEADY and abs(last - (QUANTUM - 1)) < _STEADY
+def _copy(space: Space, line: Line, first: int, count: int, end: int) -> None:
+    """Copy samples of a line from number `first` on to the window; before the line began, and from `end` on, they are
+    silence."""
+    window, done = space.window, 0
+    while done < count:
+        quantum = (first + done) // QUANTUM
+        begin = first + done - quantum * QUANTUM
+        size = min(QUANTUM - begin, count - done)
+        sound = space.sounds[quantum & (KNOTS - 1), line.number, begin : begin + size]
+        for n in range(size):
+            window[done + n] = sound[n]
+        done += size
+    for n in range(min(line.since - first, count)):
+        window[n] = 0.0
+    for n in range(max(end - first, 0), count):
+        window[n] = 0.0
 
 
 @kernel
@@ -314,22 +322,18 @@ def _shade(state: State, path: Path, ear: int) -> None:
     space, heard, memory = state.surroundings, state.surroundings.heard[ear], path.memory[ear]
     two, corner = 2.0 * state.rate, 2.0 * space.speed / space.head
     scale = 1.0 / (corner + two)
-    low, high, before = corner * scale, two * scale, path.shadow[ear]
-    more = (space.aim[2 + ear] - before) / QUANTUM
-    shaded = space.weights
-    shaded[0] = low * (heard[0] + memory[2]) + (before + more) * high * (heard[0] - memory[2])
-    for n in range(1, QUANTUM):
-        alpha = before + (n + 1) * more
-        shaded[n] = low * (heard[n] + heard[n - 1]) + alpha * high * (heard[n] - heard[n - 1])
+    low, high = corner * scale, two * scale
+    more = (space.aim[2 + ear] - path.shadow[ear]) / QUANTUM * high
+    first, previous = path.shadow[ear] * high + more, memory[2]
     memory[2] = heard[QUANTUM - 1]
-    memory[3] = run_pole(shaded, high - low, 0.0, memory[3])
-    for n in range(QUANTUM):
-        heard[n] = shaded[n]
+    memory[3] = run_filter(heard, low + first, low - first, more, previous, high - low, memory[3])
 
 
 @kernel
 def _lose(heard: View[float], before: float, pole: float, last: float) -> float:
     """Filter a quantum by one pole, which goes from one value to another; return the last sample."""
+    if pole == before:
+        return run_filter(heard, 1.0 - pole, 0.0, 0.0, 0.0, pole, last)
     more = (pole - before) / QUANTUM
     for n in range(QUANTUM):
         heard[n] *= 1.0 - (before + (n + 1) * more)
@@ -348,10 +352,8 @@ def _mix_path(state: State, line: Line, path: Path) -> None:
             continue
         heard = space.heard[channel if space.layout == 1 else 0]
         for n in range(QUANTUM):
-            state.scratch.share[n] = heard[n] * (before + (n + 1) * step)
-        for n in range(QUANTUM):
-            output.mix[channel, n] += state.scratch.share[n]
+            output.mix[channel, n] += heard[n] * (before + (n + 1) * step)
         if output.stems_on == 1 and line.slot < STEMS:
             output.stem_sounds[output.turn, line.slot] = 1
             for n in range(QUANTUM):
-                output.stems[output.turn, line.slot, channel, n] += state.scratch.share[n]
+                output.stems[output.turn, line.slot, channel, n] += heard[n] * (before + (n + 1) * step)

@@ -68,6 +68,20 @@ def test_free_ringing_is_exact():
 
 
 @pytest.mark.slow
+def test_what_is_heard_from_one_point_is_the_middle_of_both_sides():
+    """Sounds of one point are the middle of those of two sides, in eights and by the rest."""
+    frequency, decay = np.linspace(100.0, 9_000.0, LANES), np.linspace(1.0, 80.0, LANES)
+    for half in (0.0, 0.5):
+        here, there = (Bank(frequency, decay, 48_000.0) for _ in range(2))
+        for each in (here, there):
+            each.strike(np.r_[1e-3, np.zeros(closed_form.MOMENTS - 1)])
+        found, (left, right) = np.zeros((2, 61)), there.ring(61)
+        bank.ring_middle(here.modes, half, found, 3, 61)
+        middle = (1.0 - half) * left + half * right
+        heard = (1.0 - half) * found[0] + half * found[1]
+        np.testing.assert_allclose(heard[3:], middle[:58], atol=1e-12 * np.abs(left).max())
+
+
 def test_ringing_does_not_depend_on_how_it_is_cut():
     def run(cuts):
         modes = Bank(np.linspace(100, 20_000, LANES), np.full(LANES, 5.0), 48_000.0)

@@ -1,4 +1,4 @@
-"""Filters of one pole, of which four samples are found at once."""
+"""A filter of one pole that moves, of which four samples are found at once."""
 
 from ..native.jit import kernel
 from ..native.typed import View
@@ -12,11 +12,6 @@ def run_pole(values: View[float], before: float, more: float, last: float) -> fl
     other.
     """
     y = last
-    if more == 0.0:
-        square = before * before
-        for n in range(0, len(values) - 3, 4):
-            y = _next(values, n, y, (before, before, before), (before, square, square * before, square * square))
-        return y
     for n in range(0, len(values) - 3, 4):
         p = before + (n + 1) * more
         q, r, s = p + more, p + 2.0 * more, p + 3.0 * more
