@@ -5,8 +5,9 @@
     the map     JSON, padded by spaces to a multiple of 8 bytes from the file's beginning
     the data    runs and commands, at multiples of 8 bytes; the map says where, from the data's beginning
 
-Runs are a u32 of their number and a u32 of 0; for each the first word and the number of words, u32; then all words.
-All is little-endian, as WebAssembly is.
+Tables of mode shapes along many positions are not among a page's words, but coded (`tables.py`), all of them one after
+the other. Runs are a u32 of their number and a u32 of 0; for each the first word and the number of words, u32; then all
+words. All is little-endian, as WebAssembly is.
 """
 
 from __future__ import annotations
@@ -17,19 +18,22 @@ import struct
 
 import numpy as np
 
+from ...dsp.runtime.series import terms
 from .baking import MAKES, Baked, Patch, maker_of
 from .mapping import Strikers, scene_map
+from .tables import Laid, coded, taken_out
 
 MAGIC = b"carom 1\n"
 _HEAD = len(MAGIC) + 4
 
 
 def packed(
-    baked: Baked, strikers: Strikers, places: dict[str, tuple[float, float]], title: str, data_end: int
+    baked: Baked, strikers: Strikers, places: dict[str, tuple[float, float]], title: str, data_end: int | None = None
 ) -> bytes:
     """Return a baked scene's file.
 
-    places: of its objects on a table, from 0 to 1. data_end: the first address after the engine's own data.
+    places: of its objects on a table, from 0 to 1. data_end: for a page, whose tables of mode shapes are coded, the
+    first address after the engine's own data.
     """
     data = bytearray()
 
@@ -40,11 +44,19 @@ def packed(
         return at
 
     said = scene_map(baked, strikers)
-    said["title"], said["data_end"] = title, data_end
+    said["title"] = title
+    tables: list[Laid] = []
+    rest = [batch.patches for batch in baked.batches]
+    if data_end is not None:
+        tables, rest = taken_out(baked)
+        said["data_end"], said["coded"] = data_end, put(coded([each.values for each in tables]))
+        said["tables"] = [(each.first, *each.values.shape, terms(len(each.values))) for each in tables]
     said["start"] = put(_runs(baked.start))
     firsts = []
-    for batch in baked.batches:
-        firsts.append((batch.at, put(_runs(batch.patches)), put(batch.commands.tobytes()), len(batch.commands)))
+    brought = np.searchsorted([each.batch for each in tables], np.arange(len(rest) + 1)).tolist()
+    for number, (batch, patches) in enumerate(zip(baked.batches, rest, strict=True)):
+        numbers = put(_runs(patches)), put(batch.commands.tobytes()), len(batch.commands)
+        firsts.append((batch.at, *numbers, brought[number], brought[number + 1]))
     said["batches"] = firsts
     size = said["command"]["size"]
     for name, obj in baked.objects.items():

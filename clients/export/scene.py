@@ -35,8 +35,8 @@ class Scene(NamedTuple):
     places: dict[str, tuple[float, float]]
     """The places of a table's objects, from 0 to 1, by name."""
 
-    def file(self, data_end: int = 0) -> bytes:
-        """Return the scene's file; data_end: the first address after the data of an engine that shares its memory."""
+    def file(self, data_end: int | None = None) -> bytes:
+        """Return the scene's file; data_end: for a page, the first address after its engine's data."""
         return packed(self.baked, self.strikers, self.places, self.title, data_end)
 
 

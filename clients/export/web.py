@@ -27,10 +27,18 @@ def write_page(scene: Scene, folder: Path) -> None:
     """Write a scene's files into a folder that is there."""
     engine = wasm(callback.__name__, without(scene.baked))
     for file in sorted(_FILES.iterdir()):
-        if file.suffix != ".py":
+        if file.suffix == ".js":
+            (folder / file.name).write_text(shortened(file.read_text()))
+        elif file.suffix != ".py":
             shutil.copyfile(file, folder / file.name)
     (folder / "carom.wasm.lzma").write_bytes(compressed(engine))
     (folder / "scene.carom.lzma").write_bytes(compressed(scene.file(data_end(engine)), words=True))
+
+
+def shortened(script: str) -> str:
+    """Return a script without its indents and the comments that have lines of their own; strings have one line."""
+    first, *lines = (line.strip() for line in script.splitlines())
+    return "\n".join([first, *(each for each in lines if each and not each.startswith(("//", "/**")))]) + "\n"
 
 
 def without(baked: Baked) -> list[str]:

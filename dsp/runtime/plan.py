@@ -12,10 +12,12 @@ from ..bodies.material import Array
 from ..bodies.modes import Faces, Modes
 from ..engine.memory.capacity import FACE, MODES_PER_OBJECT
 from ..kept import Kept
+from ..native.targets import PORTABLE, processors
 from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 from .arena import EngineFull
 from .relief import Relief, relief
+from .series import rounded
 from .unheard import settled
 
 _QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
@@ -104,6 +106,8 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
         plan.shape[:, start : start + CLICK_MODES] = 1.0
     _fill(plan, heard, unheard.frequency, unheard.decay, _least(sides), 1.0)
     plan.shape[:, heard:count] = unheard.strike
+    if plan.faces.size == 0 and PORTABLE in processors():
+        plan.shape[:] = rounded(plan.shape)
     return plan
 
 

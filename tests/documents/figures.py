@@ -145,14 +145,15 @@ def web() -> str:
     rows = [
         ("the demo's files, kB", f"{found['kB in all']:.0f}"),
         ("of these the engine", f"{found['kB']['carom.wasm.lzma']:.0f}"),
-        ("of these the scene, mostly the shapes of its modes", f"{found['kB']['scene.carom.lzma']:.0f}"),
+        ("of these the scene", f"{found['kB']['scene.carom.lzma']:.0f}"),
         ("memory, MB", f"{found['MB']:.0f}"),
         ("from the click to the first sound, nothing cached, s", f"{found['first sound ms, cold'] / 1e3:.2f}"),
         ("the same, all cached", f"{found['first sound ms, warm'] / 1e3:.2f}"),
         *((f"share of the worklet's time: {name}, %", f"{100 * load:.0f}") for name, load in found["loads"].items()),
     ]
     count, wrong = found["random scores"], len({each.split()[0] for each in found["that differ"]})
-    told = f"{count - wrong} of {count} random scores of all gestures sound as their render, to the bit, in both."
+    told = f"{count - wrong} of {count} random scores of all gestures sound as their render, to the bit, in both"
+    told += f"; the demo {'does not' if found.get('the demo differs') else 'does, too'}."
     return f"{_machine(found | {'quick': False})}\n\n{table(('', ''), rows)}\n\n{told}"
 
 

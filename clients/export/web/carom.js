@@ -1,6 +1,7 @@
 // A scene that Carom has baked, in a page: no server, no special headers.
 
 import { unpacked as plain } from "./lzma.js";
+import { decoded } from "./tables.js";
 
 const MAGIC = "carom 1\n";
 const HEAD = 12; // bytes before the map
@@ -23,13 +24,16 @@ async function fetched(url) {
   return buffer;
 }
 
-/** The map and the data in the file of a baked scene. */
+/** The map and the data in the file of a baked scene; the map has the tables of mode shapes with their values. */
 function unpacked(buffer) {
   const text = new TextDecoder();
   if (text.decode(new Uint8Array(buffer, 0, 8)) !== MAGIC) throw new Error("expected a scene that Carom has baked");
   const length = new DataView(buffer).getUint32(8, true);
   const map = JSON.parse(text.decode(new Uint8Array(buffer, HEAD, length)));
-  return { map, data: buffer.slice(HEAD + length) };
+  const data = buffer.slice(HEAD + length);
+  const values = decoded(map.tables, new Uint8Array(data), map.coded);
+  map.tables = map.tables.map(([first], n) => [first, values[n]]);
+  return { map, data };
 }
 
 export class Carom extends EventTarget {

@@ -1,77 +1,13 @@
 // Files that were compressed as LZMA (the format .lzma): by a third smaller than as gzip, which is what browsers know.
 // The algorithm is that of the LZMA specification by Igor Pavlov, which is in the public domain.
 
+import { Bits, models } from "./bits.js";
+
 const HEAD = 13; // bytes: 1 of properties, 4 that tell the dictionary's size, 8 the content's
 const STATES = 12;
 const SHORTEST = 2; // of a match, in bytes
 const FIRST = 4; // the first distance that has direct bits
 const ALIGNED = 4; // low bits of a long distance that have a model of their own
-
-/** A decoder of bits by their probabilities, of 2^-11, which adapt. */
-class Bits {
-  constructor(bytes) {
-    this.bytes = bytes;
-    this.at = HEAD + 1;
-    this.range = 0xffffffff;
-    this.code = 0;
-    for (let n = 0; n < 4; n++) this.code = ((this.code << 8) | this.bytes[this.at++]) >>> 0;
-  }
-
-  bit(model, place) {
-    const bound = (this.range >>> 11) * model[place];
-    const one = this.code >= bound;
-    if (one) {
-      this.range -= bound;
-      this.code -= bound;
-      model[place] -= model[place] >>> 5;
-    } else {
-      this.range = bound;
-      model[place] += (2048 - model[place]) >>> 5;
-    }
-    this.fill();
-    return one ? 1 : 0;
-  }
-
-  fill() {
-    if (this.range < 0x1000000) {
-      this.range = (this.range << 8) >>> 0;
-      this.code = ((this.code << 8) | this.bytes[this.at++]) >>> 0;
-    }
-  }
-
-  /** A number of so many bits of even odds. */
-  direct(count) {
-    let number = 0;
-    for (; count > 0; count--) {
-      this.range >>>= 1;
-      const one = this.code >= this.range;
-      if (one) this.code -= this.range;
-      number = number * 2 + (one ? 1 : 0);
-      this.fill();
-    }
-    return number;
-  }
-
-  /** A number of so many bits, the highest first, whose models begin at a place. */
-  tree(model, place, count) {
-    let node = 1;
-    for (let n = 0; n < count; n++) node = (node << 1) | this.bit(model, place + node);
-    return node - (1 << count);
-  }
-
-  /** The same, the lowest first. */
-  reversed(model, place, count) {
-    let node = 1, number = 0;
-    for (let n = 0; n < count; n++) {
-      const one = this.bit(model, place + node);
-      node = (node << 1) | one;
-      number |= one << n;
-    }
-    return number;
-  }
-}
-
-const models = (count) => new Uint16Array(count).fill(1024);
 
 /** A decoder of lengths of matches. */
 class Lengths {
@@ -94,7 +30,7 @@ export function unpacked(bytes) {
   const lc = bytes[0] % 9, lp = Math.floor(bytes[0] / 9) % 5, pb = Math.floor(bytes[0] / 45);
   const size = new DataView(bytes.buffer, bytes.byteOffset).getUint32(5, true);
   const out = new Uint8Array(size);
-  const bits = new Bits(bytes);
+  const bits = new Bits(bytes, HEAD);
   const literal = models(0x300 << (lc + lp));
   const isMatch = models(STATES << 4), isLong = models(STATES << 4);
   const isRep = models(STATES), isRep0 = models(STATES), isRep1 = models(STATES), isRep2 = models(STATES);

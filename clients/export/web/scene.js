@@ -44,7 +44,7 @@ export class Scene {
   /** All objects that stay where they were made, as they were made, and the engine as the first lines have it. */
   makeAll() {
     const { map } = this;
-    for (const [, runs] of map.batches) this.runs(runs);
+    for (const batch of map.batches) this.write(batch);
     const [first] = map.batches;
     if (first) {
       for (let n = 0; n < first[3]; n++) {
@@ -54,6 +54,14 @@ export class Scene {
     }
     for (const each of Object.values(map.objects)) if (each.stays) this.push(each.made, NOW);
     this.next = map.batches.length;
+  }
+
+  /** Write a batch's words and tables of mode shapes into the engine's memory. */
+  write([, runs, , , firstTable, endTable]) {
+    this.runs(runs);
+    for (const [first, values] of this.map.tables.slice(firstTable, endTable)) {
+      this.bytes.set(new Uint8Array(values.buffer), this.base + 8 * first);
+    }
   }
 
   /** Write runs of words into the engine's memory. */
@@ -107,8 +115,9 @@ export class Scene {
     const { batches, command } = this.map;
     const position = this.position;
     while (this.next < batches.length && batches[this.next][0] <= position) {
-      const [, runs, commands, count] = batches[this.next++];
-      this.runs(runs);
+      const batch = batches[this.next++];
+      const [, , commands, count] = batch;
+      this.write(batch);
       for (let n = 0; n < count; n++) this.push(commands + n * command.size);
     }
     const due = this.next < batches.length ? batches[this.next][0] : Infinity;
