@@ -8,6 +8,8 @@ from .block_nodes import AT, FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART, RAT
 from .block_records import Block, Net, Tables, forces_of, moments_of, ratio_of, rows_of
 from .power_series import POWERS
 
+_OF_ONE = 4  # rows of a block of one part
+
 
 @kernel
 def answer_of(receptance: View[float], period: float, answer: View[float]) -> None:
@@ -70,10 +72,16 @@ def take_missed(block: Block, tables: Tables, laid: View[float], place: float, o
 @kernel
 def take_rows(block: Block, laid: View[float], scale: float) -> None:
     """Take rows of the point's motion that were laid one after the other, times `scale`."""
-    count = rows_of(block)
+    count, rows = rows_of(block), block.rows
+    if count == _OF_ONE:  # by registers
+        for n in range(AHEAD):
+            first = _OF_ONE * (n + 1)
+            rows[first], rows[first + 1] = scale * laid[n], scale * laid[AHEAD + n]
+            rows[first + 2], rows[first + 3] = scale * laid[2 * AHEAD + n], scale * laid[3 * AHEAD + n]
+        return
     for r in range(count):
         for n in range(AHEAD):
-            block.rows[(n + 1) * count + r] = scale * laid[r * AHEAD + n]
+            rows[(n + 1) * count + r] = scale * laid[r * AHEAD + n]
 
 
 @kernel

@@ -86,6 +86,7 @@ class Drive(NamedTuple):
 
 
 _ONES = (1.0,) * LANES
+_LINE, _ALL = (0, 1), (0, 1, 2, 3)  # moments of a force that is a line over each sample, and of any other
 _FLAT = 1e-300  # keeps quotients of modes finite that are at rest for good
 
 
@@ -199,10 +200,16 @@ def ring_under(
     frames = stop - start
     for i in range(2 * frames * LANES):
         work[ANSWERS + i] = 0.0
+    bends = 0.0
+    for n in range(begin + start, begin + stop):
+        bends += abs(moments[n, 2]) + abs(moments[n, 3])
     for first in range(0, len(modes.y1), LANES):
         phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
         put_answers(work, phi, modes.response, first // LANES * RESPONSES, modes.a1, modes.a2, first)
-        ring_answering(modes, first, work, moments, begin + start, frames)
+        if bends == 0.0:
+            ring_answering(modes, first, work, moments, begin + start, frames, _LINE)
+        else:
+            ring_answering(modes, first, work, moments, begin + start, frames, _ALL)
     for t in range(frames):
         for channel in range(2):
             total = 0.0

@@ -142,19 +142,20 @@ def put_answers(
 @intrinsic
 def ring_answering(
     typingctx: object, modes: tuple[View[float], ...], first: int, work: View[float], moments: View2D[float],
-    begin: int, frames: int,
+    begin: int, frames: int, kept: tuple[int, ...],
 ) -> Lowered[None]:  # fmt: skip
     """Ring LANES modes from `first` on under the force that `put_answers` wrote to `work`, for `frames` samples, a
     multiple of STRETCH.
 
-    Its moments are in moments[begin + t], (frames, KEPT). For each lane i, y and balance y are added to
+    Its moments are in moments[begin + t], (frames, KEPT), of which as many count as `kept` has numbers. For each lane i, y and balance y are added to
     work[ANSWERS + 2 t LANES + i] and work[ANSWERS + (2 t + 1) LANES + i].
     """
 
     def codegen(context, builder, signature, args):
         arrays = cgutils.unpack_tuple(builder, args[0])
         array = signature.args[0][0]
-        first, work, moments, begin, frames = args[1:]
+        first, work, moments, begin, frames = args[1:6]
+        counted = len(signature.args[6])
         forces = context.make_array(signature.args[3])(context, builder, moments).data
         start = builder.mul(begin, int64(KEPT))
 
@@ -169,19 +170,20 @@ def ring_answering(
         here, before = (cgutils.alloca_once_value(builder, each) for each in (u, v))
         with cgutils.for_range_slice(builder, int64(0), frames, int64(STRETCH)) as (n, _):
             answers = [
-                [builder.load(at_work(int64((s * KEPT + k) * LANES)), align=8) for k in range(KEPT)] for s in range(3)
+                [builder.load(at_work(int64((s * KEPT + k) * LANES)), align=8) for k in range(counted)]
+                for s in range(3)
             ]
             first_moment = builder.add(start, builder.mul(n, int64(KEPT)))
             known = []
             for t in range(STRETCH):
-                at = [builder.add(first_moment, int64(t * KEPT + k)) for k in range(KEPT)]
+                at = [builder.add(first_moment, int64(t * KEPT + k)) for k in range(counted)]
                 known.append([vector_of(builder, [builder.load(builder.gep(forces, [each]))] * LANES) for each in at])
             u, v = builder.load(here), builder.load(before)
             for t in range(STRETCH):
                 pushed = builder.fmul(answers[0][0], known[t][0], flags=_CONTRACT)
-                for k in range(1, KEPT):
+                for k in range(1, counted):
                     pushed = fused(answers[0][k], known[t][k], pushed)
-                for k in range(KEPT if t > 0 else 0):
+                for k in range(counted if t > 0 else 0):
                     pushed = fused(answers[1][k], known[t - 1][k], pushed)
                 u, v = fused(p, u, fused(q, v, pushed)), u  # all else is known before the last sample is
                 at = builder.add(builder.mul(n, int64(2 * LANES)), int64(ANSWERS + 2 * t * LANES))
@@ -189,7 +191,7 @@ def ring_answering(
                 builder.store(builder.fadd(builder.load(left, align=8), u, flags=_CONTRACT), left, align=8)
                 builder.store(fused(balance, u, builder.load(right, align=8)), right, align=8)
             pushed = builder.fmul(answers[2][0], known[-1][0], flags=_CONTRACT)
-            for k in range(1, KEPT):
+            for k in range(1, counted):
                 pushed = fused(answers[2][k], known[-1][k], pushed)
             v = builder.fadd(v, pushed, flags=_CONTRACT)
             builder.store(u, here)
@@ -198,7 +200,7 @@ def ring_answering(
             builder.store(builder.load(each), place, align=8)
         return context.get_dummy_value()
 
-    return types.void(modes, types.intp, work, moments, types.intp, types.intp), codegen
+    return types.void(modes, types.intp, work, moments, types.intp, types.intp, kept), codegen
 
 
 @intrinsic
