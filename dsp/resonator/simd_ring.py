@@ -147,8 +147,8 @@ def ring_answering(
     """Ring LANES modes from `first` on under the force that `put_answers` wrote to `work`, for `frames` samples, a
     multiple of STRETCH.
 
-    Its moments are in moments[begin + t], (frames, KEPT), of which as many count as `kept` has numbers. For each lane i, y and balance y are added to
-    work[ANSWERS + 2 t LANES + i] and work[ANSWERS + (2 t + 1) LANES + i].
+    Its moments are in moments[begin + t], (frames, KEPT), of which as many count as `kept` has numbers. For each lane
+    i, y and balance y are added to work[ANSWERS + 2 t LANES + i] and work[ANSWERS + (2 t + 1) LANES + i].
     """
 
     def codegen(context, builder, signature, args):
