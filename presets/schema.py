@@ -145,6 +145,7 @@ MATERIAL: Fields = {
     "youngs_modulus": Quantity(1e4, 2e12, "Pa"),
     "poisson_ratio": Quantity(0, 0.4999),
     "shear": Quantity(1e3, 1e12, "Pa"),
+    "across": Quantity(1e3, 1e12, "Pa"),
     "dissipation": LAW_FIELDS["dissipation"],
     **DAMPING,
 }
@@ -238,7 +239,9 @@ SHAPES: Mapping[str, Shape] = {
             "fan_depth": FRACTION,
         },
         (
-            frozenset({"width", "thickness", "undercut", "undercut_span", "across", "tilt", "tube_diameter"}),
+            frozenset(
+                ("width", "thickness", "undercut", "undercut_span", "across", "tilt", "tube_diameter", "tube_gap")
+            ),
             frozenset({"diameter", "wall", *ROUND}),
         ),
     ),

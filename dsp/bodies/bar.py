@@ -143,7 +143,7 @@ def over_tube(
     and width (m).
     """
     along, aside = tube.mouth
-    flow = strip_flow(sides[1] / 2, aside, tube.gap) @ shapes(0.5 + along / sides[0])[:, upright] / along.size
+    flow = strip_flow(sides[1] / 2, aside, tube.gap, tube.end) @ shapes(0.5 + along / sides[0])[:, upright] / along.size
     return with_tube(modes, upright, flow, tube.tuned(float(modes.frequency[upright[0]])), top)
 
 

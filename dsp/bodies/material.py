@@ -32,6 +32,7 @@ class Material:
     losses: "material" if the damping is the material's own, so that a body loses what it radiates besides; "measured"
     if it was measured on bodies that sound, and holds that already.
     shear (Pa): the shear modulus of what is not isotropic, as wood along its grain; bars bend and twist by it.
+    across (Pa): Young's modulus across the grain of such a material, by which it is dented from the side.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Material:
     loss_exponent: float = 1.0
     losses: str = "material"
     shear: float | None = None
+    across: float | None = None
 
     @property
     def shear_modulus(self) -> float:
@@ -55,6 +57,12 @@ class Material:
     def contact_modulus(self) -> float:
         """E/(1 - nu^2) in Pa: also the modulus of a plate in bending."""
         return self.youngs_modulus / (1 - self.poisson_ratio**2)
+
+    @property
+    def dented_modulus(self) -> float:
+        """The modulus (Pa) that a ball which dents it meets: `across` where it is given, as of a composite across its
+        fibres (S. H. Yang and C. T. Sun, 1982), else that of contact."""
+        return self.across or self.contact_modulus
 
     def decay(self, frequency: npt.ArrayLike) -> Array:
         """Return the amplitude decay rates sigma (1/s) of modes at `frequency` (Hz), float64 of its shape.
@@ -77,7 +85,7 @@ def hertz(body: Material, radius: float, other: Material | None = None, other_ra
     """
     if not radius > 0 or not other_radius > 0:
         raise ValueError(f"radius = {radius}, other_radius = {other_radius}: expected positive lengths in m")
-    compliance = 1 / body.contact_modulus + (1 / other.contact_modulus if other else 0.0)
+    compliance = 1 / body.dented_modulus + (1 / other.dented_modulus if other else 0.0)
     curvature = 1 / radius + 1 / other_radius
     if curvature == 0:
         raise ValueError(f"radius = {radius}, other_radius = {other_radius}: expected at least one finite radius")
@@ -102,5 +110,5 @@ def contact_between(striker: Material, struck: Material, radius: float = CONTACT
     small beside the radius: a soft body that is squeezed flat is stiffer in truth.
     """
     stiffness = hertz(striker, radius, struck)
-    share = struck.contact_modulus / (striker.contact_modulus + struck.contact_modulus)  # of the striker: s_1
+    share = struck.dented_modulus / (striker.dented_modulus + struck.dented_modulus)  # of the striker: s_1
     return stiffness, share * striker.dissipation + (1 - share) * struck.dissipation, HERTZ_EXPONENT

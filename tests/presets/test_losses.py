@@ -63,12 +63,12 @@ def test_decay_times_are_those_of_recordings(name, frequency, t60, within):
 @pytest.mark.parametrize(
     ("name", "frequency", "t60", "within"),
     [
-        ("piano-string", 250, 3.3, 1.3),
-        ("piano-string", 500, 3.4, 1.3),
-        ("piano-string", 1000, 4.3, 1.3),
-        ("piano-string", 2000, 4.4, 1.3),
-        ("piano-string", 4000, 3.8, 1.3),
-        ("piano-string", 8000, 2.4, 1.3),
+        ("piano-string", 250, 6.9, 1.7),  # of four partials, 3.8 to 11.6 s
+        ("piano-string", 500, 3.5, 1.3),
+        ("piano-string", 1000, 4.0, 1.3),
+        ("piano-string", 2000, 3.2, 1.3),
+        ("piano-string", 4000, 2.0, 1.3),
+        ("piano-string", 8000, 1.3, 1.3),
         ("bass-string", 125, 8.2, 1.2),
         ("bass-string", 250, 10.0, 1.2),
         ("bass-string", 500, 8.5, 1.2),
@@ -77,8 +77,8 @@ def test_decay_times_are_those_of_recordings(name, frequency, t60, within):
     ],
 )
 def test_a_pianos_strings_decay_as_recorded(name, frequency, t60, within):
-    """Medians by octaves of FluidR3's piano: of ten notes, D2 to D6, over 1.5 s; for the bass string of six, D1 to
-    A#2, as tests.bench.decays measures them."""
+    """Medians by octaves of FluidR3's piano, as tests.bench.decays measures them: of six notes within an octave, for
+    the bass string of six, D1 to A#2."""
     modes = PRESETS.object(name).modes(10_000)
     found = math.log(1000) / np.interp(frequency, modes.frequency, modes.decay)
     assert 1 / within < found / t60 < within

@@ -12,7 +12,7 @@ from carom.dsp import bodies
 from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED
 from carom.dsp.bodies.heard import loaded
 from carom.dsp.bodies.radiation import round as loads
-from carom.dsp.bodies.radiation.board import CELLO, GUITAR, PIANO, Board
+from carom.dsp.bodies.radiation.board import CELLO, GUITAR, PIANO, Beam, Board
 from carom.dsp.bodies.radiation.sampling import members
 from tests.dsp.bodies.reference import EVERY, HEAVY, STEEL
 
@@ -153,6 +153,20 @@ def test_a_bridge_passes_on_twelve_decibels_less_per_octave_above_its_resonance(
     passed = rocking.conductance(frequency) / plain.conductance(frequency)
     assert passed[0] == pytest.approx(1.0, abs=0.03) and passed[1] == pytest.approx(9.0)
     assert 10 * math.log10(passed[2] / passed[3]) == pytest.approx(12.2, abs=0.3)
+
+
+def test_a_bridge_that_is_glued_on_is_a_beam_across_the_board():
+    """A light board gives way under it as a long beam on supports does: its modes, summed at a point."""
+    bar, length, at, loss, frequency = Beam(0.19, 13.7), 40.0, 17.3, 0.02, 1000.0
+    modes = np.arange(1, 4000) * math.pi / length
+    omega, squares = modes**2 * math.sqrt(bar.rigidity / bar.mass), 2 / (bar.mass * length) * np.sin(modes * at) ** 2
+    driven = 2 * math.pi * frequency
+    alone = (1j * driven * squares / (omega**2 * (1 + 1j * loss) - driven**2)).sum().real
+    light = replace(GUITAR, areal=1e-6, glued=bar, single=()).conductance(np.array([frequency]))
+    assert light == pytest.approx(alone, rel=0.03)
+    stiff = replace(GUITAR, areal=1e3, single=())
+    hardly = np.array([300.0, 3000.0])
+    assert replace(stiff, glued=bar).conductance(hardly) == pytest.approx(stiff.conductance(hardly), rel=0.2)
 
 
 @pytest.mark.parametrize("board", [CELLO, GUITAR])
