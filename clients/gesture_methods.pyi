@@ -136,6 +136,8 @@ class ShakeKeys(Keys, total=False):
     gain: SupportsFloat
     speed: SupportsFloat
     evenness: SupportsFloat
+    excitation: SupportsFloat
+    memory: SupportsFloat
     variety: SupportsFloat
     spread: SupportsFloat
     seed: SupportsFloat

@@ -313,6 +313,12 @@ VARIETY = Parameter(
     "variety", 0.0, 1.0, "", "the largest grains are 1 + variety times as large as the striker, the smallest as much "
     "smaller", default=0.0, steerable=True,
 )  # fmt: skip
+EXCITATION = Parameter(
+    "excitation", 0.0, 0.98, "", "share of the blows that others set off", default=0.0, steerable=True
+)  # fmt: skip
+MEMORY = Parameter(
+    "memory", 1e-4, 10.0, "s", "for which one sets off others", default=0.05, useful=(0.001, 0.1), steerable=True,
+)  # fmt: skip
 RAIN = Gesture(
     "rain", "lets drops fall on it until it is stopped", dataclasses.replace(RATE, help="of drops, on average"),
     (
@@ -336,6 +342,8 @@ SHAKE = Gesture(
             "evenness", 0.5, 10.0, "", "of their speeds: as many are above v as exp(-(v/speed)^evenness); 2 for a gas",
             default=2.0, steerable=True,
         ),
+        EXCITATION,
+        MEMORY,
         VARIETY,
         SPREAD,
         SEED,
@@ -356,13 +364,8 @@ CRUMPLE = Gesture(
             "Sethna 1996)", default=1.5, useful=(1.0, 2.0), steerable=True,
         ),
         Parameter("decades", 0.1, 9.0, "", "of energy that they span", default=4.0, useful=(1.0, 6.0), steerable=True),
-        Parameter(
-            "excitation", 0.0, 0.98, "", "share of the crackles that others set off", default=0.5, steerable=True
-        ),
-        Parameter(
-            "memory", 1e-4, 10.0, "s", "for which one sets off others", default=0.005, useful=(0.001, 0.1),
-            steerable=True,
-        ),
+        dataclasses.replace(EXCITATION, default=0.5),
+        dataclasses.replace(MEMORY, default=0.005),
         VARIETY,
         SPREAD,
         SEED,

@@ -34,13 +34,13 @@ class Steered(Record):
     rate: float  # 1/s
     size: float  # m
     evenness: float
+    excitation: float
+    memory: float  # s
     variety: float
     density: float  # 1/m
     energy: float  # J
     steepness: float
     decades: float
-    excitation: float
-    memory: float  # s
     height: float  # m
     crackles: float  # 1/N
 
@@ -102,13 +102,13 @@ class Values(Record):
     spread: float
     rate: float  # 1/s
     evenness: float
+    excitation: float
+    memory: float  # s
     variety: float
     density: float  # 1/m
     energy: float  # J
     steepness: float
     decades: float
-    excitation: float
-    memory: float  # s
     height: float  # m
     crackles: float  # 1/N
     pieces: float

@@ -61,7 +61,7 @@ def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, 
         return place, v, mass, 0.0, log(scale) + table.width[0]
     s = exp(knot.variety * (2.0 * uniform(seed, i, VARIETY) - 1.0)) if knot.variety > 0.0 else 1.0
     mass = swarm.m * s * s * s
-    v = max(min(_draw_speed(swarm.law, knot, mass, u), math.sqrt(2.0 * swarm.store / mass)), _SLOWEST)
+    v = max(min(_draw_speed(swarm.law, knot, mass, u), math.sqrt(2.0 * max(swarm.store, 0.0) / mass)), _SLOWEST)
     loss, width = pulse_of(swarm, table, mass, math.sqrt(s), v)
     return place, v, mass, loss, width
 

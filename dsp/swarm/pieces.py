@@ -28,7 +28,7 @@ CRACKS = 0.25
 """Share of the energy of what hits that its cracks have; as much at most throws the pieces."""
 STRONGEST = 0.1
 """Share of that in the strongest crack."""
-CRACK = 0.01
+CRACK = 0.1
 """Mass that moves at a crack, in that of a piece (estimated)."""
 _SLOWEST = 0.03  # m/s: a slower piece lies still
 _TURNING = 0.7  # share of its speed that a piece may keep for itself, as it turns
@@ -63,6 +63,19 @@ def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
         swarm.next_of[p] = math.inf
     else:
         swarm.next_of[p] += 2.0 * swarm.speed_of[p] / STANDARD_GRAVITY
+
+
+@kernel
+def piece_beside(swarm: Swarm, u: float) -> int:
+    """Return the piece beside a crack at a share `u` of all their edges: these are as long as the root of a mass."""
+    total = 0.0
+    for p in range(swarm.cracked):
+        total += math.sqrt(swarm.mass_of[p])
+    p, left = 0, u * total - math.sqrt(swarm.mass_of[0])
+    while left > 0.0 and p < swarm.cracked - 1:
+        p += 1
+        left -= math.sqrt(swarm.mass_of[p])
+    return p
 
 
 @kernel

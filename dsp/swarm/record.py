@@ -12,7 +12,7 @@ SWARMS = 16
 """Swarms that can go on at once."""
 PLACES = 8
 """Places on an object at which the blows of a swarm fall."""
-SIZES = 12
+SIZES = 24
 """Sizes of grains that sound each by itself, where they differ."""
 KNOTS = 16
 """Changes of a swarm that are kept until its blows have come so far."""
@@ -147,12 +147,14 @@ class Swarm(Record):
     voice: Annotated[View[int], SIZES]  # that sounds, -1: none yet
     store: float  # J: that its blows may still spend
     pieces: int  # that fall; 0: it is of another kind
+    cracked: int  # pieces that its cracks set free; 0: it has none
     mass_of: Annotated[View[float], MOST_PIECES]  # kg
     speed_of: Annotated[View[float], MOST_PIECES]  # m/s, at which each lands next
     next_of: Annotated[View[float], MOST_PIECES]  # s, when it does; inf: it lies still
     bounced: Annotated[View[int], MOST_PIECES]
     spare: float  # blows that may be contacts of their own now
     spared: float  # s: when that was
+    bar: float  # ln of the momentum (N s) that such a blow must have
     blows: int  # so far
     impulse: float  # N s: given in this quantum
     energy: float  # J: of its blows, so far

@@ -38,7 +38,8 @@ def shatter(to: ObjectCall) -> None:
         "seed": to.seed(number),
     }
     sound = None if to.is_point_mass else to.transaction.laws.sound_of(to.striker)
-    pieces = {**motion, **(engine.lay_out_striker(sound) if sound else {}), "stage": 1.0 if onto else 2.0}
+    motion |= engine.lay_out_striker(sound) if sound else {}
+    pieces = {**motion, "stage": 1.0 if onto else 2.0}
     here, below = to.obj.handle, (onto or to.obj).handle
     _add(
         to,

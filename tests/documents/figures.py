@@ -3,13 +3,14 @@
 import csv
 import json
 import math
+import textwrap
 from collections.abc import Callable
 from typing import Any
 
 from carom.dsp.lab.chart import report
 from carom.dsp.lab.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
-from tests.bench import extremes, friction, fuzz, gil, hours, overload, queries, soak, waveforms
+from tests.bench import extremes, friction, fuzz, gil, grains, hours, overload, queries, soak, waveforms
 from tests.bench import fits as fitted
 from tests.documents import study
 from tests.documents.markdown import table
@@ -135,6 +136,22 @@ def space() -> str:
     rows = [(name, f"{100 * cost:.1f}") for name, cost in measured["costs"].items()]
     head = "200 objects of 32 modes that ring, 48 kHz, two channels", "% of a core"
     return f"{_machine(measured)}\n\n{table(head, rows)}"
+
+
+def swarms() -> str:
+    """Return what sounds of swarms are like, beside recordings, and how each is judged."""
+    found = json.loads(grains.MEASURED.read_text(encoding="utf-8"))
+    rows, head = [], ("sound", "dB SPL", "peak", "dB an octave", "kurtosis", "onsets a second", "centroid, Hz")
+    for name, told in found["rendered"].items():
+        beside = found["recorded"].get(name, {})
+        cells = [f"{told[key]:.0f}" for key in ("level_db_spl", "peak_db_spl")]
+        for key in grains.COMPARED:
+            digits = 1 if key == "slope_db_per_octave" else 0
+            cells.append(f"{told[key]:.{digits}f}" + (f" ({beside[key]:.{digits}f})" if beside else ""))
+        rows.append((name, *cells))
+    lines = [f"- {name.capitalize()}: {text}." for name, text in grains.JUDGED.items()]
+    judged = "\n".join(textwrap.fill(line, 118, subsequent_indent="  ") for line in lines)
+    return f"{table(head, rows)}\n\n{judged}"
 
 
 def web() -> str:

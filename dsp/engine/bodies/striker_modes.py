@@ -7,10 +7,15 @@ from ...resonator.bank import Modes, top_of
 from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode
 from ...resonator.simd import LANES
+from ...swarm.times import FORM, uniform
 from ..memory.records import Contact
 from ..memory.state import State
 from ..memory.striker_state import STRIKER_MODES, Striker, Voice
 
+IRREGULAR = 0.12
+"""Share of their frequencies by which the modes of pieces are off those of a regular shape, at most (estimated)."""
+TOUCHED = 30.0
+"""1/s: the decay rate that other pieces and the floor add to a piece's modes (estimated)."""
 _SAME = 1e-9  # relative difference of radii that are one
 
 
@@ -48,13 +53,25 @@ def resize(state: State, voice: Voice, contact: Contact) -> None:
 
 
 @kernel
-def rescale(state: State, voice: Voice, contact: Contact, ratio: float) -> None:
-    """Retune a new voice to a grain of the striker's form that is larger by a ratio: frequencies and decays go as its
-    inverse, and so does what it is heard by a force."""
-    striker, modes = state.strikers[contact.sound], modes_of_voice(voice)
+def rescale(state: State, voice: Voice, contact: Contact, size: int, ratio: float) -> None:
+    """Retune a new voice to a grain, number `size` of its swarm's, that is larger than the striker by a ratio.
+
+    A grain of the same form has frequencies and decays as the ratio's inverse, and is heard by a force as the ratio. A
+    piece of what breaks is a sheet as thick as the others: its area goes as its mass, the ratio's third power, and the
+    frequencies of its bending as the inverse of that. No piece is a square or a disc: its modes are apart by up to
+    IRREGULAR of what these have, and others that it touches damp it, too.
+    """
+    striker, modes, swarm = state.strikers[contact.sound], modes_of_voice(voice), state.swarms[contact.swarm]
+    breaks = contact.trait.breaks == 1
+    area = ratio * ratio * (ratio if breaks else 1.0)
+    edge = math.sqrt(area)
     for i in range(striker.size):
-        frequency, sigma = striker.frequency[i] / ratio, striker.sigma[i] / ratio
-        weight = striker.weight[i] * ratio
+        lower, damped = edge, 0.0
+        if breaks and i >= striker.clicks:
+            uneven = 2.0 * uniform(swarm.random, size * STRIKER_MODES + i, FORM) - 1.0
+            lower, damped = area * (1.0 + IRREGULAR * uneven), TOUCHED
+        frequency, sigma = striker.frequency[i] / lower, striker.sigma[i] / lower + damped
+        weight = striker.weight[i] * area / lower
         if i < striker.clicks:
             if i == 0:
                 set_click(modes, i, frequency, sigma, state.rate, weight)

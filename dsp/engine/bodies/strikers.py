@@ -87,7 +87,7 @@ def sound_grains(state: State, contact: Contact, size: int, ratio: float, row: i
             return
         swarm.voice[size] = taken
         state.voices[taken].contact, state.voices[taken].owner = -1, owner
-        rescale(state, state.voices[taken], contact, ratio)
+        rescale(state, state.voices[taken], contact, size, ratio)
     voice = state.voices[swarm.voice[size]]
     voice.driven, voice.roll = 1, row
     mass = contact.m / contact.trait.meets * ratio * ratio * ratio

@@ -12,7 +12,7 @@ import numpy as np
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.constants import STANDARD_GRAVITY
-from ...numerics.elementary import exp
+from ...numerics.elementary import exp, log
 from ...resonator.fed import REACH
 from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
 from ...schema_records import Steered
@@ -29,6 +29,7 @@ from ...swarm.pieces import (
     bounce_piece,
     break_up,
     number_of,
+    piece_beside,
     size_of,
 )
 from ...swarm.record import BACK, BANDS, FORCES, GRID, OCTAVES, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
@@ -53,6 +54,7 @@ HEAVY = 0.1
 """m M of a blow, above which it is a contact of its own."""
 _WIDEST = math.log(LEAST * 2.0**OCTAVES)  # ln of samples: the rms width of a pulse
 _OFTEN, _AT_ONCE = 100.0, 4.0  # such contacts of a swarm a second, and soon after one another
+_RISE, _BELOW = 0.2, 2.0  # of ln of the momentum that such a blow must have, at each; so far below the last at least
 _AWAITED = 0.005  # s from the beginning of such a blow: one that flies off then touches no more
 _MOST = 16_384  # blows of a swarm in a quantum
 _EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's
@@ -89,7 +91,7 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     swarm.random = np.uint64(values.seed)
     swarm.index = swarm.count = swarm.blows = 0
     swarm.time = swarm.reached = swarm.excited = swarm.spared = swarm.energy = swarm.impulse = 0.0
-    swarm.memory, swarm.spare = 1.0, _AT_ONCE
+    swarm.memory, swarm.spare, swarm.bar = 1.0, _AT_ONCE, -math.inf
     swarm.m, swarm.k, swarm.mu, swarm.a, swarm.w = contact.m, contact.k, contact.mu, contact.a, contact.w
     swarm.places = PLACES if values.spread > 0.0 else 1
     swarm.retuned, swarm.spread, swarm.centre = -1, values.spread, -1.0
@@ -102,7 +104,7 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     if contact.trait.treads == 1:
         swarm.duration = values.duration
         contact.until = contact.gone_at = contact.origin + swarm.duration * state.rate
-    swarm.pieces, swarm.store = 0, math.inf
+    swarm.pieces, swarm.cracked, swarm.store = 0, 0, math.inf
     swarm.sized = int(contact.sound >= 0 and values.variety > 0.0)
     swarm.smallest, swarm.finer = -math.log(2.0), (SIZES - 1) / (2.0 * math.log(2.0))
     for c in range(SIZES):
@@ -118,16 +120,17 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
 def _break(state: State, contact: Contact, event: Event) -> None:
     """Begin the cracks of what breaks, or the fall of its pieces."""
     values, swarm = event.values, state.swarms[contact.swarm]
+    break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height)
+    swarm.smallest += math.log(contact.trait.meets) / 3.0
+    swarm.sized = int(contact.sound >= 0)
     if values.stage > 0.0:
         swarm.places = swarm.places if values.stage == 1.0 else 0
-        break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height)
-        swarm.smallest += math.log(contact.trait.meets) / 3.0
-        swarm.sized = int(contact.sound >= 0)
         return
+    swarm.pieces, swarm.cracked = 0, swarm.pieces
     swarm.store = CRACKS * 0.5 * values.whole * values.velocity * values.velocity
     swarm.m *= CRACK
     contact.until = contact.gone_at = contact.origin + CRACKING * state.rate
-    contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 4.0
+    contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 2.0
     contact.target.rate = 2.0 * JUNCTIONS * values.pieces / CRACKING
 
 
@@ -171,7 +174,7 @@ def _asked_of(swarm: Swarm, contact: Contact, time: float) -> tuple[float, float
     if swarm.law == DROPS:
         return asked.rate, 0.0, asked.size
     if swarm.law == SPEEDS:
-        return asked.rate, 0.0, asked.speed
+        return asked.rate * (1.0 - asked.excitation), 0.0, asked.speed
     if swarm.law == FALLS:
         return asked.rate, 0.0, math.sqrt(2.0 * STANDARD_GRAVITY * asked.height)
     if contact.trait.breaks == 1:
@@ -350,7 +353,7 @@ def _lay_blow(
     if swarm.places > 0:
         ratio, shorter, asked = yielding(swarm, where, mass, width)
     swarm.energy += 0.5 * mass * v * v
-    if asked > HEAVY and swarm.pieces == 0 and _may_be_contact(state, swarm):
+    if asked > HEAVY and contact.trait.breaks == 0 and _may_be_contact(state, swarm, log(mass * v)):
         _become_contact(state, contact, swarm.position[where], v, mass)
         return
     state.stats.impacts += 1
@@ -364,12 +367,27 @@ def _lay_blow(
         end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], begun, held, loss, momentum)
         swarm.busy[where] = max(swarm.busy[where], end)
     if swarm.sized == 1:
-        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + uniform(swarm.random, number, SIZE)
-        c = min(max(int(at_size), 0), SIZES - 1)
-        alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass  # it moves as fast as it would
+        c, alike = _size_of_blow(contact, swarm, number, mass)
+        alike = alike if swarm.cracked == 0 else alike / ratio
         end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], begun, held, loss, alike * momentum)
         swarm.size_busy[c] = max(swarm.size_busy[c], end)
     swarm.impulse += momentum
+
+
+@kernel
+def _size_of_blow(contact: Contact, swarm: Swarm, number: int, mass: float) -> tuple[int, float]:
+    """Return the size by which a blow of a mass (kg) sounds, and the factor on its momentum with which a grain of that
+    size moves as fast as its own would. A crack moves a piece beside it."""
+    u, alike = uniform(swarm.random, number, SIZE), 1.0
+    if swarm.cracked > 0:
+        piece = contact.trait.meets * swarm.mass_of[piece_beside(swarm, u)]
+        at_size = (math.log(piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
+    else:
+        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + (u if swarm.pieces == 0 else 0.5)
+    c = min(max(int(at_size), 0), SIZES - 1)
+    if swarm.cracked == 0:
+        alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
+    return c, alike
 
 
 @kernel
@@ -387,15 +405,18 @@ def _sound_sizes(state: State, contact: Contact, swarm: Swarm) -> None:
 
 
 @kernel
-def _may_be_contact(state: State, swarm: Swarm) -> bool:
-    """True if a swarm's heavy blow may be a contact of its own: some are, by their times alone, where there is room."""
+def _may_be_contact(state: State, swarm: Swarm, momentum: float) -> bool:
+    """True if a swarm's heavy blow, of ln of a momentum, may be a contact of its own: the strongest are, by their times
+    and momenta alone, where there is room. What they must have falls with time, and rises with each."""
     if swarm.law == DROPS:
         return False
-    swarm.spare = min(swarm.spare + (swarm.time - swarm.spared) * _OFTEN, _AT_ONCE)
+    since = (swarm.time - swarm.spared) * _OFTEN
+    swarm.spare, swarm.bar = min(swarm.spare + 2.0 * since, _AT_ONCE), swarm.bar - _RISE * since
     swarm.spared = swarm.time
-    if swarm.spare < 1.0 or state.stats.contacts_active >= len(state.contacts):
+    if momentum < swarm.bar or swarm.spare < 1.0 or state.stats.contacts_active >= len(state.contacts):
         return False
     swarm.spare -= 1.0
+    swarm.bar = max(swarm.bar, momentum - _BELOW) + _RISE
     return True
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
-from carom.dsp.swarm.pieces import bounce_piece, break_up
+from carom.dsp.swarm.pieces import bounce_piece, break_up, piece_beside
 from carom.dsp.swarm.record import SWARM
 
 
@@ -53,3 +53,11 @@ def test_pieces_bring_at_most_the_energy_that_throws_them_and_of_their_fall():
             if swarm["next_of"][p] < math.inf:
                 flight = 2 * swarm["speed_of"][p] / STANDARD_GRAVITY
                 assert swarm["next_of"][p] == pytest.approx(at + flight, rel=1e-12)
+
+
+def test_a_crack_is_beside_a_piece_as_often_as_its_edge_is_long():
+    swarm = broken(3, 7)
+    swarm["cracked"] = 7
+    edges = np.sqrt(swarm["mass_of"][:7])
+    beside = [piece_beside(swarm, (n + 0.5) / 2_000) for n in range(2_000)]
+    assert np.bincount(beside, minlength=7) / 2_000 == pytest.approx(edges / edges.sum(), abs=1e-3)

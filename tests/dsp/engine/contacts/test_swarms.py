@@ -66,8 +66,12 @@ def drawn(engine):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "keys"), [("shake", SHAKE), ("crumple", CRUMPLE), ("rain", RAIN), ("pour", POUR), ("step", STEP)]
-)
+    ("kind", "keys"),
+    [
+        ("shake", SHAKE), ("shake", {**SHAKE, "excitation": 0.6, "memory": 0.01}), ("crumple", CRUMPLE),
+        ("rain", RAIN), ("pour", POUR), ("step", STEP),
+    ],
+)  # fmt: skip
 def test_blows_are_the_same_and_as_loud_at_any_sampling_rate(kind, keys):
     name = {"crumple": "speed", "step": "force"}.get(kind, "rate")
     events = [steer(7, name, 2.0 * keys[name], 0.3), steer(7, name, keys[name], 0.6001), stop(7, 0.95)]
@@ -327,17 +331,19 @@ def test_heavy_grains_are_contacts_of_their_own():
 
 
 def test_of_many_heavy_grains_few_are_contacts_of_their_own_and_seldom_at_once():
-    """Contacts that touch one object at once are solved together, which costs most."""
+    """Contacts that touch one object at once are solved together, which costs most. They are the strongest blows."""
     heavy = (0.01, 1e7, 0.2, 1.5)
-    engine, at_once = Engine(RATE), []
+    engine, at_once, speeds = Engine(RATE), [], set()
     handle = engine.add(plate(), 1.0)
     pulses = engine.lay_out_pulses(1.5)
     engine.send([gesture("shake", handle, heavy, 0.0, 7, **pulses, **SHAKE)])
     for _ in range(1_000):
         engine.process(48)
         at_once.append(engine.stats.contacts_active - 1)
-    assert 80 <= engine.stats.coupled <= 104 and engine.stats.impacts > 1_800
-    assert max(at_once[100:]) <= 2 and np.mean(at_once[100:]) < 1.0
+        speeds |= set(engine.state[0]["contacts"]["v_in"].tolist())
+    assert 80 <= engine.stats.coupled <= 120 and engine.stats.impacts > 1_800
+    assert max(at_once[100:]) <= 4 and np.mean(at_once[100:]) < 1.0
+    assert np.median(list(speeds - {0.0, 1.0})) > 1.5 * SHAKE["speed"]  # rms
 
 
 def test_heavy_grains_that_fly_before_a_light_object_are_not_awaited_for_long():
