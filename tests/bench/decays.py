@@ -37,8 +37,6 @@ MORE: tuple[Pair, ...] = (
     ("Xylophone F# 5", "xylophone-bar", {"tune": -6.0}),
     ("Xylophone F# 6", "xylophone-bar", {"tune": 6.0}),
     ("Marimba F# 5", "marimba-bar", {"tune": 6.0}),
-    ("Nylon B4", "guitar-string", {"tune": -5.0}),
-    ("Nylon E5", "guitar-string", {}),
     ("P200 Piano A#4", "piano-string", {"tune": -2.0}),
     ("P200 Piano F#5", "piano-string", {"tune": 6.0}),
     ("P200 Piano F#3", "bass-string", {"tune": 6.0}),

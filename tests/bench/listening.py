@@ -26,6 +26,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "cymbal": ("Crsh 1", "Crsh 2", "China Crash", "Ride1", "Ride2", "Splash"),
     "wood-block": ("Low Woodblock", "High Woodblock"),
     "kalimba-tine": ("Kalimba G4", "Kalimba F5", "Kalimba A5", "Kalimba F6"),
+    "guitar-string": ("Nylon B4", "Nylon E5", "Nylon G4"),
     "piano-string": ("P200 Piano D5", "P200 Piano A#4", "P200 Piano F#5"),
     "bass-string": ("P200 Piano D3", "P200 Piano A#2", "P200 Piano F#3"),
 }

@@ -52,6 +52,8 @@ PAIRS: tuple[Pair, ...] = (
     ("Kalimba F5", "kalimba-tine", {"tune": 1.0}),
     ("Kalimba A5", "kalimba-tine", {"tune": 5.0}),
     ("Kalimba F6", "kalimba-tine", {"tune": 13.0}),
+    ("Nylon B4", "guitar-string", {"tune": -5.0}),
+    ("Nylon E5", "guitar-string", {}),
     ("P200 Piano D5", "piano-string", {"tune": 2.0}),
     ("P200 Piano D3", "bass-string", {"tune": 2.0}),
 )
@@ -167,7 +169,7 @@ def summary(rows: list[Measures]) -> dict[str, float]:
         "centroid, median (octaves)": median(octaves),
         "centroid, rms (octaves)": float(np.sqrt(np.mean(np.square(octaves)))),
         "slope, median (dB per octave)": median(slopes),
-        "slope, mean size (dB per octave)": mean(map(abs, slopes)),
+        "slope, rms (dB per octave)": float(np.sqrt(np.mean(np.square(slopes)))),
         "third octaves, mean gap (dB)": mean(row.gap for row in rows),
     }
 
