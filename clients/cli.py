@@ -2,45 +2,38 @@
 
 import os
 import sys
+from collections.abc import Sequence
+from importlib import import_module
 
 from . import errors
-from .commands import (
-    chart,
-    compare,
-    completion,
-    dataset,
-    devices,
-    doctor,
-    export,
-    fit,
-    listen,
-    mesh,
-    page,
-    play,
-    presets,
-    render,
-    send,
-    serve,
-    strike,
-    top,
-)
-from .commands.parser import Parser, parse, parser_of
+from .commands.parser import Command, Parser, parse, parser_of
 
-_MODULES = (
-    serve, render, strike, play, page, send, listen, top, presets, fit, mesh, export, compare, dataset, chart, devices,
-    doctor, completion,
+NAMES = (
+    "serve", "render", "strike", "play", "page", "send", "listen", "top", "presets", "fit", "mesh", "export", "compare",
+    "dataset", "chart", "devices", "doctor", "completion",
 )  # fmt: skip
-COMMANDS = tuple(module.COMMAND for module in _MODULES)
+"""The names of all commands: each is a file in `commands`."""
 
 
-def parsers() -> tuple[Parser, dict[str, Parser]]:
+def commands(names: Sequence[str] = NAMES) -> tuple[Command, ...]:
+    """Return commands of some names."""
+    return tuple(import_module(f".commands.{name}", __package__).COMMAND for name in names)
+
+
+def parsers(names: Sequence[str] = NAMES) -> tuple[Parser, dict[str, Parser]]:
     """Return the parser of the whole line, and those of the commands by name."""
-    return parser_of(COMMANDS)
+    return parser_of(commands(names))
+
+
+def _asked(words: Sequence[str]) -> Sequence[str]:
+    """Return the names of the commands that words may be about: they alone are loaded."""
+    return words[:1] if words and words[0] in NAMES and words[0] != "completion" else NAMES
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run a command; return the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage."""
-    arguments = parse(*parsers(), sys.argv[1:] if argv is None else argv)
+    words = sys.argv[1:] if argv is None else argv
+    arguments = parse(*parsers(_asked(words)), words)
     try:
         code: int = arguments.run(arguments)
         return code

@@ -16,10 +16,11 @@ from ..dsp.engine.memory.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.swarm.tables import pulse_table
 from ..presets import PresetError, Presets
-from .bridge.wire import BODY, new_body
+from .bridge.wire import new_body
 from .new_object import NEW, new_object
 from .osc.addresses import Call
 from .osc.arguments import Refused
+from .osc.world_verbs import BODY
 from .tidying import PERIOD, tidy
 
 if TYPE_CHECKING:

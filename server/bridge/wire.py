@@ -7,15 +7,13 @@ from ...presets import Presets
 from ..osc.addresses import VERBS, Call
 from ..osc.arguments import shown
 from ..osc.wire import Argument
-from ..osc.world_verbs import TOUCHED
+from ..osc.world_verbs import BODY, TOUCHED
 from .bodies import Body, BodyMaker, WorldError
 from .hearing import Hearing, Microphone
 from .requests import Request
 from .simulation import Simulation
 from .step import Pose, Touch
 from .telling import tell
-
-BODY = "/world/body"
 
 
 class TellsWorld:

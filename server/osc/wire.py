@@ -9,11 +9,12 @@ import reprlib
 import struct
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
-
-from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
+from typing import TYPE_CHECKING, Any
 
 from ...dsp.errors import CaromError
+
+if TYPE_CHECKING:
+    from pythonosc.osc_message_builder import OscMessageBuilder
 
 Argument = int | float | str | bytes | bool | tuple["Argument", ...] | None
 """Argument of a message; a tuple is an array."""
@@ -204,6 +205,8 @@ def encode(address: str, *args: object, real: str = "f") -> bytes:
         raise ValueError(f"address {address!r}: expected it to start with /")
     if "\0" in address:
         raise ValueError(f"address {address!r} contains a zero character")
+    from pythonosc.osc_message_builder import BuildError, OscMessageBuilder  # slow to load
+
     builder = OscMessageBuilder(address)
     try:
         for value in args:
@@ -213,7 +216,7 @@ def encode(address: str, *args: object, real: str = "f") -> bytes:
         raise ValueError(f"{address}: cannot send {reprlib.repr(args)}: {error}") from error
 
 
-def _add(builder: OscMessageBuilder, value: Argument, real: str, depth: int) -> None:
+def _add(builder: "OscMessageBuilder", value: Argument, real: str, depth: int) -> None:
     """Add an argument to a message. python-osc would take a tuple of four for MIDI, and a list's floats for f."""
     if isinstance(value, tuple):
         if depth == MAX_DEPTH:

@@ -3,6 +3,8 @@
 from ...dsp.schema import RESTITUTION, SLIDE, Parameter
 from .arguments import Either, Numbers, Verb, Word
 
+BODY = "/world/body"
+
 SIZES = {
     "box": "three edges, in m",
     "plate": "three edges, in m",
@@ -38,7 +40,7 @@ TOUCHED = (
 
 WORLD = (
     Verb(
-        "/world/body",
+        BODY,
         "makes a body of a simulation, and the object that rings as it does. A box, plate or mesh has three edges, a "
         "sphere a radius, a cylinder and a capsule a radius and a length along z",
         (Word("name"), Either("shape", tuple(SIZES)), Word("material"), _LENGTH),

@@ -9,7 +9,6 @@ from ...dsp.engine.memory.state import RING
 from ...dsp.runtime.arena import EngineFull
 from ...dsp.runtime.engine import NOW, Engine
 from ...presets import PresetError, Presets
-from ..bridge.wire import TellsWorld
 from ..osc.addresses import Call, calls
 from ..osc.arguments import GestureEnded, Refused
 from ..osc.patterns import Selection, TooMuch
@@ -24,6 +23,7 @@ from .transaction import Sent, Transaction
 from .translate import translate
 
 if TYPE_CHECKING:
+    from ..bridge.wire import TellsWorld
     from .transaction import Made
 
 
@@ -43,11 +43,19 @@ class Session:
         self.sensors = SensorTable(engine)
         self.space = SpaceTable()
         self._laws = ContactLaws(presets)
-        self._world = TellsWorld(presets, engine.top_frequency, engine.channels)
+        self._world: TellsWorld | None = None
         self._steers_ended = steers_ended
         self.scale = scale
         self.on_sent: Callable[[int, list[Sent]], object] = lambda first, sent: None
         """Called with all commands that are sent: the number of the first, and what each stands for."""
+
+    def _told_world(self) -> "TellsWorld":
+        """Return the simulation that messages tell, which few sessions have."""
+        if self._world is None:
+            from ..bridge.wire import TellsWorld  # slow to load
+
+            self._world = TellsWorld(self.presets, self.engine.top_frequency, self.engine.channels)
+        return self._world
 
     def perform(self, messages: Iterable[Message], time: float, source: Any = None) -> list[Message]:
         """Carry out messages of a source together at a time (samples); return /done and /fail replies.
@@ -77,7 +85,7 @@ class Session:
             self.scale,
             time,
             source,
-            self._world,
+            self._told_world,
             self.sensors,
             self.space,
             made,
@@ -124,7 +132,7 @@ class Session:
         none."""
         (call,) = calls(message)
         transaction = Transaction(
-            self.engine, self.presets, self._laws, self.objects, self.gestures, self.scale, NOW, None, self._world,
+            self.engine, self.presets, self._laws, self.objects, self.gestures, self.scale, NOW, None, self._told_world,
             self.sensors, self.space,
         )  # fmt: skip
         try:

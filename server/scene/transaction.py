@@ -63,7 +63,8 @@ class Transaction:
     scale: Scale
     time: float
     source: Any
-    world: "TellsWorld"
+    world_of: "Callable[[], TellsWorld]"
+    """Returns the simulation that messages tell."""
     sensors: "SensorTable"
     space: "SpaceTable"
     made: "Mapping[int, Made]" = field(default_factory=dict)
@@ -82,6 +83,11 @@ class Transaction:
     _exponents: set[float] = field(default_factory=set)
     """Exponents of which its commands take the tables of pulses."""
     _undo: list[Callable[[], object]] = field(default_factory=list)
+
+    @property
+    def world(self) -> "TellsWorld":
+        """The simulation that messages tell."""
+        return self.world_of()
 
     def add(self, command: Command, sent: Sent) -> None:
         """Add a command."""

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
-from ..bridge.wire import BODY, new_body
 from ..osc.addresses import Call, calls
 from ..osc.arguments import Values
 from ..osc.score import on_grid
 from ..osc.wire import Message
+from ..osc.world_verbs import BODY
 from .transaction import Transaction
 
 Handler = Callable[[Transaction, Call, Values], None]
@@ -27,6 +27,8 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
             transaction.time = before
 
     def body(transaction: Transaction, call: Call, values: Values) -> None:
+        from ..bridge.wire import new_body  # slow to load
+
         made, simulation = transaction.made_of(call, new_body), transaction.world.simulation
         simulation.put(made)
         transaction.on_undo(lambda: simulation.take_back(made.name))

@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Sequence
 
-from carom.clients.cli import COMMANDS, parsers
+from carom.clients.cli import commands, parsers
 from carom.clients.commands.parser import Command
 from tests.documents.markdown import table
 
@@ -12,12 +12,12 @@ PLAYING = ("serve", "render", "strike", "play", "page", "send", "listen", "top")
 
 def playing() -> str:
     """Return the reference of the commands that play, or talk to what plays."""
-    return _reference([command for command in COMMANDS if command.name in PLAYING])
+    return _reference([command for command in commands() if command.name in PLAYING])
 
 
 def others() -> str:
     """Return the reference of all other commands."""
-    return _reference([command for command in COMMANDS if command.name not in PLAYING])
+    return _reference([command for command in commands() if command.name not in PLAYING])
 
 
 def _reference(commands: Sequence[Command]) -> str:
