@@ -20,7 +20,7 @@ from .schema import MESH, PresetError, check
 from .tables import SUFFIX, read_table, table_bytes, table_of
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "7"
+EDITION = "8"
 """Edition of the computation: tables of another one are made anew."""
 
 _MOST_BYTES = 500_000_000

@@ -23,6 +23,9 @@ TILT = rotation((0.11, 0.13, 0.17))
 _VOID = 1e-6  # of the stiffness: outside of the body
 _SLIVER = 1e-2  # of the stiffness, times the cube of the filling: of cells that hold little
 _LEAST_FILLED = 1e-3  # of a cell
+_THIN = 0.3  # of a cell's side: sheets are thinner
+_BENT = 0.06  # of the normals' squares: across the first direction, where sheets meet
+_LEFT = 0.4  # of a sheet's stiffness along its normal, times the square of its thickness in sides of a cell
 _AGREED = 0.02  # of the volume, by triangles and by rays: within that the triangles' counts
 _SHIFT = 0.02  # of a wave's frequency along the body
 _SIZES = 24  # halvings
@@ -176,6 +179,11 @@ def _matrices(
         weight = inside.weights[points]
         places = (inside.places[points] - grid.corner) / grid.side - mesh.at[number]
         own = _of_cell(places, weight, mesh, material)
+        normals = inside.normals[points]
+        thickness = float(np.median(inside.through[points])) / grid.side
+        if thickness < _THIN and _is_bent(weight, normals):
+            share = 1 - _LEFT * thickness**2
+            own[0][:] -= share * _held_across(places, weight, normals, mesh, material)
         filled = float(weight.sum()) / grid.side**3
         stiffness[number] = own[0] + min(_VOID, _SLIVER * filled**3) * full[0]
         mass[number] = own[1]
@@ -201,6 +209,30 @@ def _of_cell(places: Array, weights: Array, mesh: Mesh, material: Material) -> t
     for axis in range(3):
         stiffness[:, axis, :, axis] += mu * trace
     return stiffness.reshape(3 * count, 3 * count), material.density * integrals(of, degree)
+
+
+def _is_bent(weights: Array, normals: Array) -> bool:
+    """Return whether sheets meet at an angle in a cell, by the normals (n, 3) at its points."""
+    tensor = np.einsum("p,pi,pj->ij", weights, normals, normals) / weights.sum()
+    return bool(np.linalg.eigvalsh(tensor)[1] > _BENT)
+
+
+def _held_across(places: Array, weights: Array, normals: Array, mesh: Mesh, material: Material) -> Array:
+    """Return the stiffness (3 m, 3 m) by which a cell's polynomials resist where sheets may yield: that of the stress
+    along their normals (n, 3), which is none in a thin sheet.
+
+    Where it is left, sheets that meet don't bend near their edge: the curvature of each would stretch the other across.
+    """
+    nu = material.poisson_ratio
+    mu = material.youngs_modulus / (2 * (1 + nu))
+    lame = 2 * mu * nu / (1 - 2 * nu)
+    slopes = products(places, mesh.degree)[1] / mesh.grid.side
+    along = np.einsum("inm,ni->nm", slopes, normals)
+    stress = lame * slopes.transpose(1, 2, 0) + 2 * mu * along[:, :, None] * normals[:, None, :]
+    share = np.sqrt(weights / (lame + 2 * mu))
+    scaled = share[:, None] * stress.reshape(len(normals), -1)
+    held: Array = scaled.T @ scaled
+    return held
 
 
 def _modes(elements: Elements, stiffness: Array, mass: Array, shift: float, count: int) -> tuple[Array, Array]:

@@ -43,13 +43,16 @@ class Grid(NamedTuple):
 
 class Quadrature(NamedTuple):
     """Places (n, 3), weights (n,) in m^3 and cells (n,) of points inside; cells that are full; the share of rays that
-    met a gap in the surface."""
+    met a gap in the surface. normals (n, 3) of the surface where it is nearest to the points; through (n,): how far (m)
+    the body reaches along these there."""
 
     places: Array
     weights: Array
     cells: Indices
     full: Indices
     leaks: float
+    normals: Array
+    through: Array
 
 
 class _Hits(NamedTuple):
@@ -73,7 +76,7 @@ def quadrature(surface: Surface, grid: Grid, degree: int) -> Quadrature:
     step = grid.side / grid.rays
     faces = faces_of(surface)
     whole = grid.counts * grid.rays
-    places, weights, axes, hits_at, normals = [], [], [], [], []
+    places, weights, axes, lengths, hits_at, normals = [], [], [], [], [], []
     leaks = rays = 0
     plain = np.zeros((3, int(grid.counts.prod())))
     looks = np.zeros_like(plain)
@@ -87,28 +90,30 @@ def quadrature(surface: Surface, grid: Grid, degree: int) -> Quadrature:
         looks[axis] += np.bincount(grid.number(at), np.abs(faces.normals[hits.face, axis]), looks.shape[1])
         mended, gaps, count = _mended(hits, int(whole[v]))
         leaks, rays = leaks + gaps, rays + count
-        along, weight, ray = _along(mended, grid, axis, degree)
+        along, weight, ray, length = _along(mended, grid, axis, degree)
         found = np.empty((len(along), 3))
         found[:, axis], (found[:, u], found[:, v]) = along, _centres(ray, int(whole[v]), grid, step, (u, v))
         places.append(found)
         weights.append(weight * step**2)
         axes.append(np.full(len(along), axis))
+        lengths.append(length)
         plain[axis] = np.bincount(grid.number(found), weights[-1], plain.shape[1])
     surface_points = np.vstack(hits_at)
     cut = np.zeros(plain.shape[1], bool)
     cut[grid.number(surface_points)] = True
     full = np.flatnonzero(~cut & (plain.sum(axis=0) > 1.5 * grid.side**3)).astype(np.int64)
-    at, weight, axis_of = np.vstack(places), np.concatenate(weights), np.concatenate(axes)
+    at, weight, axis_of, length = (np.concatenate(each) for each in (places, weights, axes, lengths))
     cell = grid.number(at)
     keep = cut[cell]
-    at, weight, axis_of, cell = at[keep], weight[keep], axis_of[keep], cell[keep]
-    share = _shares(at, axis_of, surface_points, np.vstack(normals), grid)
+    at, weight, axis_of, length, cell = at[keep], weight[keep], axis_of[keep], length[keep], cell[keep]
+    share, normal = _shares(at, axis_of, surface_points, np.vstack(normals), grid)
     weight = weight * share
+    through = length * np.abs(normal[np.arange(len(at)), axis_of])
     volume = (looks * plain).sum(axis=0) / np.maximum(looks.sum(axis=0), 1e-300)
     got = np.bincount(cell, weight, len(volume))
     weight = weight * np.clip(volume / np.maximum(got, 1e-300), 1 / _MOST_CHANGE, _MOST_CHANGE)[cell]
     keep = share > _LEAST_SHARE
-    return Quadrature(at[keep], weight[keep], cell[keep], full, leaks / max(rays, 1))
+    return Quadrature(at[keep], weight[keep], cell[keep], full, leaks / max(rays, 1), normal[keep], through[keep])
 
 
 def _centres(ray: Indices, columns: int, grid: Grid, step: float, sides: tuple[int, int]) -> tuple[Array, Array]:
@@ -197,8 +202,9 @@ def _counted(sizes: Indices) -> Indices:
     return counted
 
 
-def _along(hits: _Hits, grid: Grid, axis: int, degree: int) -> tuple[Array, Array, Indices]:
-    """Return places along an axis, lengths and rays of Gauss points on the pieces of rays that lie inside."""
+def _along(hits: _Hits, grid: Grid, axis: int, degree: int) -> tuple[Array, Array, Indices, Array]:
+    """Return places along an axis, weights and rays of Gauss points on the pieces of rays that lie inside, and how far
+    (m) the ray is inside there, other cells too."""
     after = np.cumsum(hits.sign)  # each ray sums to 0
     before = after - hits.sign
     enter, leave = (before <= 0) & (after > 0), (before > 0) & (after <= 0)
@@ -209,20 +215,21 @@ def _along(hits: _Hits, grid: Grid, axis: int, degree: int) -> tuple[Array, Arra
     cell = np.repeat(first, count) + _counted(count)
     low = np.maximum(np.repeat(start, count), origin + cell * side)
     high = np.minimum(np.repeat(end, count), origin + (cell + 1) * side)
-    ray, length = np.repeat(ray, count), high - low
-    places, weights, rays = [], [], []
+    ray, length, whole = np.repeat(ray, count), high - low, np.repeat(end - start, count)
+    places, weights, rays, through = [], [], [], []
     for chosen, points in (((length > _SHORT * side), degree + 1), ((length <= _SHORT * side), degree)):
         chosen = chosen & (length > 1e-9 * side)
         nodes, shares = gauss(points)
         places.append((low[chosen, None] + length[chosen, None] * nodes).ravel())
         weights.append((length[chosen, None] * shares).ravel())
         rays.append(np.repeat(ray[chosen], points))
-    return np.concatenate(places), np.concatenate(weights), np.concatenate(rays)
+        through.append(np.repeat(whole[chosen], points))
+    return np.concatenate(places), np.concatenate(weights), np.concatenate(rays), np.concatenate(through)
 
 
-def _shares(places: Array, axes: Indices, surface: Array, normals: Array, grid: Grid) -> Array:
+def _shares(places: Array, axes: Indices, surface: Array, normals: Array, grid: Grid) -> tuple[Array, Array]:
     """Return the share of each point's direction: the square of the normals along it where the surface is nearest to
-    the small cube that holds the point."""
+    the small cube that holds the point. Return the nearest normal (n, 3), too."""
     from scipy.spatial import cKDTree
 
     small = Grid(grid.corner, grid.side / _CUBES, grid.counts * _CUBES, 1)
@@ -233,4 +240,4 @@ def _shares(places: Array, axes: Indices, surface: Array, normals: Array, grid: 
     weight = 1 / (distance.reshape(len(cubes), -1) + 0.05 * grid.side / grid.rays) ** 2
     squares = normals[near.reshape(len(cubes), -1)] ** 2
     shares = np.einsum("ck,cka->ca", weight, squares) / weight.sum(axis=1)[:, None]
-    return np.asarray(shares[number, axes])
+    return np.asarray(shares[number, axes]), np.asarray(normals[near.reshape(len(cubes), -1)[:, 0]][number])

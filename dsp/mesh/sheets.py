@@ -25,7 +25,7 @@ def of_sheet(surface: Surface, wall: float, grid: Grid, layers: int) -> Quadratu
     side = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
     cuts = np.maximum(1, np.ceil(side * _FINE / grid.side).astype(np.int64))
     area = faces_of(surface).areas
-    places, weights = [], []
+    places, weights, across = [], [], []
     nodes, shares = gauss(layers)
     for count in np.unique(cuts):
         these = cuts == count
@@ -35,8 +35,10 @@ def of_sheet(surface: Surface, wall: float, grid: Grid, layers: int) -> Quadratu
         for node, share in zip(nodes, shares, strict=True):
             places.append((middle + (node - 0.5) * wall * normal).reshape(-1, 3))
             weights.append(weight * share * wall)
+            across.append(normal.reshape(-1, 3))
     every = np.vstack(places)
-    return Quadrature(every, np.concatenate(weights), grid.number(every), np.zeros(0, np.int64), 0.0)
+    cells, none = grid.number(every), np.zeros(0, np.int64)
+    return Quadrature(every, np.concatenate(weights), cells, none, 0.0, np.vstack(across), np.full(len(every), wall))
 
 
 def corner_normals(surface: Surface) -> Array:

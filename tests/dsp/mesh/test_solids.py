@@ -109,3 +109,34 @@ def test_a_bar_rings_as_caroms_own_bar_does():
     # At an end, in the middle of the face: the first mode's shape is a free bar's, 2/sqrt(m).
     tip = found.at(np.array([[0.12, 0.0, 0.0]]))[0, :, 6]
     assert np.linalg.norm(tip) == pytest.approx(2 / np.sqrt(closed.mass), rel=0.01)
+
+
+def square_tube(side, wall, length):
+    """Return the surface of a tube of four panels, each `side` (m) wide between the middles of its neighbours."""
+    corner = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
+    rings = [(side + wall, 0.0), (side + wall, length), (side - wall, 0.0), (side - wall, length)]
+    points = np.vstack([np.c_[size * corner, np.full(4, height)] for size, height in rings])
+    faces = []
+    for k in range(4):
+        n = (k + 1) % 4
+        sides = (k, n, n + 4, k + 4), (n + 8, k + 8, k + 12, n + 12)
+        for quad in (*sides, (n, k, k + 8, n + 8), (k + 4, n + 4, n + 12, k + 12)):
+            faces += [quad[:3], (quad[0], *quad[2:])]
+    return Surface(points, np.array(faces))
+
+
+def test_panels_of_a_square_tube_bend_as_clamped_and_supported_plates_do():
+    # The panels' centres move outward together: by symmetry no corner turns. In and out by turns: no corner holds.
+    side, wall = 0.06, 0.002
+    material = Material("steel", 7850.0, 200e9, 0.3, 1.0, 0.0)
+    body = square_tube(side, wall, side)
+    found = cells.solve(body, material, cells.sizes(body, 80), 4, 24)
+    out = np.array([[0, -1, 0], [1, 0, 0], [0, 1, 0], [-1, 0, 0]])
+    moves = np.einsum("pin,pi->np", found.at(out * (side + wall) / 2 + [0, 0, side / 2]), out)
+    moves /= np.abs(moves).max(axis=1)[:, None]
+    stiff = 200e9 * wall**3 / 12 / (1 - 0.3**2)
+    unit = np.sqrt(stiff / (7850 * wall)) / (2 * np.pi * side**2)
+    # A. Leissa, Vibration of Plates, NASA SP-160, 1969: squares, two sides free, two clamped or supported.
+    for signs, factor in (([1, 1, 1, 1], 22.272), ([1, -1, 1, -1], 9.6314)):
+        first = np.flatnonzero((found.frequency > 1.0) & (np.abs(moves @ signs) > 3.5))[0]
+        assert found.frequency[first] == pytest.approx(factor * unit, rel=0.04), signs
