@@ -246,11 +246,13 @@ class World(Grained, Closing):
         place: Sequence[float] | None = None,
         **keys: Any,
     ) -> None:
-        """Mount a sensor on a body: a contact microphone or an accelerometer, which senses along the normal.
+        """Mount a sensor on a body: a contact microphone or an accelerometer.
 
         It senses what rings, and not how the body moves as a whole, which the simulator knows. position: 0 to 1 along
-        the body's strike path; or place: x y z (m) in the axes of the body, of which the nearest point of that path is
-        taken. keys: preset, quantity, resonance, damping, full, as `Scene.sensor` has them. `sensed` has its signal.
+        the body's strike path; or place: x y z (m) in the axes of the body, of which the nearest point of its surface
+        is taken where it is a mesh, else of that path. It senses along the normal, and on a mesh along `direction`,
+        x y z, where that is given. keys: that, preset, quantity, resonance, damping, full, as `Scene.sensor` has them.
+        `sensed` has its signal.
         WorldError for a body that is not there or is silent, or a value that cannot be.
         """
         number = self.simulation.number(body)
@@ -259,11 +261,16 @@ class World(Grained, Closing):
             raise WorldError(f"sensor {name}: body {body} is silent: expected one that rings")
         if (position is None) == (place is None):
             raise WorldError(f"sensor {name}: position = {position}, place = {place}: expected one of the two")
+        where: tuple[Any, ...] = (position,)
         if place is not None:
-            position = self.simulation.position_of(number, place, f"sensor {name}")
-        pairs = [part for pair in keys.items() for part in pair]
+            nearest = self.simulation.position_of(number, place, f"sensor {name}")
+            where = ("point", *map(float, place)) if its.surfaced else (nearest,)
+        vectors: list[Any] = [
+            part for key, each in keys.items() if np.ndim(each) == 1 for part in (key, *map(float, each))
+        ]
+        pairs = vectors + [part for pair in keys.items() if np.ndim(pair[1]) == 0 for part in pair]
         try:
-            self._send([Said(self.time, Message("/sensor/new", (name, body, position, *pairs)))])
+            self._send([Said(self.time, Message("/sensor/new", (name, body, *where, *pairs)))])
         except CommandError as error:
             raise WorldError(f"sensor {name}: {error}") from None
 

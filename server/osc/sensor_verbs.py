@@ -1,8 +1,8 @@
 """The addresses of sensors, `/sensor/...`: contact microphones and accelerometers on objects."""
 
 from ...dsp.bodies.sensor import QUANTITIES
-from ...dsp.schema import Parameter
-from .arguments import Either, Verb, Word
+from ...dsp.schema import DIRECTION, POINT, Parameter
+from .arguments import Either, Vector, Verb, Word
 
 SENSOR = "/sensor/new"
 
@@ -15,7 +15,7 @@ SENSORS = (
     Verb(
         SENSOR,
         "mounts a sensor on an object: a channel of its own after those of the sound, in m/s^2 or m/s along the "
-        "normal, without gain and limiter",
+        "normal or a direction, without gain and limiter",
         (Word("name"), Word("object")),
         (PLACE,),
         (
@@ -24,6 +24,8 @@ SENSORS = (
             RESONANCE,
             DAMPING,
             FULL,
+            Vector("point", POINT, "of one with a surface, in place of its position: the nearest point of it (m)"),
+            Vector("direction", DIRECTION, "beside a point, in the object's own frame: in which it senses"),
         ),
     ),
     Verb("/sensor/NAME/free", "takes a sensor away; its channel is silent"),

@@ -12,6 +12,7 @@ from ..osc.arguments import Refused, Values, require_name, shown
 from ..osc.patterns import is_pattern, match
 from ..osc.sensor_verbs import SENSOR
 from .sensors import Mounted
+from .touching import sensed_place
 from .transaction import Sent, Transaction
 
 
@@ -41,11 +42,11 @@ def _mount(transaction: Transaction, call: Call, values: Values) -> None:
         raise Refused(f"object = {shown(target)}: no such object{f'; {near}' if near else ''}")
     obj = found[target]
     sensor, full, number = sensor_asked(values), values.number("full"), table.free_number()
-    position = values.numbers.get("position", obj.preset.position)
-    transaction.on_undo(table.add(name, Mounted(target, position, number, sensor, full)))
+    place = sensed_place(target, obj, values)
+    transaction.on_undo(table.add(name, Mounted(target, place["position"], number, sensor, full)))
     mounted = {
         "acceleration": int(sensor.quantity == "acceleration"),
-        "position": position,
+        **place,
         "filter": sensor.filter(transaction.engine.rate),
         "scale": 1.0 / full,
     }
@@ -63,7 +64,8 @@ def _free(transaction: Transaction, call: Call, values: Values) -> None:
     for name in names:
         mounted = table.there.pop(name)
         transaction.on_undo(lambda name=name, mounted=mounted: table.there.update({name: mounted}))  # type: ignore[misc]
-        blank = {"acceleration": 0, "position": 0.0, "filter": (1.0, 0.0, 0.0, 0.0, 0.0), "scale": 0.0}
+        nowhere = {"position": 0.0, "on_surface": 0, "spot": (0.0, 0.0, 0.0), "direction": (0.0, 0.0, 0.0)}
+        blank = {"acceleration": 0, **nowhere, "filter": (1.0, 0.0, 0.0, 0.0, 0.0), "scale": 0.0}
         command = Command(transaction.time, Kind.MOUNT, values=blank, channel=mounted.number)
         transaction.add(command, Sent(call.message, 0, 0, 0.0))
 

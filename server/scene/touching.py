@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -60,6 +61,20 @@ def given_of(gesture: Gesture, values: Values) -> list[str]:
     return given + [each.name for each in POINT if "point" in values.vectors]
 
 
+def sensed_place(name: str, obj: PlayedObject, values: Values) -> dict[str, Any]:
+    """Return where a sensor is mounted on an object, and in which direction it senses, as values of its command.
+
+    Refused if a point is given of an object without a surface, or beside a position, or a direction without a point.
+    """
+    position, point = values.numbers.get("position"), values.vectors.get("point")
+    if point is not None:
+        require_surface(name, obj, "point", point)
+        if position is not None:
+            raise Refused(f"position = {position:g}, point = {_shown(point)}: expected one of the two")
+    found = {"position": obj.preset.position if position is None else position, "on_surface": int(point is not None)}
+    return {**found, "spot": point or _NOWHERE, "direction": _unit(values)}
+
+
 def require_surface(name: str, obj: PlayedObject, key: str, point: tuple[float, ...]) -> None:
     """Refuse a point of an object that has no surface."""
     if obj.modes.faces is None:
@@ -86,18 +101,24 @@ def _place(to: ObjectCall, key: str, vector: str, touched: tuple[str, PlayedObje
 
 def _direction(to: ObjectCall) -> _Point:
     """Return the unit vector along which a gesture pushes its object; zeros where that is the normal."""
-    given = to.values.vectors.get("direction")
+    modes = to.obj.modes
+    count = len(modes.frequency) + (len(modes.unheard.frequency) if modes.unheard else 0)
+    unit = _unit(to.values)
+    if unit != _NOWHERE and count > MOST_DIRECTED:
+        raise Refused(f"direction: {to.name} has {count} modes: expected at most {MOST_DIRECTED}")
+    return unit
+
+
+def _unit(values: Values) -> _Point:
+    """Return the direction that a message gives, of length 1; zeros if it gives none."""
+    given = values.vectors.get("direction")
     if given is None:
         return _NOWHERE
     length = math.hypot(*given)
     if not length:
         raise Refused("direction = 0 0 0: expected a vector of some length")
-    if "point" not in to.values.vectors:
+    if "point" not in values.vectors:
         raise Refused(f"direction = {_shown(given)}: expected it beside a point")
-    modes = to.obj.modes
-    count = len(modes.frequency) + (len(modes.unheard.frequency) if modes.unheard else 0)
-    if count > MOST_DIRECTED:
-        raise Refused(f"direction: {to.name} has {count} modes: expected at most {MOST_DIRECTED}")
     return tuple(each / length for each in given)
 
 

@@ -11,6 +11,7 @@ from ..memory.mounted import SENSORS
 from ..memory.sensor_record import SensorState
 from ..memory.state import QUANTUM, Object, State
 from .objects import place, shape_at
+from .surface import put_at
 
 
 @noinline_kernel
@@ -30,7 +31,11 @@ def mount(state: State, event: Event) -> None:
     sensor.retuned = -1
     sensor.pushed = 0.0
     sensor.memory[0] = sensor.memory[1] = 0.0
-    place(sensor.point, event.mounted.position, obj.rows)
+    spot = sensor.mounted.spot
+    if event.mounted.on_surface == 1 and obj.faces > 0:
+        put_at(state, obj, sensor.point, spot[0], spot[1], spot[2])
+    else:
+        place(sensor.point, event.mounted.position, obj.rows)
 
 
 @kernel
@@ -82,11 +87,25 @@ def _know(state: State, obj: Object, sensor: SensorState) -> None:
     sensor.retuned, sensor.count = obj.retuned, obj.felt
     for i in range(obj.felt):
         at = obj.first + i
-        shape = shape_at(state, obj, sensor.point, i)
+        shape = _shape_of(state, obj, sensor, i)
         set_sensed(
             sensor.rows, i, bank.a1[at], bank.a2[at], shape, bank.weight[at], state.rate,
             sensor.mounted.acceleration == 1,
         )  # fmt: skip
+
+
+@kernel
+def _shape_of(state: State, obj: Object, sensor: SensorState, i: int) -> float:
+    """Return the mass-normalised shape of an object's mode i where a sensor is, in its direction: kg^-1/2."""
+    way = sensor.mounted.direction
+    if (way[0] == 0.0 and way[1] == 0.0 and way[2] == 0.0) or sensor.mounted.on_surface == 0 or obj.block == 0:
+        return shape_at(state, obj, sensor.point, i)
+    phi, at = 0.0, obj.table + sensor.point.row * obj.size + i
+    for k in range(3):
+        at += obj.block * obj.size
+        for n in range(3):
+            phi += way[k] * sensor.point.weights[n] * state.bank.shape[at + n * obj.size]
+    return phi
 
 
 @noinline_kernel

@@ -96,6 +96,21 @@ def test_mass_and_inertia_are_those_of_a_solid():
         assert mesh.inertia == pytest.approx(box.inertia, rel=2e-3)
 
 
+def test_a_sensor_is_at_the_nearest_point_of_the_surface_and_senses_in_a_direction():
+    with carom.World(keep=True) as world:
+        world.body("ball", "sphere", 0.01, "steel", carom.Pose((0, 0, 0.1)))
+        world.body("bar", "mesh", (BAR.points, BAR.faces), "steel", carom.Pose((0, 0, 0)), held=True)
+        for name, way in {"normal": None, "up": (0, 0, 2), "down": np.array([0.0, 0.0, -1.0])}.items():
+            world.sensor(name, "bar", place=(0.05, 0.0, 0.1), **({} if way is None else {"direction": way}))
+        world.step(0.01, [carom.Touch("bar", "ball", (0.02, 0.0, 0.004), (0, 0, 1), approach=0.5)])
+        world.ring(0.02)
+        sensed = {name: each.samples for name, each in world.sound().sensors.items()}
+    most = np.abs(sensed["up"]).max()
+    assert most > 1.0
+    np.testing.assert_allclose(sensed["down"], -sensed["up"], atol=1e-5 * most)
+    np.testing.assert_allclose(sensed["normal"], sensed["up"], atol=0.05 * most)
+
+
 def test_a_slide_goes_over_the_surface():
     with carom.World(keep=True) as world:
         world.body("floor", "box", (1, 1, 0.1), "wood", held=True, rings=False)

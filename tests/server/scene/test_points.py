@@ -209,3 +209,40 @@ def test_the_surface_s_curvature_and_edges_enter_hertz_s_stiffness(mug):
     say(mug, "/object/new", "pane", "glass-plate")
     by = [stiffness_of(mug, *where, "by", "pane", "by_radius", 0.02) for where in ((0.5,), edge)]
     assert by[1] / by[0] == pytest.approx(stiffness_share(0.02, (1 / EDGE_RADIUS, 0.0)), rel=1e-9)
+
+
+def sensed(point: str, towards: str, blow: str) -> np.ndarray:
+    """Return the velocity (m/s) of a mug at a point along a direction, or along the normal."""
+    score = (
+        f"0 /object/new mug mug tilt 0\n0 /sensor/new tip mug quantity velocity point {point} {towards}\n"
+        f"0.01 /object/mug/impact 0.2 striker rubber {blow}\n"
+    )
+    return carom.render(score, seconds=0.05).sensors["tip"].samples.astype(float)
+
+
+def test_a_sensor_senses_in_any_direction():
+    """Directions add up as vectors do; at two points each moves as the other would, struck there; the normal is one."""
+    one, other, blow = "0.041 0 0.09", "0 0.041 0.06", "point 0 -0.041 0.05"
+    x, y, z = (sensed(one, f"direction {way}", blow) for way in ("1 0 0", "0 1 0", "0 0 1"))
+    most = np.abs(x).max()
+    assert most > 0.0
+    slanted = sensed(one, "direction 1 -4 8", blow)
+    np.testing.assert_allclose(slanted, (x - 4.0 * y + 8.0 * z) / 9.0, atol=1e-5 * most)
+    np.testing.assert_allclose(sensed(one, "direction -2 0 0", blow), -x, atol=1e-6 * most)
+    assert np.abs(sensed(one, "", blow) - x).max() < 0.2 * most  # outwards, there
+    here, there = "direction 1 0 0", "direction 0 0.6 0.8"
+    forth, back = sensed(one, here, f"point {other} {there}"), sensed(other, there, f"point {one} {here}")
+    assert np.linalg.norm(forth - back) < 0.05 * np.linalg.norm(forth) > 0.0
+
+
+def test_a_sensor_at_a_point_that_cannot_be_is_refused(mug):
+    say(mug, "/object/new", "bar", "marimba-bar")
+    mug.engine.sensors = 1
+    for name, keys, reason in (
+        ("bar", ("point", 0, 0, 0), "bar has no surface"),
+        ("mug", (0.5, "point", 0, 0, 0), "position = 0.5, point = 0 0 0: expected one of the two"),
+        ("mug", ("direction", 0, 0, 1), "direction = 0 0 1: expected it beside a point"),
+        ("mug", ("point", 0, 0, 0, "direction", 0, 0, 0), "expected a vector of some length"),
+    ):
+        assert reason in refusal(mug, "/sensor/new", "tip", name, *keys)
+    say(mug, "/sensor/new", "tip", "mug", "point", 0, 0, 0, "direction", 0, 0, 1)
