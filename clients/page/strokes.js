@@ -16,13 +16,9 @@ export function strokeOn({ preset, material }) {
   if (shape === "string") return sanded(20);
   if (shape === "membrane" || shape === "sphere") return sanded(100);
   if (shape === "ring" || (shape === "bar" && geometry.diameter)) return sanded(60);
-  if (shape === "bar" && geometry.ends !== "cantilever" && !isWood(material)) return sanded(100);
+  if (shape === "bar" && geometry.ends !== "cantilever" && material !== "wood") return sanded(100);
   if (shape === "listed" && geometry.height > 0.3) return HEAVY;
-  return shape === "bar" || (shape === "plate" && isWood(material)) ? ROUGHER : BALL;
-}
-
-function isWood(material) {
-  return material === "wood" || material === "rosewood";
+  return shape === "bar" || (shape === "plate" && material === "wood") ? ROUGHER : BALL;
 }
 
 /** The speed (m/s) of a stroke whose pointer has a speed in m/s of the object, and in px/s. A bow's is not a hand's. */

@@ -60,8 +60,11 @@ class Material:
 
     @property
     def dented_modulus(self) -> float:
-        """The modulus (Pa) that a ball which dents it meets: `across` where it is given, as of a composite across its
-        fibres (S. H. Yang and C. T. Sun, 1982), else that of contact."""
+        """The modulus (Pa) that a ball meets which dents it.
+
+        That is `across` where it is given, as in a composite across its fibres (S. H. Yang and C. T. Sun, 1982), else
+        that of contact.
+        """
         return self.across or self.contact_modulus
 
     def decay(self, frequency: npt.ArrayLike) -> Array:

@@ -68,12 +68,12 @@ def test_contacts_are_told_as_they_were_played():
 
 
 def test_what_a_yielding_object_catches_up_with_is_struck_again():
-    """A mallet on a sheet of polycarbonate stops, and the sheet swings back: two contacts, each with its own figures.
+    """A ball on a sheet of polycarbonate stops, and the sheet swings back: two contacts, each with its own figures.
 
     As in an independent model, by Ritz's method with Legendre's polynomials and DOP853: 0.95 ms, and 0.35 ms from
     1.47 ms on, at 0.17 m/s, with 0.095 of the first one's impulse.
     """
-    score = "0 /object/new a polycarbonate-sheet\n0.01 /object/a/impact 1.5 0.583 striker plastic id x"
+    score = "0 /object/new a polycarbonate-sheet\n0.01 /object/a/impact 1.5 0.583 striker plastic mass 0.0123 id x"
     sound = carom.render(score, seconds=0.1, contacts=True)
     one, other = sound.contacts
     assert sound.report.contacts == 2 and one.id == other.id == "x"

@@ -96,7 +96,7 @@ def held():
 def test_a_struck_mug_in_the_fingers_rings_as_short_as_their_law_says(held):
     decays, expected, free, _ = held
     assert expected[0] > 5.0 * free[0]
-    np.testing.assert_allclose(decays, expected, rtol=0.05)
+    np.testing.assert_allclose(decays, expected, rtol=0.08)
 
 
 def test_the_finger_feels_the_touch_the_knock_the_setting_down_and_the_slip_and_then_nothing(held):

@@ -82,7 +82,7 @@ def ring_alone() -> str:
     return str(units.optimised(unit.source(), targets()[0]))
 
 
-def unroll_first(module: Any, target: Target) -> None:
+def unroll_first(module: Any, target: Target, unrolls: bool) -> None:
     """Optimise without the scalar run's own tuning: it unrolls loops, and the full run vectorises what is left."""
     for level, vectorizes in ((1, False), (3, True)):
         tuning = llvm.create_pipeline_tuning_options(speed_level=level)

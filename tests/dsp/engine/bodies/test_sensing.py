@@ -20,7 +20,8 @@ def mount(
 ) -> Command:  # fmt: skip
     """Return a command that mounts a sensor."""
     filter = (sensor or Sensor(quantity)).filter(RATE)
-    values = {"acceleration": int(quantity == "acceleration"), "position": position, "filter": filter, "scale": 1.0}
+    place = {"position": position, "on_surface": 0, "spot": np.zeros(3), "direction": np.zeros(3)}
+    values = {"acceleration": int(quantity == "acceleration"), **place, "filter": filter, "scale": 1.0}
     return Command(time, Kind.MOUNT, handle, values, value=1.0, channel=number)
 
 
@@ -151,7 +152,10 @@ def test_sensors_go_with_tuning_and_end_with_their_object():
     assert not engine.process(960)[:, 2:].any()
 
 
-BLANK = {"acceleration": 0, "position": 0.0, "filter": (1.0, 0.0, 0.0, 0.0, 0.0), "scale": 0.0}
+BLANK = {
+    "acceleration": 0, "position": 0.0, "on_surface": 0, "spot": np.zeros(3), "direction": np.zeros(3),
+    "filter": (1.0, 0.0, 0.0, 0.0, 0.0), "scale": 0.0,
+}  # fmt: skip
 
 
 def test_a_panic_leaves_sensors_where_they_are():
