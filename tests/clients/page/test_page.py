@@ -103,7 +103,7 @@ def test_a_pull_back_strikes_the_harder_the_further(play):
         table.page.mouse.up()
         struck = table.until("/impact", before + 2)[-1].message
         assert struck.args[0] == pytest.approx(speed, rel=0.02) and struck.args[1] == pytest.approx(0.5, abs=0.02)
-    assert len(table.lines("/stop")) == len(table.lines("/roll"))
+    assert len(table.lines("/stop")) == len(table.lines("/slide"))
 
 
 def test_a_striker_that_is_let_fall_bounces_from_where_it_was(play):
