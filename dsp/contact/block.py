@@ -28,20 +28,9 @@ import numpy as np
 
 from ..native.jit import kernel
 from ..native.typed import Items, View
-from .block_nodes import (
-    AT,
-    FORCE_MOMENTS,
-    FORCES,
-    MOMENTS_AHEAD,
-    MOST_PARTS,
-    MOTIONS,
-    NODES_PER_PART,
-    SHARES,
-    TIMES_OF_ONE,
-    TIMES_OF_THREE,
-    TIMES_OF_TWO,
-)
+from .block_nodes import AT, FORCE_MOMENTS, SHARES, TIMES_OF_ONE, TIMES_OF_THREE, TIMES_OF_TWO
 from .block_records import Block, Net, Tables, forces_of, ratio_of, rows_of
+from .block_sizes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 from .collocation import NODES, elastic, raised
 from .coupled_records import Coupled, Member
 

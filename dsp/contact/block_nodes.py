@@ -12,18 +12,7 @@ from numpy.polynomial import legendre
 
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
-
-MOST_PARTS = 3
-"""Parts of a sample, at most."""
-
-NODES_PER_PART = 2  # in a part
-FORCES = MOST_PARTS * NODES_PER_PART
-"""Unknown forces in a sample, at most."""
-
-MOTIONS = 2 * FORCES  # compression and rate at all nodes
-
-MOMENTS_AHEAD = MOST_PARTS + 1
-"""Legendre moments of the force over a sample that later ones feel, at most: one more than it has parts."""
+from .block_sizes import MOMENTS_AHEAD, MOST_PARTS, NODES_PER_PART
 
 TILT = math.sqrt(3.0)
 """A line over [-1, 1] is its mean at a part's nodes, and its mean with x times TILT more at the second, less at the

@@ -6,7 +6,7 @@ from ..native.jit import kernel
 from ..native.typed import Record, View
 from ..numerics.legendre import AHEAD
 from ..numerics.sums import AT_ONCE
-from .block_nodes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
+from .block_sizes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 
 TOGETHER = 4
 """Contacts that are solved together, at most."""

@@ -4,8 +4,9 @@ from ..native.jit import kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, add_tables, line_of
-from .block_nodes import AT, FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART, RATES, SHARES, TO_NODES, TRAVELS
+from .block_nodes import AT, RATES, SHARES, TO_NODES, TRAVELS
 from .block_records import Block, Net, Tables, forces_of, moments_of, ratio_of, rows_of
+from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
 from .power_series import POWERS
 
 _OF_ONE = 4  # rows of a block of one part

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..native.jit import kernel
 from .law import coefficient
-from .stick_slip import SPRINGS, Friction
+from .record import SPRINGS, Friction
 
 _STEPS = 40
 _EXACT = 1e-15  # share of the stretch by which Newton's last step may differ

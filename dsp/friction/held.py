@@ -7,7 +7,8 @@ mean is taken after all.
 
 from ..native.jit import kernel
 from .law import coefficient, slip_of
-from .stick_slip import Friction, pay
+from .record import Friction
+from .stick_slip import pay
 
 
 @kernel

@@ -10,7 +10,8 @@ from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
 from .held import hold_mean
-from .stick_slip import MOST_PIECES, THIRD, Friction, book, fill_give, solve_piece
+from .record import MOST_PIECES, Friction
+from .stick_slip import THIRD, book, fill_give, solve_piece
 
 _MOST_FLIPS = 6  # changes of branch that take no time, in a sample
 _TRIALS = 40

@@ -8,8 +8,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..contact.block import begin_block, end_block, step_blocks
-from ..contact.block_nodes import MOMENTS_AHEAD
 from ..contact.block_records import ROWS, Block, Net, moments_of
+from ..contact.block_sizes import MOMENTS_AHEAD
 from ..contact.block_tables import feel, settle_tables, take_answers, take_rows
 from ..contact.collocation import elastic
 from ..contact.coupled import ContactLaw, begin_coupled, respond_with

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from ..contact.accuracy import LEVELS, TOLERANCE
-from ..contact.block_nodes import MOST_PARTS
+from ..contact.block_sizes import MOST_PARTS
 from ..contact.coupled_step import HELD
 from ..contact.sampled import METHODS
 from ..numerics.checks import Array

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from ..resonator.bank import Modes, ring
 from ..schema import FORMS
-from ..spectral.basis import BINS, CENTRE, FRAMES, MOST_LOSS, RADIUS, SIZE
+from ..spectral.basis import BINS, CENTRE, FRAMES, MOST_LOSS, POINT, RADIUS, SIZE
 from ..spectral.simd import CHUNK, MOTION, SUMS, WEIGHTS
-from ..spectral.synthesis import POINT, sum_bins, synthesize
+from ..spectral.synthesis import sum_bins, synthesize
 from .cost import cost_of
 
 WAYS = ("one by one", *FORMS)

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..friction.elastic import step_elastic, stiffen
 from ..friction.held import step_held
 from ..friction.located import step_located
-from ..friction.stick_slip import FRICTION, Friction, begin_friction, respond_along, step_whole
+from ..friction.record import FRICTION, Friction
+from ..friction.stick_slip import begin_friction, respond_along, step_whole
 from ..native.jit import kernel
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.legendre import FINE

@@ -12,6 +12,7 @@ Editors and mypy read the class; nothing of it is there when a kernel runs.
 
 import inspect
 from collections.abc import Iterator
+from functools import cache
 from typing import Annotated, Any, Protocol, TypeAlias, TypeVar, get_args, get_origin, get_type_hints, overload
 
 import numpy as np
@@ -106,6 +107,7 @@ class View4D(_Sized, Protocol[T]):
     def __setitem__(self, index: tuple[int, int] | tuple[int, int, int, int], value: T, /) -> None: ...
 
 
+@cache
 def dtype_of(record: type[Record]) -> np.dtype[np.void]:
     """Return the dtype of a record: its own fields in their order, then those of its bases, aligned as C does.
 
@@ -128,7 +130,8 @@ def _kind_and_shape(record: type[Record], name: str, hint: Any) -> tuple[Any, ..
         return (_NUMBERS[hint],)
     if isinstance(hint, type) and issubclass(hint, np.generic):
         return (hint,)
-    if isinstance(hint, type) and issubclass(hint, Record):
+    is_record = isinstance(hint, type) and issubclass(hint, Record)
+    if is_record:
         return (dtype_of(hint),)
     raise TypeError(f"{record.__name__}.{name}: {hint}: expected int, float, a record, or Annotated[View[...], size]")
 

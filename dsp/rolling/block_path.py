@@ -7,8 +7,9 @@ is solved by steps, the path comes as parabolas that meet in kinks.
 
 import math
 
-from ..contact.block_nodes import AT, NODES_PER_PART
+from ..contact.block_nodes import AT
 from ..contact.block_records import Block, forces_of
+from ..contact.block_sizes import NODES_PER_PART
 from ..contact.coupled_records import Coupled
 from ..native.jit import kernel, noinline_kernel
 from .contact_step import path_at

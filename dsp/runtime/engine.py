@@ -241,11 +241,11 @@ class Engine:
 
     def quiet(self) -> bool:
         """True if nothing sounds, and nothing waits to: what rests on something may stay, once it is still."""
-        stats, state = self.stats, self._record
-        if stats.sounding or self.queued:  # as most often
+        state = self._record
+        if state["stats"]["sounding"] or self.queued:  # as most often
             return False
         still = np.count_nonzero((state["contacts"]["asleep"] == 1) & (state["last_command"] > 0))
-        return bool(stats.contacts_active == still and self.room() == RING and self.position > 0)
+        return bool(self.stats.contacts_active == still and self.room() == RING and self.position > 0)
 
     def comes_to_rest(self) -> bool:
         """True if all that goes on ends by itself: bounces, spins, rolls that friction slows, or objects that ring."""

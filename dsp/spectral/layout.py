@@ -11,9 +11,8 @@ from typing import Annotated
 
 from ..native.typed import Record, View, View2D, f32, i32
 from ..sizes import CAPACITY
-from .basis import BINS, FRAMES, SIZE
+from .basis import BINS, FRAMES, POINT, SIZE
 from .simd import CHUNK, MOTION, SUMS, WEIGHTS
-from .synthesis import POINT
 
 PHASES = 8
 """Blocks begin in turn, one in each 64 frames."""

@@ -7,11 +7,9 @@ mode's decay is the real part of its zeta.
 
 from ..native.jit import kernel
 from ..native.typed import View, View2D
-from .basis import BINS, FRAMES, PSI, SIZE, TERMS, TWIDDLES
+from .basis import BINS, FRAMES, POINT, SIZE, TERMS
 from .simd import SUMS, butterfly, pack, spread, weighted
-
-POINT = 2 * TERMS
-"""Numbers of a point of the transform."""
+from .tables import PSI, TWIDDLES
 
 
 @kernel

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from carom.dsp.contact.accuracy import TOLERANCE
-from carom.dsp.contact.block_nodes import MOST_PARTS
+from carom.dsp.contact.block_sizes import MOST_PARTS
 from carom.dsp.contact.coupled_step import HELD
 from carom.dsp.lab.blocks import simulate_blocks
 from carom.dsp.lab.coupled import Case, Run, extreme_case, simulate

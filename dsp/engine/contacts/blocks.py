@@ -10,8 +10,9 @@ force moves on meanwhile.
 
 from ...contact.accuracy import PARTS
 from ...contact.block import begin_block, end_block, parts_for, renew_block, step_blocks
-from ...contact.block_nodes import MOMENTS_AHEAD, MOST_PARTS, TILT, nodes_of
+from ...contact.block_nodes import TILT, nodes_of
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, rows_of
+from ...contact.block_sizes import MOMENTS_AHEAD, MOST_PARTS
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View

@@ -7,7 +7,7 @@ import numpy as np
 from ...contact.closed_form import Pulse
 from ...contact.coupled_records import Coupled
 from ...contact.sampled import Sampled
-from ...friction.stick_slip import Friction
+from ...friction.record import Friction
 from ...native.typed import Record, View, View2D, View3D, dtype_of
 from ...numerics.legendre import FINE
 from ...resonator.fed import REACH

@@ -10,8 +10,8 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from carom.dsp.contact.block import end_block, parts_for, step_blocks
-from carom.dsp.contact.block_nodes import MOMENTS_AHEAD
 from carom.dsp.contact.block_records import ROWS, Block, Net
+from carom.dsp.contact.block_sizes import MOMENTS_AHEAD
 from carom.dsp.contact.block_tables import feel
 from carom.dsp.contact.collocation import elastic
 from carom.dsp.contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with

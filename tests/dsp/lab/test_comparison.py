@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from carom.dsp.contact.block_nodes import MOST_PARTS
+from carom.dsp.contact.block_sizes import MOST_PARTS
 from carom.dsp.contact.sampled import METHODS
 from carom.dsp.lab import cost
 from carom.dsp.lab.comparison import BANDS, Score, band_cases, scores, touched

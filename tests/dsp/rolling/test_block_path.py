@@ -7,8 +7,9 @@ import pytest
 from numba import njit
 from numpy.polynomial import legendre
 
-from carom.dsp.contact.block_nodes import AT, FORCES, NODES_PER_PART
+from carom.dsp.contact.block_nodes import AT
 from carom.dsp.contact.block_records import Block
+from carom.dsp.contact.block_sizes import FORCES, NODES_PER_PART
 from carom.dsp.contact.coupled_records import COUPLED
 from carom.dsp.lab.roll import make_roll
 from carom.dsp.native.typed import dtype_of

@@ -1,0 +1,15 @@
+"""Sizes of lasting contacts that are solved in blocks (block.py): parts of a sample, forces and moments."""
+
+MOST_PARTS = 3
+"""Parts of a sample, at most."""
+
+NODES_PER_PART = 2
+
+FORCES = MOST_PARTS * NODES_PER_PART
+"""Unknown forces in a sample, at most."""
+
+MOTIONS = 2 * FORCES
+"""Compression and rate at all nodes."""
+
+MOMENTS_AHEAD = MOST_PARTS + 1
+"""Legendre moments of the force over a sample that later ones feel, at most: one more than it has parts."""
