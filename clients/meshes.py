@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..dsp.bodies.material import Material
@@ -27,7 +27,8 @@ class MeshNameError(CaromError, ValueError):
 @dataclass(frozen=True)
 class Asked:
     """An object that is asked for: its name, its material (a preset's name), the wall (m) of a sheet or a hollow body,
-    the mesh's unit (m), and how the model is made. source: of the mesh, kept in the preset."""
+    the mesh's unit (m), and how the model is made. source: of the mesh, kept in the preset. parts: the materials of
+    parts that are of another one, by their names in the mesh."""
 
     name: str
     material: str
@@ -38,6 +39,7 @@ class Asked:
     fine: bool = False
     errors: bool = False
     source: str | None = None
+    parts: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def wanted(self) -> Wanted:
@@ -65,9 +67,12 @@ def make(mesh: Path, out: Path, asked: Asked, presets: Presets | None = None, sa
         raise MeshNameError(f"name = {asked.name!r}: expected {Name()}")
     if out.exists() and not out.is_dir():
         raise MeshNameError(f"{out}: expected a folder for presets")
-    material = (presets or Presets()).material(asked.material)
+    library = presets or Presets()
+    material = library.material(asked.material)
+    parts = {name: library.material(each) for name, each in asked.parts.items()}
     surface = Surface(*read_mesh(mesh, asked.scale))
-    data = _modelled(mesh, material) or made_table(mesh, material, asked.wanted, asked.scale, say)
+    data = None if parts else _modelled(mesh, material)
+    data = data or made_table(mesh, material, asked.wanted, asked.scale, say, parts)
     table = table_of(data, str(mesh))
     source = f"made of {mesh.name} by carom mesh" + (f"; {asked.source}" if asked.source else "")
     files = tuple(out / "objects" / f"{asked.name}{suffix}" for suffix in (".toml", SUFFIX))

@@ -65,7 +65,7 @@ def glb_of(name: str, table: Table, material: Material) -> bytes:
     faces = file.add(table.faces.ravel())
     modes, points = len(table.frequency), len(table.points)
     shapes = table.shapes.transpose(2, 0, 1).reshape(modes * points, 3)
-    decay = material.decay(table.frequency) + table.resistance / 2
+    decay = table.losses(material) + table.resistance / 2
     extras = {
         "mass": table.mass,
         "volume": table.volume,

@@ -269,12 +269,15 @@ class ObjectPreset:
             raise PresetError(f"{self.where}{error}") from None
         return modes if self.glide is None else replace(modes, glide=self.glide)
 
-    def struck_by(self, striker: ObjectPreset, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
+    def struck_by(
+        self, striker: ObjectPreset, radius: float = CONTACT_RADIUS, part: Material | None = None
+    ) -> tuple[float, float, float]:
         """Return the stiffness (N/m^a), dissipation (s/m) and exponent a of its contact with another object.
 
-        They come from both materials; `radius` (m) is the striker's where they touch. See `contact_between`.
+        They come from both materials; `radius` (m) is the striker's where they touch, `part` the material of the part
+        that is struck, if it is another one. See `contact_between`.
         """
-        return contact_between(striker._contact_material, self._contact_material, radius)
+        return contact_between(striker._contact_material, part or self._contact_material, radius)
 
     def resting_on(self, material: str, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
         """Return the same of its contact with a ground of a material, by its preset; `radius` (m) is its own."""

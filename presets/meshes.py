@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from ..dsp.mesh.surface import Indices, MeshError
 from ..dsp.numerics.blas import on_one_thread
 from .schema import MESH, PresetError, check
 from .tables import SUFFIX, read_table, table_bytes, table_of
+
+if TYPE_CHECKING:
+    from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
 EDITION = "8"
@@ -36,6 +39,49 @@ def read_mesh(path: Path, scale: float | None = None) -> tuple[Array, Indices]:
 
     scale: of the file's unit in m. Without one it is taken as m, and MeshError asks if the size is unusual.
     """
+    points, faces, _ = _read(path, scale)
+    return points, faces
+
+
+class ReadParts(NamedTuple):
+    """The parts of a mesh file: points (n, 3) in m, faces (m, 3), the part (m,) of each face, and the names of each
+    part: of its node, its mesh, its material."""
+
+    points: Array
+    faces: Indices
+    of: Indices
+    names: tuple[tuple[str, ...], ...]
+
+
+def read_parts(path: Path, scale: float | None = None) -> ReadParts:
+    """Return the parts of a mesh file: the objects or groups of an .obj, the nodes of a .glb."""
+    points, faces, bodies = _read(path, scale, split_objects=True, split_groups=True)
+    of = np.repeat(np.arange(len(bodies)), [len(each.faces) for each in bodies])
+    return ReadParts(points, faces, of, tuple(each.metadata["names"] for each in bodies))
+
+
+def divided(path: Path, read: ReadParts, material: Material, parts: Mapping[str, Material]) -> Division:
+    """Return which part of a file's mesh each face belongs to, and what each is made of: of `material` unless `parts`
+    says another one, by a name of the part. MeshError names the choices."""
+    from ..dsp.mesh.parts import Division
+
+    known = {name for names in read.names for name in names}
+    of = [material] * len(read.names)
+    for name, own in parts.items():
+        numbers = [number for number, names in enumerate(read.names) if name in names]
+        if not numbers:
+            raise MeshError(f"{path}: part {name}: there is none; expected one of {', '.join(sorted(known))}")
+        for number in numbers:
+            of[number] = own
+    # The main material's parts come first.
+    order = sorted(range(len(of)), key=lambda number: of[number] != material)
+    place = np.argsort(order)
+    names = tuple(read.names[number][0] for number in order)
+    return Division(place[read.of].astype(np.int64), names, tuple(of[number] for number in order))
+
+
+def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, list[Any]]:
+    """Return points (n, 3) in m and faces (m, 3) of a mesh file, and its bodies, as trimesh has them."""
     if path.suffix.lower() not in FORMATS:
         raise MeshError(f"{path}: expected a file that ends in {', '.join(FORMATS)}")
     size = path.stat().st_size
@@ -46,8 +92,9 @@ def read_mesh(path: Path, scale: float | None = None) -> tuple[Array, Indices]:
     except ImportError as error:
         raise NoTrimesh(f"meshes need trimesh ({error}): pip install 'carom[mesh]'") from error
     try:
-        scene = trimesh.load_scene(path, process=False)
-        bodies = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh) and len(each.faces)]
+        scene = trimesh.load_scene(path, process=False, **how)
+        found: list[Any] = _bodies(scene) if how else list(scene.dump())
+        bodies = [each for each in found if isinstance(each, trimesh.Trimesh) and len(each.faces)]
     except Exception as error:  # readers of files raise whatever they meet
         raise MeshError(f"{path}: not a mesh that can be read ({type(error).__name__}: {error})") from None
     if not bodies:
@@ -58,7 +105,20 @@ def read_mesh(path: Path, scale: float | None = None) -> tuple[Array, Indices]:
     faces = np.concatenate([np.asarray(each.faces, np.int64) + first for each, first in numbered])
     if scale is None:
         _require_usual(path, points[np.unique(faces)])
-    return points, faces
+    return points, faces, bodies
+
+
+def _bodies(scene: Any) -> list[Any]:
+    """Return the bodies of a scene at their places, with their names."""
+    found = []
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        body = scene.geometry[name].copy()
+        body.apply_transform(transform)
+        material = getattr(getattr(body.visual, "material", None), "name", None)
+        body.metadata["names"] = tuple(dict.fromkeys(each for each in (node, name, material) if each))
+        found.append(body)
+    return found
 
 
 def _require_usual(path: Path, points: Array) -> None:
@@ -72,13 +132,23 @@ def _require_usual(path: Path, points: Array) -> None:
         raise MeshError(f"{path}: {x:.3g} x {y:.3g} x {z:.3g} m: expected {low:g} to {high:g} m; {unit}")
 
 
-def made_table(path: Path, material: Material, wanted: Any, scale: float | None = None, say: Any = None) -> bytes:
+def made_table(
+    path: Path,
+    material: Material,
+    wanted: Any,
+    scale: float | None = None,
+    say: Any = None,
+    parts: Mapping[str, Material] | None = None,
+) -> bytes:
     """Return the bytes of the table of a mesh file: kept ones, if these were made of the same before.
 
-    wanted: a dsp.mesh.model.Wanted. MeshError says why there is none.
+    wanted: a dsp.mesh.model.Wanted. parts: the materials of the file's parts that are of another one, by their names.
+    MeshError says why there is none.
     """
     key = sha256(path.read_bytes())
     key.update(repr((EDITION, tuple(wanted), scale, elastic_of(material))).encode())
+    if parts:
+        key.update(repr((material, sorted(parts.items()))).encode())
     place = cache_folder() / f"{key.hexdigest()}{SUFFIX}"
     try:
         data = place.read_bytes()
@@ -86,9 +156,14 @@ def made_table(path: Path, material: Material, wanted: Any, scale: float | None 
         return data
     except (OSError, PresetError):
         pass
-    points, faces = read_mesh(path, scale)
+    made_of: Any = material
+    if parts:
+        read = read_parts(path, scale)
+        points, faces, made_of = read.points, read.faces, divided(path, read, material, parts)
+    else:
+        points, faces = read_mesh(path, scale)
     try:
-        data = table_bytes_of(points, faces, material, wanted, say)
+        data = table_bytes_of(points, faces, made_of, wanted, say)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
     with suppress(OSError):
@@ -101,17 +176,17 @@ def elastic_of(material: Material) -> tuple[float, float, float]:
     return material.density, material.youngs_modulus, material.poisson_ratio
 
 
-def table_bytes_of(points: Array, faces: Indices, material: Material, wanted: Any, say: Any = None) -> bytes:
+def table_bytes_of(points: Array, faces: Indices, made_of: Material | Division, wanted: Any, say: Any = None) -> bytes:
     """Return the bytes of the table of a mesh of points (n, 3) in m and faces (m, 3). MeshError says why there is
     none."""
     from ..dsp.mesh.model import model_of
 
     try:
         with on_one_thread():
-            model = model_of(points, faces, material, wanted, say)
+            model = model_of(points, faces, made_of, wanted, say)
     except MemoryError:
         raise MeshError("not enough memory: expected a smaller mesh, or fewer modes") from None
-    density, modulus, ratio = elastic_of(material)
+    density, modulus, ratio = elastic_of(model.materials[0])
     return table_bytes({**vars(model), "density": density, "youngs_modulus": modulus, "poisson_ratio": ratio})
 
 
@@ -149,22 +224,31 @@ def with_table(where: str, data: dict[str, Any], folder: Path, library: Any) -> 
         table = read_table(_inside(f"{where}[geometry] table", name, folder))
         return {**data, "geometry": {**geometry, "table": table}}
     section = f"{where}[mesh] "
-    values = check(section, data["mesh"], MESH, ("file",))
+    given = dict(data["mesh"]) if isinstance(data["mesh"], Mapping) else data["mesh"]
+    parts = _parts(f"{where}[mesh.materials] ", given.pop("materials", {}), library) if given else {}
+    values = check(section, given, MESH, ("file",))
     if not isinstance(geometry, Mapping) or "table" in geometry:
         raise PresetError(f"{where}[mesh] file and [geometry] table: expected one of the two")
     path = _inside(f"{section}file", values.pop("file"), folder)
-    table = table_of_section(path, values, library.material(str(data.get("material"))))
+    table = table_of_section(path, values, library.material(str(data.get("material"))), parts)
     return {**{key: each for key, each in data.items() if key != "mesh"}, "geometry": {**geometry, "table": table}}
 
 
-def table_of_section(path: Path, values: dict[str, Any], material: Material) -> Table:
+def _parts(where: str, given: Any, library: Any) -> dict[str, Material]:
+    """Return the materials of a mesh's parts by name."""
+    if not isinstance(given, Mapping) or not all(isinstance(each, str) for each in given.values()):
+        raise PresetError(f"{where}= {given!r}: expected a material's name for each part that is of another")
+    return {name: library.material(each) for name, each in given.items()}
+
+
+def table_of_section(path: Path, values: dict[str, Any], material: Material, parts: Mapping[str, Material]) -> Table:
     """Return the table that the keys of a section [mesh] ask for."""
     from ..dsp.mesh.model import Wanted
 
     scale = values.pop("scale", None)
     values["fine"] = values.pop("fine", "no") == "yes"
     try:
-        return table_of(made_table(path, material, Wanted(**values), scale), str(path))
+        return table_of(made_table(path, material, Wanted(**values), scale, parts=parts), str(path))
     except (MeshError, NoTrimesh) as error:
         raise PresetError(str(error)) from None
     except OSError as error:

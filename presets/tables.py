@@ -5,13 +5,16 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+from dataclasses import asdict
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from ..dsp.bodies.material import Material
 from ..dsp.bodies.mesh import Table
 from .schema import PresetError
 
@@ -24,6 +27,7 @@ _SHAPES = {
     "frequency": "n", "resistance": "n", "error": "n", "shapes": "P3n", "points": "P3", "normals": "P3", "areas": "P",
     "curvature": "P2",
 }  # fmt: skip
+_PARTS = ("materials", "energy", "of")
 _WHOLE = {"faces": "F3", "edges": "F3"}
 
 
@@ -36,14 +40,23 @@ def table_bytes(values: dict[str, Any]) -> bytes:
     kept |= {name: np.asarray(values[name], np.float32) for name in ("points", "normals", "areas", "curvature")}
     if values.get("decay") is not None:
         kept["decay"] = np.asarray(values["decay"], np.float64)
+    if len(values.get("materials", ())) > 1:
+        kept["materials"] = _text([asdict(each) for each in values["materials"]])
+        kept["energy"] = np.asarray(values["energy"], np.float32)
+        kept["of"] = np.asarray(values["of"], np.int8)
     kept |= {"faces": np.asarray(values["faces"], np.int32), "edges": np.asarray(values["edges"], np.int8)}
     shapes = np.asarray(values["shapes"])
     kept["scale"] = np.abs(shapes).max(axis=(0, 1)) / _STEPS
     kept["shapes"] = np.round(shapes / np.maximum(kept["scale"], 1e-300)).astype(np.int16)
-    kept |= {name: np.frombuffer(json.dumps(values[name]).encode(), np.uint8) for name in _TEXTS}
+    kept |= {name: _text(values[name]) for name in _TEXTS}
     memory = io.BytesIO()
     np.savez_compressed(memory, **kept)
     return memory.getvalue()
+
+
+def _text(value: Any) -> npt.NDArray[np.uint8]:
+    """Return a value as the bytes of JSON."""
+    return np.frombuffer(json.dumps(value).encode(), np.uint8)
 
 
 def table_of(data: bytes, where: str) -> Table:
@@ -61,6 +74,7 @@ def table_of(data: bytes, where: str) -> Table:
         values |= {name: np.ascontiguousarray(held.pop(name), np.int64) for name in _WHOLE}
         values |= {name: float(held.pop(name)) for name in _NUMBERS}
         decay = held.pop("decay", None)
+        parts = {name: held.pop(name) for name in _PARTS if name in held}
         texts = {name: json.loads(held.pop(name).tobytes()) for name in _TEXTS}
     except (KeyError, OSError, ValueError, zipfile.BadZipFile, NotImplementedError) as error:
         if isinstance(error, PresetError):
@@ -71,10 +85,27 @@ def table_of(data: bytes, where: str) -> Table:
         values["decay"] = np.ascontiguousarray(decay, np.float64)
         if decay.shape != values["frequency"].shape or not (values["decay"] > 0).all():
             raise PresetError(f"{where}: decay: expected a number above 0 for each mode")
+    values |= _parts_of(where, parts, values)
     for array in values.values():
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
     return Table(digest=sha256(data).hexdigest(), **values, method=str(texts["method"]), notes=tuple(texts["notes"]))
+
+
+def _parts_of(where: str, held: dict[str, Any], values: dict[str, Any]) -> dict[str, Any]:
+    """Return the materials of a table of several, the share of each in its modes' energy, and that of each face."""
+    if not held:
+        return {}
+    try:
+        materials = tuple(Material(**each) for each in json.loads(held["materials"].tobytes()))
+        energy, of = np.array(held["energy"], np.float64), np.array(held["of"], np.int64)
+    except (KeyError, TypeError, ValueError) as error:
+        raise PresetError(f"{where}: its materials can't be read ({error})") from None
+    count = len(materials)
+    fits = energy.shape == (count, len(values["frequency"])) and of.shape == (len(values["faces"]),)
+    if not fits or not (energy >= 0).all() or not ((of >= 0) & (of < count)).all():
+        raise PresetError(f"{where}: materials, energy and of don't fit each other; make the table anew")
+    return {"materials": materials, "energy": energy / np.maximum(energy.sum(axis=0), 1e-300), "of": of}
 
 
 def _require_whole(where: str, values: dict[str, Any]) -> None:

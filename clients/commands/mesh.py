@@ -26,7 +26,11 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--name", help="the new object's name; a model's bodies have their own")
     parser.add_argument(
-        "--material", metavar="M", help="a preset's name: glass; of a model's bodies of which none is said"
+        "--material",
+        action="append",
+        metavar="M",
+        help="a preset's name: glass; of a model's bodies of which none is said. Again, as handle=wood: that of a part "
+        "that is of another one, by its name in the file",
     )
     parser.add_argument("--wall", type=number, metavar="M", help="thickness of a sheet or of a hollow body, m")
     parser.add_argument("--scale", type=number, metavar="M", help="the mesh's unit in m: 0.001 for mm (1)")
@@ -51,7 +55,11 @@ def _run(arguments: argparse.Namespace) -> int:
         words = {"out": "FOLDER", "name": "--name", "material": "--material"}
         tell("mesh", f"expected {', '.join(words[each] for each in missing)} beside {arguments.file}")
         return 2
-    return _make(arguments)
+    main = [each for each in arguments.material if "=" not in each]
+    if len(main) != 1:
+        tell("mesh", f"--material: expected one for the body, and PART=M for a part of another; {len(main)} were given")
+        return 2
+    return _make(arguments, main[0])
 
 
 def _make_all(arguments: argparse.Namespace) -> int:
@@ -63,8 +71,12 @@ def _make_all(arguments: argparse.Namespace) -> int:
     if given:
         tell("mesh", f"--{given[0]}: expected none for a model")
         return 2
+    materials = arguments.material or ["wood"]
+    if len(materials) > 1:
+        tell("mesh", f"{len(materials)} times --material: expected one for a model")
+        return 2
     found = False
-    default, presets = arguments.material or "wood", Presets(arguments.presets)
+    default, presets = materials[0], Presets(arguments.presets)
     for body in make_all(arguments.file, arguments.out, default, presets, shown_mesh):
         found = True
         if body.unsaid:
@@ -78,14 +90,15 @@ def _make_all(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _make(arguments: argparse.Namespace) -> int:
-    """Make the object of a mesh."""
+def _make(arguments: argparse.Namespace, material: str) -> int:
+    """Make the object of a mesh of a material, whose parts may be of others."""
     from ...dsp.runtime.engine import prepare
     from ...presets import Presets
     from ..meshes import Asked, make
 
-    given = ("name", "material", "wall", "scale", "modes", "points", "fine", "errors", "source")
-    asked = Asked(**{key: getattr(arguments, key) for key in given})
+    given = ("name", "wall", "scale", "modes", "points", "fine", "errors", "source")
+    parts = dict(each.split("=", 1) for each in arguments.material if "=" in each)
+    asked = Asked(material=material, parts=parts, **{key: getattr(arguments, key) for key in given})
     presets = Presets(arguments.presets)
     if not arguments.no_report:
         prepare()  # before there is another progress bar

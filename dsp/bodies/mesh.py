@@ -34,7 +34,8 @@ class Table:
     between which shapes are linear; edges (F, 3): 1 where the side from a corner to the next is a sharp edge; error
     (n,): of the frequencies as a share, NaN where it was not asked for. mass in kg, volume in m^3; density,
     youngs_modulus and poisson_ratio are those of its material. decay (n,) in 1/s: all that each mode loses, where it is
-    known; None: as the material has it.
+    known; None: as the material has it. Of a body of several materials, the main one first: materials; energy
+    (materials, n), the share of each in the energy that bends the body; of (F,), the number of each face's.
     """
 
     digest: str
@@ -56,6 +57,9 @@ class Table:
     method: str
     notes: tuple[str, ...] = ()
     decay: Array | None = None
+    materials: tuple[Material, ...] = ()
+    energy: Array | None = None
+    of: Indices | None = None
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Table) and self.digest == other.digest
@@ -85,6 +89,25 @@ class Table:
         )
         shapes = np.einsum("pc,pckn->pkn", shares, self.shapes[self.faces[face]])
         return points, normals / np.linalg.norm(normals, axis=1)[:, None], shapes
+
+    def losses(self, main: Material) -> Array:
+        """Return what materials take of each mode (n,), 1/s; main: the body's, with its preset's damping.
+
+        Each material's losses count by its share of the energy. Its `alpha` is a support's: the main one's is the
+        body's.
+        """
+        if self.energy is None:
+            return main.decay(self.frequency)
+        each = [part.decay(self.frequency) - part.alpha / 2 for part in (main, *self.materials[1:])]
+        found: Array = main.alpha / 2 + (self.energy * each).sum(axis=0)
+        return found
+
+    def material_at(self, place: Sequence[float]) -> Material | None:
+        """Return the material of the surface nearest to a place (m); None: the main one."""
+        if self.of is None:
+            return None
+        number = int(self.of[nearest(self.corners, np.array([place], float))[0][0]])
+        return self.materials[number] if number else None
 
     @cached_property
     def strips(self) -> tuple[Indices, Indices]:
@@ -166,6 +189,9 @@ def mesh(
     faces = _faces(table, line)
     keep = audible(table.frequency, top)
     every = heard(material, table.frequency, table.resistance, (strike, sign), table.mass)
+    if table.energy is not None:
+        radiated = table.resistance / 2 if material.losses == "material" else 0.0
+        every = replace(every, decay=table.losses(material) + radiated)
     if table.decay is not None:
         every = replace(every, decay=np.maximum(table.decay, table.resistance / 2))
     others = table.frequency > top
@@ -201,6 +227,6 @@ def usual_path(table: Table) -> tuple[Array, Array]:
 
 def decay_times(table: Table, material: Material) -> Array:
     """Return T60 (s) of each mode of the table, with what is radiated."""
-    known = material.decay(table.frequency) + table.resistance / 2 if table.decay is None else table.decay
+    known = table.losses(material) + table.resistance / 2 if table.decay is None else table.decay
     found: Array = math.log(1000) / known
     return found

@@ -10,8 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array, Material
+from .forms import together
 from .fronts import Elements, Factor
 from .lanczos import lowest
+from .parts import Parts
 from .polynomials import gauss, integrals, moments, products
 from .rays import Grid, Quadrature, grid_about, quadrature
 from .sheets import of_sheet
@@ -45,15 +47,49 @@ class Mesh(NamedTuple):
     size: int
 
 
+class Points(NamedTuple):
+    """Points of a quadrature: places and normals (n, 3), weights (n,) in m^3, numbers of cells and materials (n,), how
+    far (m) the body reaches along the normals there."""
+
+    places: Array
+    weights: Array
+    cells: Indices
+    of: Indices
+    normals: Array
+    through: Array
+
+    def part(self, begin: int, end: int) -> "Points":
+        """Return some that follow each other."""
+        return Points(
+            self.places[begin:end],
+            self.weights[begin:end],
+            self.cells[begin:end],
+            self.of[begin:end],
+            self.normals[begin:end],
+            self.through[begin:end],
+        )
+
+
+class _Piece(NamedTuple):
+    """The share of one material in a cell: the cell's place among those in use, the material's number, stiffness."""
+
+    number: int
+    of: int
+    stiffness: Array
+
+
 class Solution(NamedTuple):
     """Modes on cells: frequencies (n,) in Hz and displacements (nodes, 3, n) of unit modal mass, the cells, the body's
-    mass (kg), and the share of rays that met a gap."""
+    mass (kg) and volume (m^3), the share of rays that met a gap, and the share (materials, n) of each material in the
+    energy that bends the body."""
 
     frequency: Array
     displacement: Array
     mesh: Mesh
     mass: float
+    volume: float
     leaks: float
+    energy: Array
 
     def at(self, points: Array) -> Array:
         """Return the shapes (points, 3, n) in kg^-1/2 at points of the body (points, 3)."""
@@ -105,47 +141,62 @@ def sizes(surface: Surface, cells: int, wall: float | None = None) -> Sizes:
     return Sizes(high, int(np.clip(np.ceil(high * _THROUGH / thickness), *_RAYS)), thickness)
 
 
-def solve(surface: Surface, material: Material, size: Sizes, degree: int, count: int) -> Solution:
+def solve(parts: Parts, size: Sizes, degree: int, count: int) -> Solution:
     """Return a solid's `count` lowest modes, rigid motions among them."""
-    turned = Surface(surface.points @ TILT.T, surface.faces)
-    grid = grid_about(turned, size.side, size.rays)
-    inside = quadrature(turned, grid, degree)
-    if not len(inside.weights) and not len(inside.full):
+    turned = [Surface(each.points @ TILT.T, each.faces) for each in parts.surfaces]
+    grid = grid_about(together(*turned), size.side, size.rays)
+    inside = []
+    for number, own in enumerate(turned):
+        found = quadrature(own, grid, degree, together(*turned[:number]) if number else None)
+        true, weight = volume_of(own), float(found.weights.sum())
+        got = weight + len(found.full) * grid.side**3
+        if abs(got / true - 1) < _AGREED:
+            found = found._replace(weights=found.weights * (1 + (true - got) / max(weight, 1e-300)))
+        inside.append(found)
+    if not any(len(each.weights) or len(each.full) for each in inside):
         raise MeshError("no ray meets the inside: expected a closed surface with a thickness")
-    true = volume_of(turned)
-    got = float(inside.weights.sum()) + len(inside.full) * grid.side**3
-    if abs(got / true - 1) < _AGREED:
-        inside = inside._replace(weights=inside.weights * (1 + (true - got) / max(float(inside.weights.sum()), 1e-300)))
-    return of_points(inside, grid, material, degree, count)
+    return of_points(inside, grid, parts.materials, degree, count)
 
 
-def solve_sheet(surface: Surface, wall: float, material: Material, size: Sizes, degree: int, count: int) -> Solution:
-    """Return the lowest modes of a sheet of a wall (m) about a surface."""
-    turned = Surface(surface.points @ TILT.T, surface.faces)
-    grid = grid_about(turned, size.side, size.rays, wall)
-    return of_points(of_sheet(turned, wall, grid, degree), grid, material, degree, count)
+def solve_sheet(parts: Parts, wall: float, size: Sizes, degree: int, count: int) -> Solution:
+    """Return the lowest modes of a sheet of a wall (m) about surfaces."""
+    turned = [Surface(each.points @ TILT.T, each.faces) for each in parts.surfaces]
+    grid = grid_about(together(*turned), size.side, size.rays, wall)
+    return of_points([of_sheet(each, wall, grid, degree) for each in turned], grid, parts.materials, degree, count)
 
 
-def of_points(inside: Quadrature, grid: Grid, material: Material, degree: int, count: int) -> Solution:
-    """Return the modes of a body that a quadrature stands for."""
-    order = np.argsort(inside.cells, kind="stable")
-    cells, begin = np.unique(inside.cells[order], return_index=True)
-    end = np.r_[begin[1:], len(order)]
-    volumes = np.add.reduceat(inside.weights[order], begin) if len(order) else np.zeros(0)
-    keep = volumes > _LEAST_FILLED * grid.side**3
-    none = np.zeros(len(inside.full), np.int64)
-    numbers = np.r_[cells[keep], inside.full]
-    sort = np.argsort(numbers)
-    spans = np.stack([np.r_[begin[keep], none], np.r_[end[keep], none]], axis=1)[sort]
-    mesh = _mesh(grid, degree, numbers[sort])
-    stiffness, mass = _matrices(mesh, inside, order, spans, material)
+def of_points(
+    inside: list[Quadrature], grid: Grid, materials: tuple[Material, ...], degree: int, count: int
+) -> Solution:
+    """Return the modes of a body that quadratures stand for, one for each of its materials."""
+    of = np.repeat(np.arange(len(inside)), [len(each.cells) for each in inside])
+    places, weights, cells, normals, through = (
+        np.concatenate([getattr(each, name) for each in inside])
+        for name in ("places", "weights", "cells", "normals", "through")
+    )
+    order = np.argsort(cells * len(inside) + of, kind="stable")
+    volumes = np.bincount(cells, weights, int(grid.counts.prod()))
+    full = np.concatenate([each.full for each in inside])
+    numbers = np.sort(np.r_[np.flatnonzero(volumes > _LEAST_FILLED * grid.side**3), full])
+    mesh = _mesh(grid, degree, numbers)
+    points = Points(places[order], weights[order], cells[order], of[order], normals[order], through[order])
+    stiffness, mass, pieces = _matrices(mesh, points, [each.full for each in inside], materials)
     elements = Elements(mesh.nodes, grid.corner + grid.side * (mesh.at + 0.5), 3, mesh.size)
     length = float((mesh.at.max(axis=0) - mesh.at.min(axis=0) + 1).max()) * grid.side
-    shift = (2 * np.pi * _SHIFT * np.sqrt(material.youngs_modulus / material.density) / length) ** 2
+    speed = max(np.sqrt(each.youngs_modulus / each.density) for each in materials)
+    shift = (2 * np.pi * _SHIFT * speed / length) ** 2
     values, vectors = _modes(elements, stiffness, mass, shift, count)
     displacement = np.einsum("ij,aim->ajm", TILT, vectors.reshape(mesh.size, 3, -1))
-    total = material.density * (float(volumes[keep].sum()) + len(inside.full) * grid.side**3)
-    return Solution(np.sqrt(np.maximum(values, 0)) / (2 * np.pi), displacement, mesh, total, inside.leaks)
+    kept = np.isin(points.cells, mesh.cells)
+    cubes = np.array([len(each.full) for each in inside]) * grid.side**3
+    volume = np.bincount(points.of[kept], points.weights[kept], len(inside)) + cubes
+    total = sum(each.density * float(own) for each, own in zip(materials, volume, strict=True))
+    energy = np.ones((1, len(values)))
+    if len(materials) > 1:
+        energy = _energies(mesh, pieces, vectors, len(materials))
+    leaks = max(each.leaks for each in inside)
+    frequency = np.sqrt(np.maximum(values, 0)) / (2 * np.pi)
+    return Solution(frequency, displacement, mesh, total, float(volume.sum()), leaks, energy)
 
 
 def _mesh(grid: Grid, degree: int, numbers: Indices) -> Mesh:
@@ -161,33 +212,68 @@ def _mesh(grid: Grid, degree: int, numbers: Indices) -> Mesh:
 
 
 def _matrices(
-    mesh: Mesh, inside: Quadrature, order: Indices, spans: Indices, material: Material
-) -> tuple[Array, Array]:
-    """Return the stiffness (e, 3 m, 3 m) and the mass (e, m, m) of each cell; spans: its points, in their order."""
-    grid, degree = mesh.grid, mesh.degree
+    mesh: Mesh, points: Points, full: list[Indices], materials: tuple[Material, ...]
+) -> tuple[Array, Array, list[_Piece]]:
+    """Return the stiffness (e, 3 m, 3 m) and the mass (e, m, m) of each cell, and the pieces of cells that hold several
+    materials. full: numbers of the cells that are full of each material."""
+    side, degree = mesh.grid.side, mesh.degree
     nodes, weights = gauss(degree + 1)
     at = np.stack(np.meshgrid(nodes, nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 3)
-    whole = (weights[:, None, None] * weights[:, None] * weights).ravel() * grid.side**3
-    full = _of_cell(at, whole, mesh, material)
-    stiffness = np.empty((len(mesh.cells), *full[0].shape))
-    mass = np.empty((len(mesh.cells), *full[1].shape))
-    for number, (begin, end) in enumerate(spans):
-        if begin == end:
-            stiffness[number], mass[number] = full
-            continue
-        points = order[begin:end]
-        weight = inside.weights[points]
-        places = (inside.places[points] - grid.corner) / grid.side - mesh.at[number]
-        own = _of_cell(places, weight, mesh, material)
-        normals = inside.normals[points]
-        thickness = float(np.median(inside.through[points])) / grid.side
-        if thickness < _THIN and _is_bent(weight, normals):
-            share = 1 - _LEFT * thickness**2
-            own[0][:] -= share * _held_across(places, weight, normals, mesh, material)
-        filled = float(weight.sum()) / grid.side**3
-        stiffness[number] = own[0] + min(_VOID, _SLIVER * filled**3) * full[0]
-        mass[number] = own[1]
+    cube = (weights[:, None, None] * weights[:, None] * weights).ravel() * side**3
+    whole = [_of_cell(at, cube, mesh, material) for material in materials]
+    stiffness = np.zeros((len(mesh.cells), *whole[0][0].shape))
+    mass = np.zeros((len(mesh.cells), *whole[0][1].shape))
+    filled, last = np.zeros(len(mesh.cells)), np.zeros(len(mesh.cells), np.int64)
+    pieces = []
+    for begin, end in _spans(mesh, points):
+        own = points.part(begin, end)
+        number, of = int(np.searchsorted(mesh.cells, own.cells[0])), int(own.of[0])
+        stiff, heavy = _of_piece(own, mesh, number, materials[of])
+        stiffness[number] += stiff
+        mass[number] += heavy
+        filled[number] += float(own.weights.sum()) / side**3
+        last[number] = of
+        if len(materials) > 1:
+            pieces.append(_Piece(number, of, stiff))
+    for number, share in enumerate(filled):
+        stiffness[number] += min(_VOID, _SLIVER * share**3) * whole[last[number]][0]
+    for of, cells in enumerate(full):
+        for number in np.searchsorted(mesh.cells, cells):
+            stiffness[number], mass[number] = whole[of]
+            if len(materials) > 1:
+                pieces.append(_Piece(int(number), of, whole[of][0]))
+    return stiffness, mass, pieces
+
+
+def _spans(mesh: Mesh, points: Points) -> list[tuple[int, int]]:
+    """Return where the points of each cell that is in use and of each of its materials begin and end."""
+    change = (np.diff(points.cells) != 0) | (np.diff(points.of) != 0)
+    begin = np.r_[0, np.flatnonzero(change) + 1][: len(points.cells)]
+    end = np.r_[begin[1:], len(points.cells)][: len(begin)]
+    used = np.isin(points.cells[begin], mesh.cells)
+    return list(zip(begin[used].tolist(), end[used].tolist(), strict=True))
+
+
+def _of_piece(own: Points, mesh: Mesh, number: int, material: Material) -> tuple[Array, Array]:
+    """Return the stiffness and the mass of a cell's points of one material."""
+    grid = mesh.grid
+    places = (own.places - grid.corner) / grid.side - mesh.at[number]
+    stiffness, mass = _of_cell(places, own.weights, mesh, material)
+    thickness = float(np.median(own.through)) / grid.side
+    if thickness < _THIN and _is_bent(own.weights, own.normals):
+        share = 1 - _LEFT * thickness**2
+        stiffness -= share * _held_across(places, own.weights, own.normals, mesh, material)
     return stiffness, mass
+
+
+def _energies(mesh: Mesh, pieces: list[_Piece], vectors: Array, count: int) -> Array:
+    """Return the share (count, n) of each material in the energy that bends the body, of each mode."""
+    shapes = vectors.reshape(mesh.size, 3, -1)
+    found = np.zeros((count, shapes.shape[2]))
+    for piece in pieces:
+        moved = shapes[mesh.nodes[piece.number]].reshape(-1, shapes.shape[2])
+        found[piece.of] += np.einsum("an,an->n", moved, piece.stiffness @ moved)
+    return np.asarray(found / np.maximum(found.sum(axis=0), 1e-300))
 
 
 def _of_cell(places: Array, weights: Array, mesh: Mesh, material: Material) -> tuple[Array, Array]:

@@ -11,9 +11,11 @@ from ..bodies.material import Array, Material
 from . import cells, shells
 from .air import Radiation, layer_of, radiation, velocities
 from .cleaning import cleaned, openings
+from .forms import together
+from .parts import Division, Parts, joined, outside
 from .points import curvature, sampled
 from .refining import refined
-from .skin import skin_of
+from .skin import Skin, skin_of
 from .surface import Indices, MeshError, Surface, faces_of, size_of, volume_of
 
 CELLS, FINE = (4, 80), (4, 170)
@@ -26,6 +28,7 @@ SIZES = (1e-3, 20.0)
 
 _RIGID = 6
 _SPARE = 4  # modes beyond those wanted
+_CUT = 0.5  # of the points' spacing: triangles' sides near where parts touch
 _FLOOR = 1e-3  # of the highest frequency: below lie rigid motions of parts that don't touch
 _ABOUT = 2  # modes to each side: one that changes little by chance is as far off as they are
 _LEAST_ERROR = 1e-3  # of a frequency: the quadrature's
@@ -58,7 +61,8 @@ class Model:
     which shapes are linear; edges (F, 3): 1 where the side from a corner to the next is a sharp edge. Where sides of an
     edge meet, a point is there for each. mass in kg, volume of its material in m^3.
     error (n,): of the frequencies, estimated, as a share. method: "cells" or "shells"; notes say what was mended and
-    assumed.
+    assumed. materials: of its parts, the main one first; energy (materials, n): the share of each in the energy that
+    bends the body; of (F,): the number of each face's material.
     """
 
     frequency: Array
@@ -75,17 +79,35 @@ class Model:
     volume: float
     method: str
     notes: tuple[str, ...]
+    materials: tuple[Material, ...]
+    energy: Array
+    of: Indices
 
 
-def model_of(points: Array, faces: Indices, material: Material, wanted: Wanted, say: Say | None = None) -> Model:
-    """Return the model of a mesh of points (n, 3) in m and faces (m, 3).
+class _Body(NamedTuple):
+    """A body: its surface, the number of the material (m,) of each of its faces, and its parts by material."""
+
+    surface: Surface
+    of: Indices
+    parts: Parts
+
+
+def model_of(
+    points: Array,
+    faces: Indices,
+    made_of: Material | Division,
+    wanted: Wanted,
+    say: Say | None = None,
+) -> Model:
+    """Return the model of a mesh of points (n, 3) in m and faces (m, 3), of one material or of several.
 
     say: is told what is done now, and how much of the whole is done, 0 to 1. MeshError says why there is none.
     """
     _require(wanted)
     say = say or _silent
     say("clean-up", 0.0)
-    surface, notes = cleaned(np.asarray(points, float), np.asarray(faces, np.int64), wanted.wall is not None)
+    body, notes = _body(np.asarray(points, float), np.asarray(faces, np.int64), made_of, wanted)
+    surface = body.surface
     low, high = SIZES
     size = float(size_of(surface).max())
     if not low <= size <= high:
@@ -93,16 +115,16 @@ def model_of(points: Array, faces: Indices, material: Material, wanted: Wanted, 
     if wanted.wall is not None and not 1e-5 <= wanted.wall <= size / 2:
         raise MeshError(f"wall = {wanted.wall:g}: expected 1e-05 to {size / 2:.3g} m, half the size")
     say("modes", 0.1)
-    solution, method, told = _solution(surface, material, wanted, wanted.fine)
+    solution, method, told = _solution(body, wanted, wanted.fine)
     keep = _elastic(solution.frequency, wanted.modes)
     frequency = solution.frequency[keep]
-    error = _errors(surface, material, wanted, frequency, say)
+    error = _errors(body, wanted, frequency, say)
     say("radiation", 0.6)
     made = _heard(surface, solution, keep, wanted)
     frequency = frequency / np.sqrt(1 + made.mass)
     order = np.argsort(frequency, kind="stable")
     say("points", 0.9)
-    model = _at_points(surface, solution, keep, wanted)
+    model = _at_points(body, solution, keep, wanted)
     say("done", 1.0)
     return replace(
         model,
@@ -112,7 +134,23 @@ def model_of(points: Array, faces: Indices, material: Material, wanted: Wanted, 
         error=error[order],
         method=method,
         notes=(*notes, *told),
+        energy=solution.energy[:, keep][:, order],
     )
+
+
+def _body(points: Array, faces: Indices, made_of: Material | Division, wanted: Wanted) -> tuple[_Body, tuple[str, ...]]:
+    """Return the body of a mesh, and notes on what was mended."""
+    wall = wanted.wall is not None
+    if isinstance(made_of, Material):
+        surface, notes = cleaned(points, faces, wall)
+        return _Body(surface, np.zeros(len(surface.faces), np.int64), Parts((surface,), (made_of,))), notes
+    parts, notes = joined(points, faces, made_of, wall)
+    whole = together(*parts.surfaces)
+    if wall:
+        of = np.repeat(np.arange(len(parts.surfaces)), [len(each.faces) for each in parts.surfaces])
+        return _Body(whole, of, parts), notes
+    spacing = math.sqrt(float(faces_of(whole).areas.sum()) / max(wanted.points, POINTS))
+    return _Body(*outside(parts, _CUT * spacing), parts), notes
 
 
 def _require(wanted: Wanted) -> None:
@@ -129,26 +167,27 @@ def _silent(doing: str, done: float) -> None:
 Solution = cells.Solution | shells.Solution
 
 
-def _solution(
-    surface: Surface, material: Material, wanted: Wanted, fine: bool
-) -> tuple[Solution, str, tuple[str, ...]]:
+def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, tuple[str, ...]]:
     """Return the modes, the method, and what it found and assumed."""
+    surface, parts = together(*body.parts.surfaces), body.parts
     degree, number = FINE if fine else CELLS
     count = wanted.modes + _RIGID + _SPARE
     size = cells.sizes(surface, number, wanted.wall)
     if wanted.wall is None:
-        solved = cells.solve(surface, material, size, degree, count)
+        solved = cells.solve(parts, size, degree, count)
         told = [f"a solid of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm and degree {degree}"]
         if solved.leaks > 1e-3:
             told.append(f"{100 * solved.leaks:.2g} % of the rays met a gap in the surface, and took a neighbour's hits")
         return solved, "cells", tuple(told)
     if size.side < _SHELL * wanted.wall:
-        solved = cells.solve_sheet(surface, wanted.wall, material, size, degree, count)
+        solved = cells.solve_sheet(parts, wanted.wall, size, degree, count)
         text = f"a sheet of {1e3 * wanted.wall:.3g} mm, of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm"
         return solved, "cells", (f"{text} and degree {degree}",)
     _require_few(surface.faces)
+    if len(parts.materials) > 1:
+        raise MeshError(f"wall = {wanted.wall:g}: expected one material in so thin walls, or solids")
     fit = refined(surface, _FINE_TRIANGLES if fine else _TRIANGLES, _MOST_TRIANGLES)
-    made = shells.solve(fit, wanted.wall, material, count)
+    made = shells.solve(fit, wanted.wall, parts.materials[0], count)
     return made, "shells", (f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(fit.faces)} triangles",)
 
 
@@ -166,12 +205,12 @@ def _elastic(frequency: Array, count: int) -> Indices:
     return bending[bending >= _RIGID][:count]
 
 
-def _errors(surface: Surface, material: Material, wanted: Wanted, frequency: Array, say: Say) -> Array:
+def _errors(body: _Body, wanted: Wanted, frequency: Array, say: Say) -> Array:
     """Return the errors of frequencies, as a share: by a second resolution if it is wanted, else NaN."""
     if not wanted.errors:
         return np.full(len(frequency), np.nan)
     say("modes at a second resolution", 0.35)
-    other, _, _ = _solution(surface, material, wanted, not wanted.fine)
+    other, _, _ = _solution(body, wanted, not wanted.fine)
     again = other.frequency[_elastic(other.frequency, wanted.modes)][: len(frequency)]
     found = np.full(len(frequency), np.nan)
     change = np.abs(frequency[: len(again)] / again - 1)
@@ -189,10 +228,11 @@ def _heard(surface: Surface, solution: Solution, keep: Indices, wanted: Wanted) 
     return radiation(layer, motion, solution.frequency[keep])
 
 
-def _at_points(surface: Surface, solution: Solution, keep: Indices, wanted: Wanted) -> Model:
+def _at_points(body: _Body, solution: Solution, keep: Indices, wanted: Wanted) -> Model:
     """Return a model with its points and triangles alone."""
     from scipy.spatial import cKDTree
 
+    surface = body.surface
     skin = skin_of(surface, wanted.points)
     samples = sampled(surface, _PER_POINT * wanted.points)
     spacing = math.sqrt(samples.area * _PER_POINT)
@@ -216,7 +256,28 @@ def _at_points(surface: Surface, solution: Solution, keep: Indices, wanted: Want
         edges=skin.edges.astype(np.int64),
         error=empty,
         mass=solution.mass,
-        volume=volume_of(surface) if wanted.wall is None else wanted.wall * total,
+        volume=_volume(body, solution) if wanted.wall is None else wanted.wall * total,
         method="",
         notes=(),
+        materials=body.parts.materials,
+        energy=empty,
+        of=_materials_of(body, skin, spacing),
     )
+
+
+def _volume(body: _Body, solution: Solution) -> float:
+    """Return the volume (m^3) of a solid."""
+    if len(body.parts.surfaces) > 1 and isinstance(solution, cells.Solution):
+        return solution.volume
+    return volume_of(body.surface)
+
+
+def _materials_of(body: _Body, skin: Skin, spacing: float) -> Indices:
+    """Return the number of the material (F,) of each face of a coarse mesh: that of the nearest face of the surface."""
+    if len(body.parts.materials) == 1:
+        return np.zeros(len(skin.faces), np.int64)
+    from .nearest import Nearest
+
+    inward = 1e-3 * spacing * skin.normals[skin.faces].mean(axis=1)
+    face, _ = Nearest(body.surface).to(skin.places[skin.faces].mean(axis=1) - inward)
+    return body.of[face]

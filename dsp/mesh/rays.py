@@ -71,10 +71,11 @@ def grid_about(surface: Surface, side: float, rays: int, margin: float = 0.0) ->
     return Grid(corner, side, counts, rays)
 
 
-def quadrature(surface: Surface, grid: Grid, degree: int) -> Quadrature:
-    """Return points inside a closed surface, exact for polynomials up to about twice the degree along each ray."""
+def quadrature(surface: Surface, grid: Grid, degree: int, without: Surface | None = None) -> Quadrature:
+    """Return points inside a closed surface, and not inside another one, exact for polynomials up to about twice the
+    degree along each ray."""
     step = grid.side / grid.rays
-    faces = faces_of(surface)
+    others = Surface(surface.points[:0], surface.faces[:0]) if without is None else without
     whole = grid.counts * grid.rays
     places, weights, axes, lengths, hits_at, normals = [], [], [], [], [], []
     leaks = rays = 0
@@ -82,15 +83,19 @@ def quadrature(surface: Surface, grid: Grid, degree: int) -> Quadrature:
     looks = np.zeros_like(plain)
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
-        hits = _hits(surface, faces.normals, grid.corner, step, (axis, int(whole[u]), int(whole[v])))
-        at = np.empty((len(hits.ray), 3))
-        at[:, axis], (at[:, u], at[:, v]) = hits.place, _centres(hits.ray, int(whole[v]), grid, step, (u, v))
-        hits_at.append(at)
-        normals.append(faces.normals[hits.face])
-        looks[axis] += np.bincount(grid.number(at), np.abs(faces.normals[hits.face, axis]), looks.shape[1])
-        mended, gaps, count = _mended(hits, int(whole[v]))
-        leaks, rays = leaks + gaps, rays + count
-        along, weight, ray, length = _along(mended, grid, axis, degree)
+        mended = []
+        for body in (surface, others):
+            look = faces_of(body).normals
+            hits = _hits(body, look, grid.corner, step, (axis, int(whole[u]), int(whole[v])))
+            at = np.empty((len(hits.ray), 3))
+            at[:, axis], (at[:, u], at[:, v]) = hits.place, _centres(hits.ray, int(whole[v]), grid, step, (u, v))
+            hits_at.append(at)
+            normals.append(look[hits.face])
+            looks[axis] += np.bincount(grid.number(at), np.abs(look[hits.face, axis]), looks.shape[1])
+            own, gaps, count = _mended(hits, int(whole[v]))
+            mended.append(own)
+            leaks, rays = leaks + gaps, rays + count
+        along, weight, ray, length = _along(mended[0], mended[1], grid, axis, degree)
         found = np.empty((len(along), 3))
         found[:, axis], (found[:, u], found[:, v]) = along, _centres(ray, int(whole[v]), grid, step, (u, v))
         places.append(found)
@@ -136,6 +141,8 @@ def _hits(surface: Surface, normals: Array, corner: Array, step: float, rays: tu
     found: list[tuple[Indices, Array, Indices]] = []
     ends = np.cumsum(count)
     begin = 0
+    if not len(count):
+        return _Hits(ends, np.zeros(0), ends, ends)
     while begin < len(count):
         past = ends[begin - 1] if begin else 0
         end = max(int(np.searchsorted(ends, past + _CHUNK, side="right")), begin + 1)
@@ -202,13 +209,21 @@ def _counted(sizes: Indices) -> Indices:
     return counted
 
 
-def _along(hits: _Hits, grid: Grid, axis: int, degree: int) -> tuple[Array, Array, Indices, Array]:
-    """Return places along an axis, weights and rays of Gauss points on the pieces of rays that lie inside, and how far
-    (m) the ray is inside there, other cells too."""
-    after = np.cumsum(hits.sign)  # each ray sums to 0
-    before = after - hits.sign
-    enter, leave = (before <= 0) & (after > 0), (before > 0) & (after <= 0)
-    start, end, ray = hits.place[enter], hits.place[leave], hits.ray[enter]
+def _pieces(hits: _Hits, others: _Hits) -> tuple[Array, Array, Indices]:
+    """Return where rays enter and leave what is inside of a body and not of the others, and these rays."""
+    ray, place = np.r_[hits.ray, others.ray], np.r_[hits.place, others.place]
+    sign, against = np.r_[hits.sign, 0 * others.sign], np.r_[0 * hits.sign, others.sign]
+    order = np.lexsort((place, ray))
+    after = (np.cumsum(sign[order]) > 0) & (np.cumsum(against[order]) <= 0)  # each ray sums to 0
+    before = np.r_[np.zeros(min(1, len(after)), bool), after[:-1]]
+    enter, leave = order[after & ~before], order[before & ~after]
+    return place[enter], place[leave], ray[enter]
+
+
+def _along(hits: _Hits, others: _Hits, grid: Grid, axis: int, degree: int) -> tuple[Array, Array, Indices, Array]:
+    """Return places along an axis, weights and rays of Gauss points on the pieces of rays that lie inside of a body and
+    not of the others, and how far (m) the ray is inside there, other cells too."""
+    start, end, ray = _pieces(hits, others)
     origin, side = grid.corner[axis], grid.side
     first = np.floor((start - origin) / side).astype(np.int64)
     count = np.floor((end - origin) / side).astype(np.int64) - first + 1

@@ -28,6 +28,11 @@ class Solution(NamedTuple):
     surface: Surface
     mass: float
 
+    @property
+    def energy(self) -> Array:
+        """The share (1, n) of the one material in the energy that bends the shell."""
+        return np.ones((1, len(self.frequency)))
+
     def at(self, points: Array) -> Array:
         """Return the shapes (points, 3, n) at points of the surface, between the corners of the nearest triangle."""
         from .nearest import Nearest

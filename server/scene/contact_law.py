@@ -3,6 +3,8 @@
 from collections.abc import Collection, Mapping
 
 from ...dsp.bodies.curved import curvatures_at, stiffness_share
+from ...dsp.bodies.material import Material
+from ...dsp.bodies.mesh import Table
 from ...presets.kinds import SurfacePreset
 from ..osc.arguments import Refused
 from .limits import LAW, Contact
@@ -21,11 +23,12 @@ def law_of(
     the stiffness follows how the surface curves there.
     """
     preset, given = to.obj.preset, to.values.numbers
-    law = to.transaction.laws.of(to.striker, preset.material)._asdict()
+    struck = struck_material(to)
+    law = to.transaction.laws.of(to.striker, struck or preset.material)._asdict()
     if by:
         law["mass"] = by.mass
     if by and to.by_materials:
-        law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius), strict=True), restitution=0.0)
+        law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius, struck), strict=True), restitution=0.0)
         to.warn_of_stand_ins(by, to.values.words["by"])
     law["stiffness"] *= bent(to)
     law.update(changes or {})
@@ -41,6 +44,15 @@ def law_of(
             lost = "restitution" if key == "dissipation" and law["restitution"] else key
             to.say(lost, law[lost])
     return Contact(**law)
+
+
+def struck_material(to: ObjectCall) -> Material | None:
+    """Return the material of the object's part that a gesture touches first, where that is not the object's own."""
+    table, faces = to.obj.preset.geometry.get("table"), to.obj.modes.faces
+    if not isinstance(table, Table) or table.of is None or faces is None:
+        return None
+    point, place = to.values.vectors.get("point"), to.values.numbers.get("position", to.obj.preset.position)
+    return table.material_at(faces.line[round(place * (faces.path - 1))] if point is None else point)
 
 
 def bent(to: ObjectCall) -> float:

@@ -8,6 +8,10 @@ from carom.clients.cli import main
 from carom.clients.examples.meshes import household
 from carom.dsp.errors import CaromError
 from carom.dsp.mesh import forms
+from carom.dsp.runtime.engine import Engine
+from carom.server.scene.session import Session
+from tests.server.scene.support import say
+from tests.server.scene.test_points import stiffness_of
 
 trimesh = pytest.importorskip("trimesh")
 QUICK = ("--modes", "12", "--points", "60")
@@ -104,3 +108,54 @@ def test_the_examples_meshes_are_closed_but_for_the_sheet():
         surface, notes = cleaned(*make(), wall=wall is not None)
         assert len(surface.faces) > 400, name
         assert not any("hole" in note or "flipped" in note or "inside" in note for note in notes), (name, notes)
+
+
+def spade(path):
+    """Write a blade of steel with a shaft that is its own part."""
+    scene = trimesh.Scene()
+    blade, shaft = forms.box(0.12, 0.06, 0.004), forms.moved(forms.box(0.2, 0.02, 0.016), (0.155, 0, 0))
+    for name, part in (("blade", blade), ("shaft", shaft)):
+        scene.add_geometry(trimesh.Trimesh(*part, process=False), node_name=name, geom_name=name)
+    scene.export(path)
+    return path
+
+
+def test_a_part_that_a_file_does_not_have_is_said_with_those_that_it_has(tmp_path, capsys):
+    file = spade(tmp_path / "spade.glb")
+    given = ["--name", "spade", "--material", "steel", "--material", "grip=wood"]
+    assert main(["mesh", str(file), str(tmp_path), *given]) == 1
+    assert "part grip: there is none; expected one of blade, shaft" in capsys.readouterr().err
+    assert main(["mesh", str(file), str(tmp_path), "--name", "a", "--material", "shaft=wood"]) == 2
+    assert "--material: expected one for the body" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_body_of_two_materials_loses_by_both_and_is_struck_as_the_part_is(tmp_path):
+    file = spade(tmp_path / "spade.obj")
+    made = carom.mesh(file, tmp_path / "mine", "spade", {"*": "steel", "shaft": "wood"}, modes=16, points=80)
+    table, presets = made.table, carom.Presets(tmp_path / "mine")
+    steel, wood = (presets.material(each) for each in ("steel", "wood"))
+    assert table.materials == (steel, wood) and any("shaft: of wood" in note for note in table.notes)
+    assert table.mass == pytest.approx(7850 * 0.12 * 0.06 * 0.004 + 750 * 0.2 * 0.02 * 0.016 * 0.975, rel=0.03)
+    assert table.material_at((0.2, 0, 0.008)) == wood and table.material_at((-0.05, 0, 0.002)) is None
+    share = table.energy[1]
+    lost = share * (wood.decay(table.frequency) - wood.alpha / 2) + (1 - share) * (
+        steel.decay(table.frequency) - steel.alpha / 2
+    )
+    modes = presets.object("spade").modes(20_000.0)
+    expected = lost + steel.alpha / 2 + table.resistance / 2
+    assert modes.decay == pytest.approx(expected[: len(modes.decay)], rel=1e-6)
+    # The preset may name the mesh instead.
+    folder = tmp_path / "other" / "objects"
+    folder.mkdir(parents=True)
+    spade(folder / "spade.obj")
+    text = (tmp_path / "mine" / "objects" / "spade.toml").read_text()
+    section = '[mesh]\nfile = "spade.obj"\nmodes = 16\npoints = 80\n[mesh.materials]\nshaft = "wood"\n'
+    (folder / "spade.toml").write_text(text.replace('[geometry]\ntable = "spade.npz"\n', section))
+    assert carom.Presets(tmp_path / "other").object("spade").geometry["table"] == table
+    session = Session(Engine(48_000), presets)
+    say(session, "/object/new", "mug", "spade")
+    felt = [stiffness_of(session, "point", *point) for point in ((-0.05, 0.01, 0.002), (0.2, 0.003, 0.008))]
+    plane = [presets.striker("wood").contact(each)[1] for each in (steel, wood)]
+    assert felt == pytest.approx(plane, rel=1e-6)
+    assert stiffness_of(session, "position", 1.0) == pytest.approx(plane[1], rel=1e-6)
