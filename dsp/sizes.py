@@ -48,7 +48,7 @@ class Sizes(NamedTuple):
     """Plates at once whose modes can be coupled."""
     sheet_tables: int = 4_194_304
     """Values of float32 in the tables of all plates' grids: those of 30 different plates of 500 modes."""
-    pulse_values: int = 54_525_952
+    pulse_values: int = 33_554_432
     """Values of float32 in the tables of all swarms' pulses: those of drops and of seven exponents up to 2.5."""
     lines: int = 256
     """Objects that can be in space at once."""
@@ -67,7 +67,7 @@ SIZES = {
     "full": Sizes(),
     "small": Sizes(
         channels=2, objects=64, modes=16_384, phase_modes=2_560, stems=1, contacts=128, rolls=16, events=4_096,
-        ring=1_024, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576, pulse_values=16_777_216,
+        ring=1_024, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576, pulse_values=11_534_336,
         lines=8, sensors=1, ended=1_024, tap=64, notes=64, traced=1,
     ),
 }  # fmt: skip

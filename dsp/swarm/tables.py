@@ -29,7 +29,8 @@ _END = 7.0  # of a drop's force, in its time scale: 0.1 % of its momentum would 
 _BAND = 0.75  # of the sampling rate: pulses with the bump have nothing beyond
 _HIGHEST = 60.0  # of angular frequency times width: a contact's pulse is below -80 dB of its momentum beyond
 _NODES, _DROP_NODES = 200, 600
-_FINE, _COARSE, _COARSER = 64, 32, 16  # places between samples: of short pulses and drops, longer, and longest ones
+_FINEST = 64  # places between samples, of short pulses and drops
+_PLACES = 40.0  # the same in the width of longer pulses, which lines between the places follow as well
 
 
 class Form(NamedTuple):
@@ -136,7 +137,7 @@ def _lay_octaves(told: np.void, forms: list[Form], drops: bool) -> None:
         widest = LEAST * 2.0 ** (octave + 1)
         lead = math.ceil(0.5 * BUMP + before * widest)
         length = -(-(lead + math.ceil(0.5 * BUMP + after * widest) + 2) // LANES) * LANES
-        phases = _FINE if widest < 1.0 or drops else _COARSE if widest < 4.0 else _COARSER
+        phases = _FINEST if drops else min(_FINEST, math.ceil(_PLACES / (0.5 * widest)))
         order = np.arange(math.ceil(_BAND * length) + 1)
         assert length <= MOST_LENGTH and len(order) <= MOST_ORDERS and length * phases <= MOST_TURNS
         block = (STEPS + 1) * (phases + 1) * length
