@@ -28,11 +28,21 @@ def process(state: State, out: View2D[float], frames: int) -> None:
             render_quantum(state)
             output.consumed = 0
         count = min(frames - done, QUANTUM - output.consumed)
-        for n in range(count):
-            for channel in range(channels):
-                out[done + n, channel] = output.ready[output.consumed + n, channel]
+        _hand_out(output.ready, output.consumed, out, done, count, channels)
         done += count
         output.consumed += count
+
+
+@kernel
+def _hand_out(ready: View2D[float], first: int, out: View2D[float], begin: int, count: int, channels: int) -> None:
+    """Write `count` frames, of those that are ready from `first` on, to `out` from `begin` on."""
+    if channels == 1:  # one row after another, which is copied several frames at a time
+        for n in range(count):
+            out[begin + n, 0] = ready[0, first + n]
+        return
+    for n in range(count):
+        for channel in range(channels):
+            out[begin + n, channel] = ready[channel, first + n]
 
 
 @kernel
@@ -67,11 +77,12 @@ def render_quantum(state: State) -> None:
 def _make_ready(state: State) -> None:
     """Hand the mix over to whoever asks for frames, and move on in time."""
     output = state.output
-    for n in range(QUANTUM):
-        for channel in range(output.channels):
-            output.ready[n, channel] = output.mix[channel, n]
-        for k in range(output.sensors):
-            output.ready[n, output.channels + k] = state.sensors[k].sensed[n]
+    for channel in range(output.channels):
+        for n in range(QUANTUM):
+            output.ready[channel, n] = output.mix[channel, n]
+    for k in range(output.sensors):
+        for n in range(QUANTUM):
+            output.ready[output.channels + k, n] = state.sensors[k].sensed[n]
     state.position += QUANTUM
     state.steps_taken = 0
     if state.stats.sounding > 0:
@@ -91,5 +102,5 @@ def _tap(state: State) -> None:
     channels = state.output.channels + state.output.sensors
     for n in range(QUANTUM):
         for channel in range(channels):
-            tap.frames[(written % TAP + n) * channels + channel] = state.output.ready[n, channel]
+            tap.frames[(written % TAP + n) * channels + channel] = state.output.ready[channel, n]
     store_release(tap.written, 0, written + QUANTUM)

@@ -287,7 +287,7 @@ class Output(Record):
     channels: int
     sensors: int  # channels that follow these: one for each sensor
     mix: Annotated[View2D[float], MOST_CHANNELS, QUANTUM]
-    ready: Annotated[View2D[f32], QUANTUM, MOST_CHANNELS]  # frame by frame
+    ready: Annotated[View2D[f32], MOST_CHANNELS, QUANTUM]  # as it leaves
     consumed: int  # frames of `ready` that have left
     delay: int  # frames by which the limiter delays the sound, QUANTUM; 0: there is none
     held: Annotated[View2D[float], MOST_CHANNELS, QUANTUM]  # the mix that the limiter delays

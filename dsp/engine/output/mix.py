@@ -89,11 +89,11 @@ def is_faded(state: State, obj: Object) -> bool:
 @kernel
 def is_finite(state: State, voice: View2D[float]) -> bool:
     """True if a voice is made of numbers."""
-    finite = True
-    for side in range(sides_of(state)):
+    sides, finite = sides_of(state), 0
+    for side in range(sides):
         for n in range(QUANTUM):
-            finite &= abs(voice[side, n]) < _HUGE
-    return finite
+            finite += 1 if abs(voice[side, n]) < _HUGE else 0  # counted in lanes, where an `and` is not
+    return finite == sides * QUANTUM
 
 
 @kernel
