@@ -5,8 +5,8 @@ from itertools import islice
 
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import POINT
-from ...dsp.wording import MOST_COMPARED, some_of, suggestion
+from ...dsp.schema import GESTURES, POINT
+from ...dsp.wording import MOST_COMPARED, expected, some_of, suggestion
 from ..osc.addresses import Call
 from ..osc.arguments import GestureEnded, Refused, Values
 from ..osc.points import Change, Move
@@ -30,6 +30,8 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
         raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
     commands = [Command(NOW, Kind.STOP)]
+    if action not in ("stop", "point"):
+        _require_parameter(ids, action)
     if action in _ON_SURFACE:
         _require_surfaces(transaction, ids, action, values)
     if isinstance(call.verb, Move):
@@ -46,6 +48,14 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
         for command in commands:
             send(transaction, message, command._replace(gesture=id.number))
+
+
+def _require_parameter(ids: list[GestureId], action: str) -> None:
+    """Refuse to steer what none of the gestures has."""
+    kinds = {address.rsplit("/", 1)[1]: None for id in ids for address, _ in id.running}
+    if kinds and not any(action in GESTURES[kind].steerable for kind in kinds):
+        known = [name for kind in kinds for name in GESTURES[kind].steerable]
+        raise Refused(f"{action}: a {' or a '.join(kinds)} has none: {expected(action, dict.fromkeys(known))}")
 
 
 def _require_surfaces(transaction: Transaction, ids: list[GestureId], action: str, values: Values) -> None:

@@ -41,6 +41,13 @@ def test_gestures_are_steered(played):
     assert "unknown action 'jump'; expected stop, position, gain" in refusal(played, "/gesture/ball/jump")
 
 
+def test_a_gesture_is_not_steered_by_what_it_lacks(played):
+    say(played, "/object/pane/press", 1.0, "id", "hand")
+    assert refusal(played, "/gesture/hand/gravity", 1.62).startswith("gravity: a press has none: expected one of force")
+    say(played, "/object/pane/bounce", 1.0, "id", "ball")
+    assert say(played, "/gesture/*/gravity", 1.62) == []  # one of them has it
+
+
 def test_steering_what_does_not_run_is_refused_and_the_running_ones_are_named(played):
     """A gesture runs from when it is sent, also to begin later, to when the engine reports its end."""
     assert refusal(played, "/gesture/marble/stop") == "marble: no such gesture is running; running are none"
