@@ -3,11 +3,12 @@
     python -m tests.bench.meshes                    # both
     python -m tests.bench.meshes --only accuracy
     python -m tests.bench.meshes --only broken --count 200
+    python -m tests.bench.meshes --folder site-packages/gymnasium_robotics
 
 Accuracy: the 20 lowest frequencies beside those of an independent solution, and how much the last refinement changed
 it: of boxes and bodies of revolution by polynomials of high degree (`elastic`), of a lump by quadratic tetrahedra
 (scikit-fem) that fill it, curved with it and extrapolated from two sizes. Broken: meshes with faces that are missing,
-flipped, doubled, moved, cut, mirrored or not finite.
+flipped, doubled, moved, cut, mirrored or not finite. Of a folder, all files of meshes in it and below, in m or mm.
 """
 
 import argparse
@@ -16,6 +17,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 from itertools import permutations
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -26,12 +28,14 @@ from carom.dsp.mesh.lanczos import lowest
 from carom.dsp.mesh.model import Wanted, model_of
 from carom.dsp.mesh.surface import MeshError, Surface
 from carom.dsp.numerics.blas import on_one_thread
+from carom.presets.meshes import FORMATS, read_mesh
 from tests.bench import elastic
 
 METAL = Material("metal", 7.85e7, 2e15, 0.29, 1.0, 0.0)
 """Steel that is 10,000 times as heavy and stiff: the air's mass does not count."""
 COUNT = 20
-_TOLD = 10  # broken meshes between two lines
+_TOLD = 10  # meshes between two lines
+_LONG = 20.0  # s: what took so long is told
 Map = Callable[[np.ndarray], np.ndarray]
 
 
@@ -272,36 +276,91 @@ def broken(rng: np.random.Generator) -> tuple[Surface, float | None]:
     return Surface(points, faces), None if rng.random() < 0.6 else 10 ** rng.uniform(-4, -2)
 
 
-def survive(count: int) -> None:
-    """Print what becomes of broken meshes, as it does; stop at one that is neither a model nor a sentence."""
-    rng, models, said, slowest = np.random.default_rng(7), 0, 0, 0.0
-    for tried in range(1, count + 1):
-        surface, wall = broken(rng)
-        begun = time.process_time()
+class Tally:
+    """A count of meshes: how many became models, how many sentences."""
+
+    def __init__(self) -> None:
+        self.tried, self.models, self.slowest = 0, 0, 0.0
+
+    def add(self, points: np.ndarray, faces: np.ndarray, wall: float | None) -> str:
+        """Make a model of a mesh; return the sentence that says why there is none, or nothing. What is neither ends
+        the program."""
+        begun, said = time.process_time(), ""
         try:
-            model = model_of(*surface, METAL, Wanted(wall, modes=10, points=60))
+            model = model_of(points, faces, METAL, Wanted(wall, modes=10, points=60))
             assert np.isfinite(model.frequency).all() and np.isfinite(model.shapes).all()
             assert np.isfinite(model.resistance).all() and (model.resistance >= 0).all() and model.mass > 0
-            models += 1
-        except MeshError:
-            said += 1
-        slowest = max(slowest, time.process_time() - begun)
+            self.models += 1
+        except MeshError as error:
+            said = str(error)
+        self.tried += 1
+        self.slowest = max(self.slowest, time.process_time() - begun)
+        return said
+
+    def tell(self, of: str) -> None:
+        """Print it."""
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+        print(
+            f"{self.tried} {of} meshes: {self.models} models, {self.tried - self.models} sentences; "
+            f"{self.slowest:.1f} s at most; {memory:.2f} GB",
+            flush=True,
+        )
+
+
+def survive(count: int) -> None:
+    """Print what becomes of broken meshes, as it does; stop at one that is neither a model nor a sentence."""
+    rng, tally = np.random.default_rng(7), Tally()
+    for tried in range(1, count + 1):
+        surface, wall = broken(rng)
+        tally.add(*surface, wall)
         if tried % _TOLD == 0 or tried == count:
-            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-            print(
-                f"{tried} broken meshes: {models} models, {said} sentences; {slowest:.1f} s at most; {memory:.2f} GB",
-                flush=True,
-            )
+            tally.tell("broken")
+
+
+def of_folder(folder: Path) -> None:
+    """Print what becomes of all meshes of a folder: as solids, else as sheets of 2 % of their size."""
+    tally = Tally()
+    for file in sorted(each for each in folder.rglob("*") if each.suffix.lower() in FORMATS):
+        begun = time.process_time()
+        try:
+            points, faces = _read(file)
+        except MeshError as error:
+            print(f"{file.name}: {error}")
+            continue
+        said = tally.add(points, faces, None)
+        if said:
+            wall = 0.02 * float(np.ptp(points[np.unique(faces)], axis=0).max())
+            again = tally.add(points, faces, wall)
+            print(f"{file.name}, {len(faces):,} triangles: {said}; as a sheet: {again or 'a model'}", flush=True)
+        if time.process_time() - begun > _LONG:
+            print(f"{file.name}, {len(faces):,} triangles: {time.process_time() - begun:.1f} s", flush=True)
+        if tally.tried % _TOLD == 0:
+            tally.tell("other people's")
+    tally.tell("other people's")
+
+
+def _read(file: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Return points (n, 3) in m and faces (m, 3) of a file in m, or in mm where that can't be."""
+    try:
+        return read_mesh(file)
+    except MeshError as error:
+        if "scale" not in str(error):
+            raise
+        return read_mesh(file, 1e-3)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", choices=("accuracy", "broken"))
     parser.add_argument("--count", type=int, default=200, help="broken meshes (%(default)s)")
+    parser.add_argument("--folder", type=Path, help="a folder of meshes, of which alone is told")
     parser.add_argument("--body", default="", help="a part of the bodies' names")
     parser.add_argument("--fine", action="store_true", help="the finer models")
     options = parser.parse_args()
     with on_one_thread():
+        if options.folder:
+            of_folder(options.folder)
+            return
         if options.only != "broken":
             accuracy(options.fine, options.body)
         if options.only != "accuracy":

@@ -1,11 +1,12 @@
 """Meshes of things about the house, and the presets that Carom makes of them.
 
-    python household.py FOLDER
+    python household.py FOLDER [NAME...]
 
 Each function returns a surface in m and says where its sizes are from. Parts overlap where they are joined.
 """
 
 import sys
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -78,18 +79,26 @@ def wrench() -> Surface:
     )
 
 
-def pan() -> Surface:
-    """Return a frying pan of 2.5 mm steel: 240 mm wide, 45 mm high, with a flat handle of 200 x 24 x 5 mm.
+def pan() -> dict[str, Surface]:
+    """Return a frying pan of 2.5 mm steel, 240 mm wide, 45 mm high, on a tang of 18 x 3 mm that is sunk into a handle
+    of wood, 150 x 26 x 20 mm.
 
-    Source: usual carbon steel pans of 24 cm have 2.5 to 3 mm walls and weigh 1.2 to 1.5 kg with their handle.
+    Source: usual carbon steel pans of 24 cm have 2.5 to 3 mm walls and weigh 1.1 to 1.5 kg with their handle; handles
+    of beech are 140 to 180 mm long, of 25 to 30 x 18 to 22 mm.
     """
     outer = [[0, 0], [86, 0], [92, 2], [120, 45]]
     inner = [[117.3, 45], [90, 4.4], [85, 2.5], [0, 2.5]]
     body = lathe(MM * np.array(outer + inner), 96)
     along = np.linspace(0, 1, 21)
-    path = MM * np.stack([111 + 209 * along, 0 * along, 33 + 42 * np.sin(along * np.pi / 2.4)], axis=1)
-    flat = MM * np.array([[-12, -2.5], [12, -2.5], [12, 2.5], [-12, 2.5]])
-    return together(body, tube(path, flat))
+    path = MM * np.stack([111 + 119 * along, 0 * along, 33 + 26 * np.sin(along * np.pi / 2.4)], axis=1)
+    tang = tube(path, MM * np.array([[-9, -1.5], [9, -1.5], [9, 1.5], [-9, 1.5]]))
+    way = path[-1] - path[-5]
+    end = path[-1] + 0.092 * way / np.linalg.norm(way)
+    start = end - 0.15 * way / np.linalg.norm(way)
+    around = np.linspace(0, 2 * np.pi, 33)[:-1]
+    oval = np.stack([13 * np.cos(around), 10 * np.sin(around)], axis=1)
+    grip = tube(np.linspace(start, end, 9), MM * oval)
+    return {"pan": together(body, tang), "handle": grip}
 
 
 def spoon() -> Surface:
@@ -111,16 +120,18 @@ def spoon() -> Surface:
 
 
 def door_panel() -> Surface:
-    """Return a sheet of a car's door: 900 x 600 x 0.8 mm of steel, domed by 25 mm, an open surface.
+    """Return a door leaf of 860 x 1985 mm: stiles and rails of 40 mm, with tenons and grooves, and two panels of 14 mm.
 
-    Source: outer skins of car doors are 0.65 to 0.8 mm of steel (usual data of sheet steel for bodies); size estimated.
+    Source: leaves of doors for dwellings by DIN 18101 are 860 x 1985 mm, and about 40 mm thick; usual frames are of
+    stiles of 100 to 120 mm, with a lower rail of about 200 mm, and panels of 12 to 16 mm.
     """
-    x, y = np.meshgrid(np.linspace(-1, 1, 31), np.linspace(-1, 1, 21), indexing="ij")
-    places = np.stack([0.45 * x, 0.3 * y, 0.025 * (1 - x**2) * (1 - 0.5 * y**2) + 0.02 * (1 - y**2)], axis=-1)
-    number = np.arange(31 * 21).reshape(31, 21)
-    a, b, c, d = (each.ravel() for each in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
-    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    return Surface(places.reshape(-1, 3), faces.astype(np.int64))
+    stile = box(115 * MM, 1985 * MM, 40 * MM)
+    parts = [moved(stile, (side * 372.5 * MM, 0, 0)) for side in (-1, 1)]
+    for middle, height in ((-892.5, 200), (57.5, 150), (935, 115)):
+        parts.append(moved(box(670 * MM, height * MM, 39 * MM), (0, middle * MM, 0)))
+    for low, high in ((-792.5, -17.5), (132.5, 877.5)):
+        parts.append(moved(box(650 * MM, (high - low + 20) * MM, 14 * MM), (0, (low + high) / 2 * MM, 0)))
+    return together(*parts)
 
 
 def _plate(outline: np.ndarray, height: float) -> Surface:
@@ -161,40 +172,54 @@ def _skins(top: np.ndarray, low: np.ndarray, rows: int, columns: int) -> Surface
     return Surface(np.vstack([top, low]), np.concatenate([skin, skin[:, ::-1] + count, sides]).astype(np.int64))
 
 
-OBJECTS = {
+OBJECTS: dict[str, tuple[Callable[[], Surface | dict[str, Surface]], str | dict[str, str], float | None, int]] = {
     "mug": (mug, "ceramic", None, 48),
     "bottle": (bottle, "glass", None, 64),
     "tumbler": (tumbler, "glass", None, 48),
     "goblet": (goblet, "glass", None, 48),
     "wrench": (wrench, "steel", None, 40),
-    "steel-pan": (pan, "steel", None, 96),
+    "steel-pan": (pan, {"*": "steel", "handle": "wood"}, None, 96),
     "spoon": (spoon, "steel", None, 40),
-    "door-panel": (door_panel, "steel", 0.0008, 128),
+    "door-panel": (door_panel, "wood", None, 80),
 }
-"""Functions that make the surfaces, materials, walls (m) where they are sheets, and how many modes."""
+"""Functions that make the surfaces, or parts by name, materials, walls (m) where they are sheets, how many modes."""
 
 
-def main(folder: Path) -> None:
-    """Write the meshes as .ply files into a folder, and the presets that Carom makes of them."""
+def main(folder: Path, names: Sequence[str]) -> None:
+    """Write meshes into a folder, as .ply files or as .obj files where they have parts, and the presets that Carom
+    makes of them: of all objects, or of those named."""
     import carom
 
     folder.mkdir(parents=True, exist_ok=True)
-    for name, (make, material, wall, modes) in OBJECTS.items():
-        file = folder / f"{name}.ply"
-        write(make(), file)
-        made = carom.mesh(file, folder, name, material, wall=wall, modes=modes, points=250, fine=True)
-        print(*made.files)
+    for name in names or OBJECTS:
+        make, material, wall, modes = OBJECTS[name]
+        made = make()
+        file = folder / f"{name}{'.obj' if isinstance(made, dict) else '.ply'}"
+        file.write_text(_obj(made) if isinstance(made, dict) else _ply(made), encoding="ascii")
+        told = carom.mesh(file, folder, name, material, wall=wall, modes=modes, points=250, fine=True)
+        print(*told.files)
 
 
-def write(surface: Surface, file: Path) -> None:
-    """Write a surface as a .ply file in plain text."""
+def _ply(surface: Surface) -> str:
+    """Return a surface as a .ply file in plain text."""
     head = ["ply", "format ascii 1.0", f"element vertex {len(surface.points)}"]
     head += [f"property float {axis}" for axis in "xyz"]
     head += [f"element face {len(surface.faces)}", "property list uchar int vertex_indices", "end_header"]
     points = [" ".join(f"{x:.7g}" for x in point) for point in surface.points]
     faces = [" ".join(map(str, (3, *face))) for face in surface.faces]
-    file.write_text("\n".join([*head, *points, *faces]) + "\n", encoding="ascii")
+    return "\n".join([*head, *points, *faces]) + "\n"
+
+
+def _obj(parts: Mapping[str, Surface]) -> str:
+    """Return parts as an .obj file."""
+    lines, first = [], 1
+    for name, surface in parts.items():
+        lines.append(f"o {name}")
+        lines += ["v " + " ".join(f"{x:.7g}" for x in point) for point in surface.points]
+        lines += ["f " + " ".join(map(str, face + first)) for face in surface.faces]
+        first += len(surface.points)
+    return "\n".join(lines) + "\n"
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), sys.argv[2:])
