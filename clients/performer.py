@@ -95,6 +95,8 @@ class Performer:
         self.stems = stems
         self.contacts = contacts
         self.warnings: list[str] = []  # for the next report
+        self.off_path: set[str] = set()
+        """Names of objects that were touched at a point, or in a direction, which their strike paths lack."""
         self._names: dict[int, str] = {}  # of objects, by serial
         self._striking: dict[int, Striking] = {}  # by command
         self._trace = np.empty(0, TRACE)  # what was traced beyond the end of the last sound
@@ -176,6 +178,8 @@ class Performer:
                     self._names[each.serial], striker, str(keys.get("id", "")), gesture, each.mass,
                     float(keys.get("by_position", by_position)),  # type: ignore[arg-type]
                 )  # fmt: skip
+            if each.off_path:
+                self.off_path |= {self._names[serial] for serial in (each.serial, each.by) if serial in self._names}
 
     def ended(self) -> list[str]:
         """Return the ids of gestures that have ended since the last call."""

@@ -121,7 +121,7 @@ def about_object(
         "material": preset.material.name if preset.material else "",
         "mass": placed.modes.mass,
         "position": position,
-        "linear": not bends and followed.stayed(serial),
+        "linear": not bends and followed.stayed(serial) and name not in performer.off_path,
         "by_moments": _by_moments(placed.modes, settings.tune, rate),
         "rubbed_relief": max(min(SLID - made, len(relief.frequencies) if relief else 0), 0),
         "rubbed_clicks": len(table.clicks) if made + CLICK_ROOM <= SLID else 0,

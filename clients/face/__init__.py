@@ -23,7 +23,7 @@ items of a recipe without files, and `carom.torch` gives them to PyTorch.
 
 Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). A call that cannot be carried out raises an
 error that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError,
-RenderError or PresetError elsewhere. All are CaromErrors.
+RenderError, PresetError, ItemError (an item of a recipe) or NotLinear elsewhere. All are CaromErrors.
 
 Nothing is loaded before it is asked for. The first sound of a checkout compiles the engine.
 """
@@ -36,8 +36,10 @@ if TYPE_CHECKING:
     from .clients.actions import CommandError as CommandError
     from .clients.client import Client as Client
     from .clients.contacts import Contact as Contact
+    from .clients.dataset.clip import ItemError as ItemError
     from .clients.dataset.stream import render_many as render_many
     from .clients.modes import ModeTable as ModeTable
+    from .clients.rebuilding import NotLinear as NotLinear
     from .clients.rebuilding import rebuild as rebuild
     from .dsp.errors import CaromError as CaromError
     from .meshes import mesh as mesh
@@ -71,9 +73,11 @@ _HOMES = {
     "Contact": "clients.contacts",
     "Hearing": "server.bridge.hearing",
     "Hit": "server.bridge.simulation",
+    "ItemError": "clients.dataset.clip",
     "Listener": "server.bridge.hearing",
     "Microphone": "server.bridge.hearing",
     "ModeTable": "clients.modes",
+    "NotLinear": "clients.rebuilding",
     "Object": "scene",
     "Pose": "server.bridge.step",
     "PresetError": "presets",
@@ -103,9 +107,11 @@ __all__ = [
     "Contact",
     "Hearing",
     "Hit",
+    "ItemError",
     "Listener",
     "Microphone",
     "ModeTable",
+    "NotLinear",
     "Object",
     "Pose",
     "PresetError",

@@ -17,7 +17,7 @@ from .contact_law import bent
 from .object_call import ObjectCall
 from .objects import PlayedObject
 from .touching import feet_values
-from .transaction import Sent, Transaction
+from .transaction import Sent, Transaction, is_off_path
 
 _REST = "/object/NAME/rest"
 _LAW = ("stiffness", "dissipation", "exponent")
@@ -142,5 +142,5 @@ def _time(to: ObjectCall, other: PlayedObject | None) -> float:
 
 def _add(to: ObjectCall, message: Message, command: Command, on: PlayedObject | None = None) -> None:
     """Add a command of a rest, for which a message stands; `on`: the object that it rests on."""
-    sent = Sent(message, to.obj.handle.serial, on.handle.serial if on else 0, 0.0)
+    sent = Sent(message, to.obj.handle.serial, on.handle.serial if on else 0, 0.0, is_off_path(command))
     to.transaction.add(command._replace(handle=command.handle or to.obj.handle), sent)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, cast
 
 from ...dsp.engine.memory.commands import Command
 from ...dsp.runtime.engine import Engine
+from ...dsp.schema import DIRECTION
 from ...dsp.wording import suggestion
 from ...presets import NoPreset, Presets
 from ..new_object import NewObject
@@ -43,12 +44,21 @@ class NotMade(Exception):
 
 class Sent(NamedTuple):
     """The origin of a command: the canonical message, which leaves no choice open; the serials of its object and of
-    the one that strikes it (0: none); and the mass (kg) that strikes."""
+    the one that strikes it (0: none); the mass (kg) that strikes; and whether it does so off the strike path."""
 
     message: Message
     serial: int
     by: int
     mass: float
+    off_path: bool = False
+
+
+_OFF_PATH = ("on_surface", "by_on_surface", *(each.name for each in DIRECTION))
+
+
+def is_off_path(command: Command) -> bool:
+    """True if a command acts at a point of a surface or in a direction of its own."""
+    return any(command.values.get(name) for name in _OFF_PATH)
 
 
 @dataclass

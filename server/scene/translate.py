@@ -33,7 +33,7 @@ from .sensing import SENSOR_HANDLERS
 from .shattering import shatter
 from .steering import CHANGE_WORK, steer
 from .touching import gathered, given_of, place_values
-from .transaction import Sent, Transaction
+from .transaction import Sent, Transaction, is_off_path
 from .usual import completed
 from .world_messages import world_handlers
 
@@ -361,4 +361,4 @@ def _add(
         time = max(time, transaction.objects.start_of(each, transaction.time)) if each else time
     placed = command._replace(time=time, handle=obj.handle if obj else None, by=by.handle if by else None)
     serial, by_serial = (each.handle.serial if each else 0 for each in (obj, by))
-    transaction.add(placed, Sent(message, serial, by_serial, command.values.get("mass", 0.0)))
+    transaction.add(placed, Sent(message, serial, by_serial, command.values.get("mass", 0.0), is_off_path(command)))

@@ -69,6 +69,20 @@ def test_a_world_is_rebuilt():
     assert max(missed(read(find("worlds")), 1)) < -80
 
 
+def test_a_blow_off_the_strike_path_is_refused_by_name(tmp_path):
+    """Its row tells a place along the path alone, and so another sound."""
+    key = "point = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 1.0]"
+    text = f'count = 1\nseconds = 0.05\n[object]\npreset = "wrench"\n[impact]\nvelocity = 1\n{key}\n'
+    with pytest.raises(carom.NotLinear, match="object: it is not linear"):
+        missed(recipe_of(tmp_path, text), 0)
+
+
+def test_what_stands_on_its_feet_is_refused_by_name(tmp_path):
+    text = 'count = 1\nseconds = 0.05\n[object]\npreset = "tumbler"\n[press]\nforce = 9\nstriker = "wood"\n'
+    with pytest.raises(carom.NotLinear, match="object: it is not linear"):
+        missed(recipe_of(tmp_path, text), 0)
+
+
 @pytest.mark.parametrize("preset", ["tom", "splash-cymbal"])
 def test_what_stretches_is_refused_by_name(tmp_path, preset):
     recipe = recipe_of(

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import carom
-from carom.clients.dataset.clip import ItemError
 from tests.clients.dataset.support import SMALL, unpacked, written
 
 BLOWS = {"object": {"preset": "xylophone-bar", "length": 0.2}, "impact": {"velocity": {"uniform": (0.5, 1)}}}
@@ -53,5 +52,5 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered():
 def test_an_item_that_cannot_be_is_named_by_any_process(tmp_path):
     path = written(tmp_path, "full_scale = 1e-3\n" + SMALL)
     for workers in (1, 2):
-        with pytest.raises(ItemError, match="item 0: its peak is"):
+        with pytest.raises(carom.ItemError, match="item 0: its peak is"):
             list(carom.render_many(path, workers=workers))
