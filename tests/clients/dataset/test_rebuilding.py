@@ -70,7 +70,7 @@ def test_a_world_is_rebuilt():
 
 
 def test_a_blow_off_the_strike_path_is_refused_by_name(tmp_path):
-    """Its row tells a place along the path alone, and so another sound."""
+    """A row tells a place along the path alone, and so another sound."""
     key = "point = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 1.0]"
     text = f'count = 1\nseconds = 0.05\n[object]\npreset = "wrench"\n[impact]\nvelocity = 1\n{key}\n'
     with pytest.raises(carom.NotLinear, match="object: it is not linear"):
