@@ -148,7 +148,7 @@ def _meetings(surface: Surface, ends: Indices, sides: Array, convex: Flags) -> t
         for look in sides[numbers].reshape(-1, 3):
             if look.any() and all(look @ each < CREASE for each in kept) and len(kept) < 3:
                 kept.append(look)
-        looks[row, : len(kept)] = kept
+        looks[row, : len(kept)] = np.reshape(kept, (-1, 3))
     return points[found], looks, np.array([convex[numbers].all() for numbers in at.values()], bool)
 
 

@@ -7,6 +7,7 @@ from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.cleaning import cleaned, openings
 from carom.dsp.mesh.model import Wanted, model_of
+from carom.dsp.mesh.skin import skin_of
 from carom.dsp.mesh.surface import MeshError, Surface, faces_of, volume_of
 
 BALL = forms.ball(0.05, 3)
@@ -104,3 +105,14 @@ def test_a_thin_wall_of_too_many_triangles_is_refused_before_memory_is_taken():
     metal = Material("metal", 7850.0, 200e9, 0.29, 1.0, 0.0)
     with pytest.raises(MeshError, match="20,480 triangles: expected at most 20,000 in a thin wall"):
         model_of(*forms.ball(0.05, 5), metal, Wanted(wall=1e-4))
+
+
+def test_a_slit_whose_sides_lie_on_each_other_is_closed_and_has_a_skin():
+    points, faces = forms.box(0.1, 0.06, 0.02)
+    a, b, c = faces[0]
+    points = np.vstack([points, (points[a] + points[b]) / 2])  # a corner that the triangle next to it does not have
+    faces = np.vstack([faces[1:], [(a, len(points) - 1, c), (len(points) - 1, b, c)]])
+    surface, notes = cleaned(points, faces)
+    assert any("hole" in note for note in notes)
+    skin = skin_of(surface, 60)
+    assert np.isfinite(skin.normals).all() and len(skin.faces) > 60
