@@ -29,7 +29,7 @@ import numpy as np
 from ..native.jit import kernel
 from ..native.typed import Items, View
 from .block_nodes import AT, FORCE_MOMENTS, SHARES, TIMES_OF_ONE, TIMES_OF_THREE, TIMES_OF_TWO
-from .block_records import Block, Net, Tables, forces_of, ratio_of, rows_of
+from .block_records import Block, Net, Tables, forces_of, motion_of, ratio_of, rows_of
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 from .collocation import NODES, elastic, raised
 from .coupled_records import Coupled, Member
@@ -88,8 +88,10 @@ def renew_block(block: Block) -> None:
 def begin_block(block: Block, contact: Coupled, place: float) -> None:
     """Begin a block with a coupled contact as it is; place (m): of the object's point now, by its free motion."""
     contact.position = contact.motion[0] + place
+    block.springs = contact.k / (contact.a + 1.0)
+    block.stored = _stored(contact, block, contact.motion[0])
     block.leaves = 1 if contact.rest_force == 0.0 else 0
-    block.rows[rows_of(block) - 1] = place
+    motion_of(block)[rows_of(block) - 1] = place
     for j in range(FORCES):
         known = contact.touching == 1 and j < forces_of(block)
         block.force[j] = block.before[j] = contact.force[0] if known else 0.0
@@ -104,48 +106,48 @@ def end_block(block: Block, contact: Coupled) -> None:
 
 
 @kernel
-def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, n: int) -> bool:
-    """Take all contacts of a net through sample n of the block, with their paths laid by `project_path`; `moments` gets
-    those of F.
+def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, n: int) -> bool:
+    """Take all contacts of a net, of a size, through sample n of the block, with their paths laid by `project_path`;
+    `moments` gets those of F.
 
     False, and nothing done, where the energy of one would grow: then the block ends before that sample.
     """
     if blocks[net.block[0]].parts == 1:
-        return _step(contacts, blocks, net, n, TIMES_OF_ONE)
+        return _step(contacts, blocks, net, size, n, TIMES_OF_ONE)
     if blocks[net.block[0]].parts == 2:
-        return _step(contacts, blocks, net, n, TIMES_OF_TWO)
-    return _step(contacts, blocks, net, n, TIMES_OF_THREE)
+        return _step(contacts, blocks, net, size, n, TIMES_OF_TWO)
+    return _step(contacts, blocks, net, size, n, TIMES_OF_THREE)
 
 
 @kernel
-def _step(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, times: tuple[float, ...]) -> bool:
+def _step(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, n: int, times: tuple[float, ...]) -> bool:
     """Take a step of `step_blocks` with nodes at `times`, of which there is a fixed number for each compilation."""
-    for i in range(net.size):
+    for i in range(size):
         _predict(contacts[net.contact[i]].coupled, blocks[net.block[i]], i, n, times)
     if net.lasts == 1:
         _keep_at_rest(blocks, net)
-    _sweep(contacts, blocks, net, times)
-    if not _conserve(contacts, blocks, net, times):
-        for i in range(net.size):
+    _sweep(contacts, blocks, net, size, times)
+    if not _conserve(contacts, blocks, net, size, times):
+        for i in range(size):
             blocks[net.block[i]].gained = blocks[net.block[i]].kept
         return False
-    for i in range(net.size):
+    for i in range(size):
         _move(contacts[net.contact[i]].coupled, blocks[net.block[i]], times)
     return True
 
 
 @kernel
-def _sweep(contacts: Items[Member], blocks: Items[Block], net: Net, times: tuple[float, ...]) -> None:
+def _sweep(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, times: tuple[float, ...]) -> None:
     """Find the forces of all contacts in turn, forwards and backwards."""
-    for turn in range(2 * net.size - 1):
-        i = turn if turn < net.size else 2 * net.size - 2 - turn
-        if net.size > 1:
+    for turn in range(2 * size - 1):
+        i = turn if turn < size else 2 * size - 2 - turn
+        if size > 1:
             _see(contacts, blocks, net, i, times)
         _solve(contacts[net.contact[i]].coupled, blocks[net.block[i]], blocks[net.block[i]].tables[i], times)
 
 
 @kernel
-def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, times: tuple[float, ...]) -> bool:
+def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, times: tuple[float, ...]) -> bool:
     """Change the forces so that no contact's energy grows by too much; false if that takes too much.
 
     False, too, where a contact leaves that ends its block so. Of several contacts, each is found anew with the others'
@@ -153,10 +155,10 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, times: tu
     """
     for turn in range(_ROUNDS):
         grows = far = False
-        for i in range(net.size):
-            if net.size > 1 or turn > 0:
+        for i in range(size):
+            if size > 1 or turn > 0:
                 _rate(contacts, blocks, net, i, times)
-            excess = _account(contacts, blocks, net, i, times)
+            excess = _account(contacts, blocks, net, size, i, times)
             block = blocks[net.block[i]]
             if block.solved == 0 or not math.isfinite(excess) or (block.leaves == 1 and not _pushes(block)):
                 return False
@@ -165,10 +167,10 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, times: tu
                 far |= not _mend(block, excess)
         if not grows:
             return True
-        if far and (net.size == 1 or turn >= _SWEEPS):
+        if far and (size == 1 or turn >= _SWEEPS):
             return False
         if far:
-            _sweep(contacts, blocks, net, times)
+            _sweep(contacts, blocks, net, size, times)
     return False
 
 
@@ -205,7 +207,7 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
     forces = len(times)
     h, rest, parts = contact.period, contact.rest_force, forces // NODES_PER_PART
     first = (n + 1) * (5 * parts - 1)
-    rows, middles, end = block.rows, first + 3 * parts, first + 5 * parts - 2
+    rows, middles, end = motion_of(block), first + 3 * parts, first + 5 * parts - 2
     pushed = h * h * (contact.push - rest) / contact.m
     moved, held = h * contact.v, block.tables[i].give_all
     begin, tilted = contact.position - contact.motion[0], 0.0
@@ -215,27 +217,27 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
         after = rows[middles + part] if part < parts - 1 else rows[end]
         tilt = rows[first + forces + part]
         rate = parts * (after - before) + (tilt if k % NODES_PER_PART == 1 else -tilt)
-        x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[k] - rows[first + k]
+        x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[k] + rest * held[k] - rows[first + k]
         v = moved + at * pushed + block.slope[k] - rate
         tilted += SHARES[parts, k] * (2.0 * at - 1.0) * v
-        block.free[k] = block.seen[k] = x + rest * held[k]
+        block.free[k] = block.seen[k] = x
         block.free[FORCES + k] = block.seen[FORCES + k] = v + rest * held[FORCES + k]
         block.last[k] = block.force[k]
         block.force[k] = max(2.0 * block.force[k] - block.before[k], 0.0)
     block.travel[0] = moved + 0.5 * pushed + block.rise + (begin - rows[end])
     block.travel[1] = tilted
-    _bend(block, middles + parts - 1, times)
+    _bend(block, rows[middles + parts - 1 :], times)
     block.kept = block.gained
 
 
 @kernel
-def _bend(block: Block, first: int, times: tuple[float, ...]) -> None:
-    """Set the means of higher P_l times the compression's rate, by rows from `first` on and by the path's slope."""
+def _bend(block: Block, rows: View[float], times: tuple[float, ...]) -> None:
+    """Set the means of higher P_l times the compression's rate, by the rows of it and by the path's slope."""
     parts = len(times) // NODES_PER_PART
     for moment in range(2, MOMENTS_AHEAD):
         total = 0.0
         if moment <= parts:
-            total = -block.rows[first + moment - 2]
+            total = -rows[moment - 2]
             for k in range(len(times)):
                 s = 2.0 * AT[parts, k] - 1.0
                 value = 1.5 * s * s - 0.5 if moment == 2 else (2.5 * s * s - 1.5) * s
@@ -331,8 +333,8 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
         m00, m01 = 1.0 + s * a00 + d * w00, s * a01 + d * w01
         m10, m11 = t * a10 + e * w10, 1.0 + t * a11 + e * w11
         r0, r1 = f - f0, g - f1
-        scale = 1.0 / (m00 * m11 - m01 * m10)
-        c0, c1 = (r0 * m11 - r1 * m01) * scale, (r1 * m00 - r0 * m10) * scale
+        whole = m00 * m11 - m01 * m10
+        c0, c1 = (r0 * m11 - r1 * m01) / whole, (r1 * m00 - r0 * m10) / whole
         f0 += c0
         f1 += c1
         # What the law changes by, as it is linear, where both nodes touch: what is left is about its square.
@@ -346,7 +348,9 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
 
 
 @kernel
-def _account(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times: tuple[float, ...]) -> float:
+def _account(
+    contacts: Items[Member], blocks: Items[Block], net: Net, size: int, i: int, times: tuple[float, ...]
+) -> float:
     """Find a contact's compression at the sample's end, and its energy's growth beyond its force's work.
 
     The work is sum_l (2 l + 1) J_l int P_l x' dt, with J_l the moments that later samples feel: body and modes get so
@@ -357,7 +361,7 @@ def _account(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, ti
     moved, work = block.travel[0], 0.0
     for moment in range(forces // NODES_PER_PART + 1):
         travel = block.travel[moment]
-        for j in range(net.size):
+        for j in range(size):
             own, f, rest = block.tables[j], blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
             ratio = ratio_of(net, i, j) if i != j else 1.0
             for p in range(forces):
@@ -366,9 +370,9 @@ def _account(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, ti
             moved = travel
         work += (2 * moment + 1) * _moment(block, moment, 0.0, times) * travel
     block.end = contact.motion[0] + moved
-    stored = elastic(block.end, contact.k, contact.a)
-    block.most = max(block.scale, stored)
-    grown = block.kept + stored - elastic(contact.motion[0], contact.k, contact.a) - work
+    block.left = _stored(contact, block, block.end)
+    block.most = max(block.scale, block.left)
+    grown = block.kept + block.left - block.stored - work
     block.gained = max(grown, 0.0)
     return 0.0 if grown <= _ALLOWED * block.most else grown - 0.5 * _ALLOWED * block.most
 
@@ -401,7 +405,7 @@ def _move(contact: Coupled, block: Block, times: tuple[float, ...]) -> None:
     contact.v += pushed - lightness * block.moments[0]
     if total > 0.0 and contact.touching == 0:
         contact.contacts += 1
-    block.scale = block.most
+    block.scale, block.stored = block.most, block.left
     contact.motion[0] = block.end
     contact.touching = 1 if block.end > 0.0 else 0
     contact.steps += 1
@@ -414,4 +418,10 @@ def _law(contact: Coupled, x: float, v: float) -> tuple[float, float, float]:
     if not (x > 0.0 and slack > 0.0):
         return 0.0, 0.0, 0.0
     spring = contact.k * raised(x, contact.a - 1.0)
-    return spring * x * slack, contact.a * spring * slack, contact.mu * spring * x
+    return spring * (x * slack), spring * (contact.a * slack), spring * (contact.mu * x)
+
+
+@kernel
+def _stored(contact: Coupled, block: Block, x: float) -> float:
+    """Return the elastic energy V(x) in J."""
+    return block.springs * raised(x, contact.a + 1.0) if x > 0.0 else 0.0

@@ -5,7 +5,7 @@ from typing import Annotated
 from ..native.jit import kernel
 from ..native.typed import Record, View
 from ..numerics.legendre import AHEAD
-from ..numerics.sums import AT_ONCE
+from ..numerics.sums import AT_ONCE, BEYOND, line_of
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 
 TOGETHER = 4
@@ -22,6 +22,7 @@ class Tables(Record):
 
     settled: int  # number of the receptance of the contact whose force it is, 0: none is known
     # m/(N s): what each moment adds to rows of later samples, from a line of the cache on, as `add_tables` reads it.
+    # Of one part, whose rows fill half a line, once more half a line behind.
     later: Annotated[View[float], MOMENTS_AHEAD * AHEAD * ROWS + AT_ONCE]
     # What each force takes off at all nodes, one after the other: m/N, then of the rate, m/(N sample).
     give: Annotated[View[float], FORCES * MOTIONS]
@@ -38,6 +39,7 @@ class Net(Record):
     """Contacts with one object, or with several that share contacts, that are solved together."""
 
     size: int
+    end: int  # frame up to which they are solved, -1: nobody has done so
     lasts: int  # 1: forces that last are not all those of bodies at rest, which are in no force here
     contact: Annotated[View[int], TOGETHER]  # places among the contacts
     block: Annotated[View[int], TOGETHER]  # and among the blocks
@@ -56,10 +58,13 @@ class Block(Record):
     # While a block lasts:
     gained: float  # J: by how much the energy is above the least so far
     scale: float  # J: the greatest V so far
+    springs: float  # N/m^a: V = springs x^(a + 1)
     kept: float  # J: `gained` before the sample
+    stored: float  # J: V then
+    left: float  # J: V after it
     most: float  # J: `scale` after it
-    # m: the point's motion without the forces to come; the first end at its place now
-    rows: Annotated[View[float], (AHEAD + 1) * ROWS + AT_ONCE]
+    # m: the point's motion without the forces to come, from a line of the cache on; the first end at its place now
+    rows: Annotated[View[float], (AHEAD + 1) * ROWS + BEYOND + AT_ONCE]
     force: Annotated[View[float], FORCES]  # N
     before: Annotated[View[float], FORCES]  # a sample before
     last: Annotated[View[float], FORCES]
@@ -68,6 +73,8 @@ class Block(Record):
     rise: float  # m: and at the sample's end
     leaves: int  # 1: the block ends where the contact does
     even: int  # 1: the body rolls evenly
+    pace: float  # m in a part of the sample, if it does
+    per_pace: float  # 1/m
     # Where it was on its path before the sample:
     piece: int  # -1: it has not rolled evenly over the sample
     along: float  # m
@@ -92,6 +99,12 @@ def forces_of(block: Block) -> int:
 def rows_of(block: Block) -> int:
     """Return the number of rows that a block has."""
     return 5 * block.parts - 1
+
+
+@kernel
+def motion_of(block: Block) -> View[float]:
+    """Return the rows of the point's motion, one sample's after the other's."""
+    return block.rows[line_of(block.rows) :]
 
 
 @kernel

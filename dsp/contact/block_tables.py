@@ -5,11 +5,12 @@ from ..native.typed import Items, View
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, add_tables, line_of
 from .block_nodes import AT, RATES, SHARES, TO_NODES, TRAVELS
-from .block_records import Block, Net, Tables, forces_of, moments_of, ratio_of, rows_of
+from .block_records import Block, Net, Tables, forces_of, moments_of, motion_of, ratio_of, rows_of
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
 from .power_series import POWERS
 
-_OF_ONE = 4  # rows of a block of one part
+_OF_ONE = 4  # rows of a block of one part: half a line of the cache
+_ODD = 2 * (AHEAD + 2) * _OF_ONE  # where its answers lie once more, half a line behind
 
 
 @kernel
@@ -73,7 +74,7 @@ def take_missed(block: Block, tables: Tables, laid: View[float], place: float, o
 @kernel
 def take_rows(block: Block, laid: View[float], scale: float) -> None:
     """Take rows of the point's motion that were laid one after the other, times `scale`."""
-    count, rows = rows_of(block), block.rows
+    count, rows = rows_of(block), motion_of(block)
     if count == _OF_ONE:  # by registers
         for n in range(AHEAD):
             first = _OF_ONE * (n + 1)
@@ -88,19 +89,30 @@ def take_rows(block: Block, laid: View[float], scale: float) -> None:
 @kernel
 def take_answers(block: Block, tables: Tables, moment: int, laid: View[float]) -> None:
     """Take the rows of the motion that follows on a moment of a force that is 1."""
-    count, moments, first = rows_of(block), moments_of(block), line_of(tables.later)
-    for r in range(count):
-        for n in range(AHEAD):
-            i = n * count + r
-            within = i % AT_ONCE
-            tables.later[first + (i - within) * moments + moment * AT_ONCE + within] = laid[r * AHEAD + n]
+    count, first = rows_of(block), line_of(tables.later)
+    _take_answers(block, tables.later[first:], moment, laid, 0)
+    if count == _OF_ONE:
+        _take_answers(block, tables.later[first + _ODD :], moment, laid, _OF_ONE)
 
 
 @kernel
-def feel(blocks: Items[Block], net: Net, n: int) -> None:
-    """Add what the forces of sample n do to the rows of the samples after it, of all contacts of a net."""
-    for i in range(net.size):
-        for j in range(net.size):
+def _take_answers(block: Block, later: View[float], moment: int, laid: View[float], behind: int) -> None:
+    """Take them so many values behind the first, before which they are 0."""
+    count, moments = rows_of(block), moments_of(block)
+    for i in range(behind):
+        later[moment * AT_ONCE + i] = 0.0
+    for r in range(count):
+        for n in range(AHEAD):
+            i = n * count + r + behind
+            within = i % AT_ONCE
+            later[(i - within) * moments + moment * AT_ONCE + within] = laid[r * AHEAD + n]
+
+
+@kernel
+def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
+    """Add what the forces of sample n do to the rows of the samples after it, of all contacts of a net of a size."""
+    for i in range(size):
+        for j in range(size):
             ratio = ratio_of(net, i, j) if i != j else net.share[i]
             _feel(blocks[net.block[i]], blocks[net.block[i]].tables[j], blocks[net.block[j]].moments, n, ratio)
 
@@ -108,12 +120,13 @@ def feel(blocks: Items[Block], net: Net, n: int) -> None:
 @kernel
 def _feel(block: Block, tables: Tables, moments: View[float], n: int, share: float) -> None:
     """Add what a share of one force does to the rows of one contact."""
-    count, first, later = rows_of(block), line_of(tables.later), tables.later
+    count, first, later, rows = rows_of(block), line_of(tables.later), tables.later, motion_of(block)
     begin, values = (n + 2) * count, (AHEAD - 1 - n) * count
     m0, m1 = share * moments[0], share * moments[1]
     if block.parts == 1:
-        add_tables(block.rows, begin, later, first, (m0, m1), values)
+        odd = n & 1  # then it begins amid a line
+        add_tables(rows, begin - odd * _OF_ONE, later, first + odd * _ODD, (m0, m1), values + odd * _OF_ONE)
     elif block.parts == 2:
-        add_tables(block.rows, begin, later, first, (m0, m1, share * moments[2]), values)
+        add_tables(rows, begin, later, first, (m0, m1, share * moments[2]), values)
     else:
-        add_tables(block.rows, begin, later, first, (m0, m1, share * moments[2], share * moments[3]), values)
+        add_tables(rows, begin, later, first, (m0, m1, share * moments[2], share * moments[3]), values)

@@ -31,7 +31,7 @@ def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[
     flat = room[1]
     for i in range(len(flat)):
         flat[i] = 0.0
-    return lay_motion(block.parts, modes, point, room[0], flat)
+    return lay_motion(block.parts, AHEAD, modes, point, room[0], flat)
 
 
 @kernel
@@ -80,9 +80,9 @@ def _simulate(solved, bank, room, case, parts, samples, times, out):
             if not within or t - first == AHEAD:
                 begin_alone(block, contact, bank, room)
                 within, first = True, t
-            within = step_blocks(contacts, blocks, net, t - first)
+            within = step_blocks(contacts, blocks, net, 1, t - first)
             if within:
-                feel(blocks, net, t - first)
+                feel(blocks, net, 1, t - first)
                 for j in range(KEPT):
                     bank.moments[j] = block.moments[j] if j < MOMENTS_AHEAD else 0.0
                 inject_kept(modes, point, bank.moments)

@@ -8,6 +8,11 @@ from ..native.typed import View
 AT_ONCE = 8
 """Values that are added at once: 64 bytes, a line of the cache."""
 
+_LINES = 4  # that are added between two jumps: their number then changes seldom, and is foretold
+
+BEYOND = _LINES * AT_ONCE
+"""Values, at most, that `add_tables` reads and writes beyond those that are asked for."""
+
 _REASSOCIATE = ("contract", "reassoc", "nsz")
 
 
@@ -34,7 +39,7 @@ def add_tables(
     typingctx: object, sums: View[float], begin: int, tables: View[float], first: int, factors: tuple[float, ...],
     count: int,
 ) -> Lowered[None]:  # fmt: skip
-    """Add sum_k factors[k] table_k[i] to sums[begin + i] for each i below `count`, and for up to AT_ONCE - 1 more.
+    """Add sum_k factors[k] table_k[i] to sums[begin + i] for each i below `count`, and for less than BEYOND more.
 
     From tables[first] on lie AT_ONCE values of each table, then the next of each.
     """
@@ -48,15 +53,21 @@ def add_tables(
             for lane in range(AT_ONCE):
                 each = builder.insert_element(each, factor, ir.IntType(32)(lane))
             spread.append(each)
-        with cgutils.for_range_slice(builder, whole(0), count, whole(AT_ONCE)) as (i, _):
-            place = _pointer(context, builder, signature.args[0], sums, builder.add(begin, i))
-            total = builder.load(place, align=8)
-            for k, factor in enumerate(spread):
-                at = builder.add(builder.mul(i, whole(len(spread))), builder.add(first, whole(k * AT_ONCE)))
-                values = builder.load(_pointer(context, builder, signature.args[2], tables, at), align=8)
-                product = builder.fmul(factor, values, flags=_REASSOCIATE)
-                total = builder.fadd(total, product, flags=_REASSOCIATE)
-            builder.store(total, place, align=8)
+        with cgutils.for_range_slice(builder, whole(0), count, whole(BEYOND)) as (i, _):
+            added = []
+            for line in range(_LINES):
+                at = builder.add(builder.add(begin, i), whole(line * AT_ONCE))
+                place = _pointer(context, builder, signature.args[0], sums, at)
+                total = builder.load(place, align=8)
+                for k, factor in enumerate(spread):
+                    at = builder.add(first, whole((line * len(spread) + k) * AT_ONCE))
+                    at = builder.add(builder.mul(i, whole(len(spread))), at)
+                    values = builder.load(_pointer(context, builder, signature.args[2], tables, at), align=8)
+                    product = builder.fmul(factor, values, flags=_REASSOCIATE)
+                    total = builder.fadd(total, product, flags=_REASSOCIATE)
+                added.append((total, place))
+            for total, place in added:
+                builder.store(total, place, align=8)
         return context.get_dummy_value()
 
     return types.void(sums, types.intp, tables, types.intp, factors, types.intp), codegen

@@ -36,9 +36,11 @@ ROOM = (4 * AT_ONCE + AHEAD * AT_ONCE + 2) * LANES
 
 @simd_kernel
 def lay_rows(
-    modes: Modes, point: Point, weights: tuple[tuple[float, ...], ...], room: View[float], out: View[float]
-) -> float:
-    """Add the point's motion over the coming AHEAD samples without a force to `out`: one row after the other.
+    modes: Modes, point: Point, weights: tuple[tuple[float, ...], ...], samples: int, room: View[float],
+    out: View[float],
+) -> float:  # fmt: skip
+    """Add the point's motion over so many coming samples, AHEAD at most, without a force to `out`: one row after the
+    other, each of AHEAD values.
 
     Return the last row's value a sample before its first: the point's displacement now (m), if that row is the
     displacement at the sample's end. weights: a tuple for each row, AT_ONCE of them at most, by `row_weights` or
@@ -46,18 +48,19 @@ def lay_rows(
     """
     room = room[line_of(room) :]
     begin, size = AHEAD * len(weights) * LANES, len(modes.y1)
-    for i in range(begin):
+    rung = modes.y1, modes.y2, modes.a1, modes.a2
+    for i in range(samples * len(weights) * LANES):
         room[i] = 0.0
     place = 0.0
     for first in range(0, size - LANES, 2 * LANES):
         second = first + LANES
         place += _put(modes, point, weights, room, (first, begin))
         place += _put(modes, point, weights, room, (second, begin + 2 * len(weights) * LANES))
-        add_courses(room, modes.y1, modes.y2, modes.a1, modes.a2, (first, second), weights)
+        add_courses(room, rung, (first, second), weights, samples)
     if size % (2 * LANES) > 0:
         place += _put(modes, point, weights, room, (size - LANES, begin))
-        add_courses(room, modes.y1, modes.y2, modes.a1, modes.a2, (size - LANES,), weights)
-    add_lanes(out, room, weights)
+        add_courses(room, rung, (size - LANES,), weights, samples)
+    add_lanes(out, room, weights, samples)
     return place
 
 

@@ -58,35 +58,41 @@ def put_factors(
 
 @intrinsic
 def add_courses(
-    typingctx: object, room: View[float], y1: View[float], y2: View[float], a1: View[float], a2: View[float],
-    firsts: tuple[int, ...], weights: tuple[tuple[float, ...], ...],
+    typingctx: object, room: View[float], modes: tuple[View[float], ...], firsts: tuple[int, ...],
+    weights: tuple[tuple[float, ...], ...], samples: int,
 ) -> Lowered[None]:  # fmt: skip
-    """Add groups of LANES modes, from `firsts` on, to rows of AHEAD samples, each mode in a lane of its own.
+    """Add groups of LANES modes, from `firsts` on, to rows of so many samples, each mode in a lane of its own.
+
+    modes: their y1, y2, a1 and a2.
 
     In `room` lie the lanes of each row at the first sample, then those at the next one, and so on; after them the
     factors, as `put_factors` has them with those weights, one group's after the other's.
     """
 
     def codegen(context, builder, signature, args):
-        count = len(signature.args[6])
+        count = len(signature.args[3])
 
-        def place(n, index):
-            return pointer_to(context, builder, signature.args[n], args[n], index)
+        def place(index):
+            return pointer_to(context, builder, signature.args[0], args[0], index)
 
         groups = []
-        for g, first in enumerate(cgutils.unpack_tuple(builder, args[5])):
-            y1, y2, p, q = (builder.load(place(n, first), align=8) for n in range(1, 5))
+        for g, first in enumerate(cgutils.unpack_tuple(builder, args[2])):
+            y1, y2, p, q = (
+                builder.load(pointer_to(context, builder, kind, array, first), align=8)
+                for kind, array in zip(signature.args[1], cgutils.unpack_tuple(builder, args[1]), strict=True)
+            )
             begin = AHEAD * count + 2 * count * g
-            factors = [builder.load(place(0, int64((begin + i) * LANES)), align=8) for i in range(2 * count)]
+            factors = [builder.load(place(int64((begin + i) * LANES)), align=8) for i in range(2 * count)]
             begun = _plus(builder, _times(builder, p, y1), _times(builder, q, y2))
             # A row's first sample is the one after the next: of that and the one before.
             coming = _plus(builder, _times(builder, p, begun), _times(builder, q, y1))
             motion = [cgutils.alloca_once_value(builder, each) for each in (coming, begun)]
             groups.append((p, q, factors, motion))
-        with cgutils.for_range_slice(builder, int64(0), int64(AHEAD * count * LANES), int64(count * LANES)) as (n, _):
+        stop = builder.mul(args[4], int64(count * LANES))
+        with cgutils.for_range_slice(builder, int64(0), stop, int64(count * LANES)) as (n, _):
             values = [[builder.load(each) for each in motion] for *_, motion in groups]
             for r in range(count):
-                total = place(0, builder.add(n, int64(r * LANES)))
+                total = place(builder.add(n, int64(r * LANES)))
                 added = builder.load(total, align=8)
                 for (_, _, factors, _), pair in zip(groups, values, strict=True):
                     for s in range(2):
@@ -97,14 +103,14 @@ def add_courses(
                 builder.store(here, motion[1])
         return context.get_dummy_value()
 
-    return types.void(room, y1, y2, a1, a2, firsts, weights), codegen
+    return types.void(room, modes, firsts, weights, types.intp), codegen
 
 
 @intrinsic
 def add_lanes(
-    typingctx: object, out: View[float], room: View[float], weights: tuple[tuple[float, ...], ...]
+    typingctx: object, out: View[float], room: View[float], weights: tuple[tuple[float, ...], ...], samples: int
 ) -> Lowered[None]:
-    """Add the lanes that `add_courses` has summed to `out`: AHEAD samples of one row after the other."""
+    """Add the lanes that `add_courses` has summed to `out`: so many samples of one row after the other, AHEAD apart."""
 
     def codegen(context, builder, signature, args):
         count = len(signature.args[2])
@@ -112,7 +118,7 @@ def add_lanes(
         def place(n, index):
             return pointer_to(context, builder, signature.args[n], args[n], index)
 
-        with cgutils.for_range_slice(builder, int64(0), int64(AHEAD), int64(LANES)) as (n, _):
+        with cgutils.for_range_slice(builder, int64(0), args[3], int64(LANES)) as (n, _):
             begin = builder.mul(n, int64(count * LANES))
             for r in range(count):
                 lanes = [
@@ -123,4 +129,4 @@ def add_lanes(
                 builder.store(_plus(builder, builder.load(row, align=8), sums_of(builder, lanes)), row, align=8)
         return context.get_dummy_value()
 
-    return types.void(out, room, weights), codegen
+    return types.void(out, room, weights, types.intp), codegen

@@ -70,7 +70,7 @@ def _lines(t: float, b: float, c: float) -> tuple[float, float, float, float]:
 
 
 @kernel
-def is_even(roll: Roll) -> bool:
+def _is_even(roll: Roll) -> bool:
     """True if nothing changes a body's speed, its weight, or how rough its path is."""
     target, path = roll.target, roll.path
     speeds = roll.v == target.speed == roll.modulated_speed == path.speed and target.speed > 0.0
@@ -80,15 +80,22 @@ def is_even(roll: Roll) -> bool:
 
 
 @kernel
+def begin_evenly(roll: Roll, block: Block, period: float) -> None:
+    """Find whether a body rolls evenly over a block, and how far in a part of each sample, of a period (s)."""
+    block.even = 1 if _is_even(roll) else 0
+    block.pace = roll.modulated_speed * period / block.parts
+    block.per_pace = 1.0 / block.pace if block.even == 1 else 0.0
+
+
+@kernel
 def roll_evenly(roll: Roll, block: Block, period: float) -> None:
     """Bring a body that rolls evenly to the end of its coming sample, of a period (s), and write the lines under it."""
     path, parts = roll.path, block.parts
     block.piece, block.along, block.t, block.s = roll.piece, roll.along, roll.t, roll.s
     _extend(path, roll.piece + AHEAD)
-    pace = roll.modulated_speed * period / parts
     level = 0.0
     for part in range(parts):
-        level = _lay_part(roll, block, part, pace, level)
+        level = _lay_part(roll, block, part, level)
     block.rise = level
     roll.t += period
     roll.s += roll.modulated_speed * period
@@ -109,15 +116,15 @@ def _extend(path: Path, pieces: int) -> None:
 
 
 @kernel
-def _lay_part(roll: Roll, block: Block, part: int, pace: float, level: float) -> float:
-    """Write the lines over a part of the sample; return the path's level (m) at its end. pace: m per part."""
-    path, parts = roll.path, block.parts
+def _lay_part(roll: Roll, block: Block, part: int, level: float) -> float:
+    """Write the lines over a part of the sample; return the path's level (m) at its end."""
+    path, parts, pace, per = roll.path, block.parts, block.pace, block.per_pace
     rise, bend = _slope_at(roll, pace)
     first, second = AT[1, 0], AT[1, 1]
     height0, height1 = level + first * (rise + first * bend), level + second * (rise + second * bend)
     slope0, slope1 = rise + 2.0 * first * bend, rise + 2.0 * second * bend
     level += rise + bend
-    at, per = 0.0, 1.0 / pace
+    at = 0.0
     while True:
         left = max((path.length[roll.piece & (PIECES - 1)] - roll.along) * per, 0.0)
         if not at + left < 1.0 or roll.piece - block.piece >= _BACK:

@@ -20,8 +20,9 @@ from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
 from ...resonator.rows import course_weights, lay_rows, row_weights
+from ...resonator.simd import LANES
 from ...resonator.simd_rows import AT_ONCE
-from ...rolling.block_path import is_even, project_path, roll_back, roll_evenly
+from ...rolling.block_path import begin_evenly, project_path, roll_back, roll_evenly
 from ...rolling.body import share_of
 from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of, point_of
@@ -69,11 +70,23 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
     if parts == 0:
         return
     for i in range(net.size):
-        _begin(state, net, i, parts)
-    end = _run(state, net, frame)
+        _begin(state, net, i, parts, frame)
+    net.end = -1
+    if net.size == 1:
+        run_alone(state, frame)
+    if net.end < 0:
+        net.end = _run(state, net, net.size, frame)
+    _leave(state, net, frame, net.end)
     for i in range(net.size):
         _hand_on(state, state.contacts[net.contact[i]], frame)
-    _resume(state, net, frame, end)
+    _resume(state, net, frame, net.end)
+
+
+@noinline_kernel
+def run_alone(state: State, frame: int) -> None:
+    """Solve the contact of a net that has no other from a frame on: by code of its own, which is faster, and gives the
+    same bits. What lacks it does without (clients/export)."""
+    state.scratch.net.end = _run(state, state.scratch.net, 1, frame)
 
 
 @kernel
@@ -221,8 +234,8 @@ def _stand_between(state: State, contact: Contact) -> None:
 
 
 @noinline_kernel
-def _begin(state: State, net: Net, i: int, parts: int) -> None:
-    """Begin a block of a contact: what it needs to know of its objects."""
+def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
+    """Begin a block of a contact at a frame: what it needs to know of its objects."""
     contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
     if block.settled != contact.settled or block.parts != parts:
         block.settled, block.parts = contact.settled, parts
@@ -234,14 +247,20 @@ def _begin(state: State, net: Net, i: int, parts: int) -> None:
             tables.settled = other.settled
             _settle(state, contact, other, block, tables)
     scale, place = 1.0 / contact.now.gain, 0.0
+    samples = QUANTUM - frame // LANES * LANES
     _clear_rows(state, block)
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
-            place += scale * _lay(state, block, modes_of(state, obj, 0, point.modes), point_of(state, obj, point))
+            modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
+            place += scale * _lay(state, block, samples, modes, where)
     take_rows(block, state.scratch.rows, scale)
     begin_block(block, contact.coupled, place)
+    if contact.trait.rolls == 1:
+        begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
+    else:
+        project_path(contact.coupled, block)  # which is level
 
 
 @kernel
@@ -263,24 +282,25 @@ def _settle(state: State, contact: Contact, other: Contact, block: Block, tables
 
 
 @kernel
-def _run(state: State, net: Net, frame: int) -> int:
-    """Solve rolls from a frame on, as far as blocks follow them: their forces' moments are in their feeds. Return the
-    frame of the end."""
-    end = QUANTUM
-    for i in range(net.size):
-        rolls = state.contacts[net.contact[i]].trait.rolls == 1
-        state.blocks[net.block[i]].even = 1 if rolls and is_even(state.rolls[net.block[i]]) else 0
+def _run(state: State, net: Net, size: int, frame: int) -> int:
+    """Solve the contacts of a net, of a size, from a frame on, as far as blocks follow them: their forces' moments are
+    in their feeds. Return the frame of the end."""
     for n in range(frame, QUANTUM):
-        for i in range(net.size):
+        for i in range(size):
             net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]])
-        if not step_blocks(state.contacts, state.blocks, net, n - frame):
-            end = n
-            break
-        feel(state.blocks, net, n - frame)
-        for i in range(net.size):
+        if not step_blocks(state.contacts, state.blocks, net, size, n - frame):
+            return n
+        feel(state.blocks, net, size, n - frame)
+        for i in range(size):
             feed = state.feeds[net.block[i], BEHIND + n]
             for k in range(MOMENTS_AHEAD):
                 feed[k] = net.share[i] * state.blocks[net.block[i]].moments[k]
+    return QUANTUM
+
+
+@kernel
+def _leave(state: State, net: Net, frame: int, end: int) -> None:
+    """End the blocks of a net's contacts, which are solved from a frame to another."""
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
         block = state.blocks[net.block[i]]
@@ -292,7 +312,6 @@ def _run(state: State, net: Net, frame: int) -> int:
                 roll_back(state.rolls[contact.roll], contact.coupled, block)
             _roll_through(state, contact, end)
         state.steps_taken += end - frame
-    return end
 
 
 @kernel
@@ -309,7 +328,6 @@ def _roll_through(state: State, contact: Contact, end: int) -> None:
 def _lead(state: State, contact: Contact, block: Block) -> float:
     """Lay the path under a contact over the coming sample; return the share of its force that the object gets."""
     if contact.trait.rolls == 0:
-        project_path(contact.coupled, block)  # which is level
         return 1.0
     roll = state.rolls[contact.roll]
     if contact.led == 0 and block.even == 1:
@@ -353,23 +371,24 @@ def _clear_rows(state: State, block: Block) -> None:
 
 
 @noinline_kernel
-def lay_motion(parts: int, modes: Modes, point: Point, room: View[float], rows: View[float]) -> float:
-    """Add the motion of a point without a force to `rows`, those of so many parts of a sample, one row after the other;
-    return where it is now (m). `room` has ROOM values (resonator/rows.py)."""
+def lay_motion(parts: int, samples: int, modes: Modes, point: Point, room: View[float], rows: View[float]) -> float:
+    """Add the motion of a point without a force over so many samples, a multiple of LANES, to `rows`, those of so many
+    parts of a sample, one row after the other; return where it is now (m). `room` has ROOM values
+    (resonator/rows.py)."""
     if parts == 1:
-        return lay_rows(modes, point, _ONE_A, room, rows)
+        return lay_rows(modes, point, _ONE_A, samples, room, rows)
     if parts == 2:
-        lay_rows(modes, point, _TWO_A, room, rows)
-        return lay_rows(modes, point, _TWO_B, room, rows[_SECOND:])
-    lay_rows(modes, point, _THREE_A, room, rows)
-    lay_rows(modes, point, _THREE_B, room, rows[_SECOND:])
-    return lay_rows(modes, point, _THREE_C, room, rows[_THIRD:])
+        lay_rows(modes, point, _TWO_A, samples, room, rows)
+        return lay_rows(modes, point, _TWO_B, samples, room, rows[_SECOND:])
+    lay_rows(modes, point, _THREE_A, samples, room, rows)
+    lay_rows(modes, point, _THREE_B, samples, room, rows[_SECOND:])
+    return lay_rows(modes, point, _THREE_C, samples, room, rows[_THIRD:])
 
 
 @kernel
-def _lay(state: State, block: Block, modes: Modes, where: Point) -> float:
+def _lay(state: State, block: Block, samples: int, modes: Modes, where: Point) -> float:
     """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
-    return lay_motion(block.parts, modes, where, state.scratch.room, state.scratch.rows)
+    return lay_motion(block.parts, samples, modes, where, state.scratch.room, state.scratch.rows)
 
 
 @kernel
@@ -406,4 +425,4 @@ def _lay_answer(state: State, block: Block, point: ContactPoint, struck: Contact
     else:
         for i in range(size):
             moved.y1[i], moved.y2[i] = modes.a1[i] * moved.y1[i] + modes.a2[i] * moved.y2[i], moved.y1[i]
-    return _lay(state, block, moved, point_of(state, obj, point))
+    return _lay(state, block, AHEAD, moved, point_of(state, obj, point))

@@ -83,9 +83,9 @@ def _run(solved, bank, start, path, room, out):
         for i in range(AHEAD):
             t = first + i
             _follow(contact, block, path[t])
-            within = within and step_blocks(contacts, blocks, net, i)
+            within = within and step_blocks(contacts, blocks, net, 1, i)
             if within:
-                feel(blocks, net, i)
+                feel(blocks, net, 1, i)
                 moments[:] = 0.0
                 for j in range(MOMENTS_AHEAD):
                     moments[j] = block.moments[j]

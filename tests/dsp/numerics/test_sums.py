@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from carom.dsp.numerics.sums import AT_ONCE, add_tables, line_of
+from carom.dsp.numerics.sums import AT_ONCE, BEYOND, add_tables, line_of
 
 pytestmark = pytest.mark.slow  # numba compiles the loops around the intrinsics
 
@@ -23,7 +23,7 @@ def _compiled():
 def test_tables_are_added_as_numpy_does():
     random, add = np.random.default_rng(1), _compiled()
     for count in (5, 8, 19, 40):
-        padded = -(-count // AT_ONCE) * AT_ONCE
+        padded = -(-count // BEYOND) * BEYOND
         room, sums = np.zeros(2 * padded + AT_ONCE + 1)[1:], random.normal(size=3 + padded)
         first = add(sums.copy(), 3, room, 0.0, 0.0, count)
         assert 0 <= first < AT_ONCE and (room.ctypes.data + 8 * first) % 64 == 0

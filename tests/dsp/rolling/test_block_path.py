@@ -13,7 +13,7 @@ from carom.dsp.contact.block_sizes import FORCES, NODES_PER_PART
 from carom.dsp.contact.coupled_records import COUPLED
 from carom.dsp.lab.roll import make_roll
 from carom.dsp.native.typed import dtype_of
-from carom.dsp.rolling.block_path import is_even, project_path, roll_back, roll_evenly
+from carom.dsp.rolling.block_path import begin_evenly, project_path, roll_back, roll_evenly
 from carom.dsp.rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
 from tests.dsp.rolling.support import GLASS, MARBLE, STONE, ground
 
@@ -30,7 +30,8 @@ def _follow(rolls, contacts, blocks, lines, kinks):
         begin_coupled_roll(rolls[i], contacts[i], RATE, 1e-3)
         lead_coupled_roll(rolls[i], contacts[i], 0.0)
     for n in range(len(lines)):
-        even = even and is_even(rolls[0])
+        begin_evenly(rolls[0], blocks[0], contacts[0].period)
+        even = even and blocks[0].even == 1
         roll_evenly(rolls[0], blocks[0], contacts[0].period)
         piece, along = rolls[0].piece, rolls[0].along
         if n % 3 == 0:
