@@ -308,12 +308,12 @@ class Simulation:
             put_pose(self.state, body, pose)
         return self.advance(time, points)
 
-    def _check(self, time: float, where: str) -> None:
-        """Raise WorldError unless a step may come at a time."""
+    def _check(self, time: float, where: str, advice: str = "") -> None:
+        """Raise WorldError unless a step may come at a time. advice: what to do about it."""
         if not isinstance(time, float | Real):  # that it is a float is seen at once
             raise WorldError(f"{where}: time = {time!r}: expected a number")
         if not self.time < time < math.inf:
-            raise WorldError(f"{where}: time = {time}: expected above {self.time}, that of the step before")
+            raise WorldError(f"{where}: time = {time}: expected above {self.time}, that of the step before{advice}")
 
     def advance(self, time: float, points: int) -> list[Request]:
         """Take a step, as `step` does, where poses and so many contacts are in `state` already."""
@@ -326,7 +326,7 @@ class Simulation:
             return []
         before = float(telling["before"][0])
         if found == NOT_LATER:
-            self._check(time_told(telling), f"step {self.steps + 1}")
+            self._check(time_told(telling), f"step {self.steps + 1}", "; after a reset, restart() begins anew")
         if found == NO_ROOM:
             raise WorldError(f"step {self.steps}: no room for more events: ask for the sound of these steps first")
         if found < 0:

@@ -159,6 +159,8 @@ def test_nothing_is_told_while_the_scene_settles():
             found += bridge.world.hits
         hits.append(found)
         mujoco.mj_resetData(model, data)
+        with pytest.raises(carom.WorldError, match=r"expected above .*; after a reset, restart\(\) begins anew"):
+            bridge.tell()
         bridge.restart()
     assert hits[0] and all(hit.time > 0.1 for hit in hits[0]) and hits[0] == hits[1]
     with pytest.raises(carom.WorldError, match="settle = -1: expected a number that is not negative"):
