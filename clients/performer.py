@@ -17,7 +17,7 @@ from ..dsp.engine.memory.commands import COMMAND, Handle, write
 from ..dsp.engine.memory.state import TRACE
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
-from ..dsp.schema import SETTINGS
+from ..dsp.schema import GESTURES, SETTINGS
 from ..presets import Presets
 from ..server.bridge.requests import Request, Slide
 from ..server.osc.score import LONGEST_SCORE, Line, sample_at
@@ -96,7 +96,7 @@ class Performer:
         self.contacts = contacts
         self.warnings: list[str] = []  # for the next report
         self.off_path: set[str] = set()
-        """Names of objects that were touched at a point, or in a direction, which their strike paths lack."""
+        """Names of objects touched as no contact tells: at a point, in a direction, or by a swarm."""
         self._names: dict[int, str] = {}  # of objects, by serial
         self._striking: dict[int, Striking] = {}  # by command
         self._trace = np.empty(0, TRACE)  # what was traced beyond the end of the last sound
@@ -178,7 +178,8 @@ class Performer:
                     self._names[each.serial], striker, str(keys.get("id", "")), gesture, each.mass,
                     float(keys.get("by_position", by_position)),  # type: ignore[arg-type]
                 )  # fmt: skip
-            if each.off_path:
+            begun = GESTURES.get(each.message.address.rsplit("/", 1)[1])
+            if each.off_path or (begun and begun.swarms):
                 self.off_path |= {self._names[serial] for serial in (each.serial, each.by) if serial in self._names}
 
     def ended(self) -> list[str]:
