@@ -19,7 +19,8 @@ from .layout import Sheet
 
 _FLOOR = 0.05  # of c0: the least that psi^2 counts as, so that its gradient stays finite
 _LEAST = 1e-300  # J
-_BEHIND = 0.1  # of the energy that a plate has or may get: by how much its V may be below the grid's
+_HALVINGS = 30  # of an interval in which a root lies
+_BEHIND = 0.05  # of the energy that a plate has or may get: by how much its V may be below the grid's
 
 
 _DAMPING = math.sqrt(0.5)
@@ -212,6 +213,39 @@ def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float, h: floa
         v = velocity[i] * y1[i] + before[i] * y2[i]
         y2[i] -= loss * drained[i] * pushed[i] * v
     sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + 2.0 * paid, 0.0))
+
+
+@kernel
+def is_behind(sheet: Sheet) -> bool:
+    """True if psi is far behind what the grid says is stretched."""
+    return sheet.truth * sheet.truth - sheet.psi * sheet.psi > 2.0 * _BEHIND * sheet.c0 / sheet.growth
+
+
+@simd_kernel
+def drawn_in(sheet: Sheet, y1: View[float], ringing: float) -> float:
+    """Return the share s of their displacements to which modes with an energy (J) `ringing` are to be drawn in, all
+    alike, for V to be what psi says, and give psi what they lose.
+
+    V is a s^4 + b s^3, of which it and its slope at 1 tell both, and the modes' energy goes as s^2.
+    """
+    n = 2 * sheet.functions - sheet.plain
+    g, moved = sheet.gradient[0], sheet.moved
+    slope = 0.0
+    for i in range(n):
+        slope += g[i] * moved[i] * y1[i]
+    slope *= sheet.truth
+    stretched = 0.5 * (sheet.truth * sheet.truth - sheet.c0)
+    held = 0.5 * (sheet.psi * sheet.psi - sheet.c0) + ringing
+    fourth, third = slope - 3.0 * stretched, 4.0 * stretched - slope
+    least, most = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        s = 0.5 * (least + most)
+        if s * s * (ringing + s * (third + s * fourth)) > held:
+            most = s
+        else:
+            least = s
+    sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + 2.0 * (1.0 - least * least) * ringing, 0.0))
+    return least
 
 
 @kernel

@@ -13,9 +13,11 @@ from ...karman.scatter import scatter
 from ...karman.step import (
     Heard,
     displace,
+    drawn_in,
     extrapolate,
     fade,
     give_back,
+    is_behind,
     kick,
     prepare,
     set_constant,
@@ -24,7 +26,7 @@ from ...karman.step import (
     take,
 )
 from ...native.jit import kernel, noinline_kernel
-from ...native.typed import View2D
+from ...native.typed import View, View2D
 from ...resonator.mode import energy_of
 from ...resonator.simd import LANES
 from ..memory.quality import couples_half, couples_none, looks_every
@@ -36,7 +38,7 @@ _AGAIN = 0.7  # of `least`: below, a plate is uncoupled
 _MOST_STRETCHED = 0.25  # of the energy: more must not be taken from the modes at once
 _LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
 _UNHEARD = 1e-9  # output
-_GIVEN, _GIVEN_STRUCK = 0.999, 0.9  # of what modes have lost: how much they may get back, and in a contact
+_GIVEN, _GIVEN_STRUCK = 0.9999, 0.999  # of what modes have lost: how much they may get back, and in a contact
 _FADES = 0.04  # s in which stretching fades as a plate falls asleep
 _FOLLOWS = 0.001  # s in which psi follows the grid's
 
@@ -219,18 +221,48 @@ def kick_modes(state: State, obj: Object) -> None:
     if sheet.turn >= every:
         sheet.turn = 0
     if sheet.turn == 0:
-        displace(sheet, y1, space.place)
-        take(sheet, stretch(sheet.grids[sheet.level], state.curves, sheet.functions, space), space.answer)
-        settle(sheet, y1, y2, min(every * h / _FOLLOWS, 1.0), h)
+        _look(state, sheet, y1)
     else:
         extrapolate(sheet, sheet.turn / every)
-    give_back(sheet, y1, y2, h)
+    behind = is_behind(sheet)
+    if not behind:
+        give_back(sheet, y1, y2, h)
+    if sheet.turn == 0:
+        if behind and sheet.given == _GIVEN:
+            _draw_in(state, obj, sheet)
+        settle(sheet, y1, y2, 1.0 if behind else min(every * h / _FOLLOWS, 1.0), h)
     kick(sheet, y1, y2, h)
     sheet.turn += 1
     sheet.mixed += 1
     if sheet.mixed >= sheet.mixes:
         sheet.mixed = 0
         scatter(sheet, space, y1, y2, sheet.mixes * h)
+
+
+@kernel
+def _look(state: State, sheet: Sheet, y1: View[float]) -> None:
+    """Look at the grid: how much energy stretching holds, and which way it falls."""
+    displace(sheet, y1, state.space.place)
+    energy = stretch(sheet.grids[sheet.level], state.curves, sheet.functions, state.space)
+    take(sheet, energy, state.space.answer)
+
+
+@noinline_kernel
+def _draw_in(state: State, obj: Object, sheet: Sheet) -> None:
+    """Draw the coupled modes of a plate in, all alike, until what the grid says is stretched is what psi says.
+
+    Sprung through, a thin dome moves faster than it is looked at, and ends so far out that its modes can't pay for it.
+    """
+    bank, first, count = state.bank, obj.first, 2 * sheet.functions - sheet.plain
+    whole = (count + LANES - 1) // LANES * LANES
+    weights = bank.weight[first : first + whole]
+    ringing = energy_of(modes_of(state, obj, 0, whole), weights, count) / obj.amplified
+    left = drawn_in(sheet, bank.y1[first : first + count], ringing)
+    for i in range(first, first + count):
+        bank.y1[i] *= left
+        bank.y2[i] *= left
+    sheet.looked = 0
+    _look(state, sheet, bank.y1[first : first + count])
 
 
 @kernel
