@@ -163,7 +163,7 @@ MEANINGS = {
     ("disc", "dome"): "rise of the centre over the edge, which is free: up to a quarter of the radius; 0 if not given",
     ("disc", "felt"): "radius of felts that hold it at its centre, as on a cymbal's stand; 0 if not given",
     ("disc", "nonlinear_modes"): "how many of the lowest modes stretching couples where the plate swings far; 0 if not "
-    "given; needs a `split`; a dome that a blow turns inside out falls silent",
+    "given; needs a `split`; a deep thin dome may fall silent where a heavy striker turns it inside out",
     ("disc", "edge"): "",
     ("ring", "radius"): "of the middle line",
     ("ring", "thickness"): "along the radius",
