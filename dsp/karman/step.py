@@ -20,7 +20,7 @@ from .layout import Sheet
 _FLOOR = 0.05  # of c0: the least that psi^2 counts as, so that its gradient stays finite
 _LEAST = 1e-300  # J
 _HALVINGS = 30  # of an interval in which a root lies
-_BEHIND = 0.05  # of the energy that a plate has or may get: by how much its V may be below the grid's
+_BEHIND = 0.06  # of the energy that a plate has or may get: by how much its V may be below the grid's
 
 
 _DAMPING = math.sqrt(0.5)

@@ -31,7 +31,7 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
     commands = [Command(NOW, Kind.STOP)]
     if action not in ("stop", "point"):
-        _require_parameter(ids, action)
+        _warn_of_nothing(transaction, call, ids)
     if action in _ON_SURFACE:
         _require_surfaces(transaction, ids, action, values)
     if isinstance(call.verb, Move):
@@ -50,12 +50,15 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
             send(transaction, message, command._replace(gesture=id.number))
 
 
-def _require_parameter(ids: list[GestureId], action: str) -> None:
-    """Refuse to steer what none of the gestures has."""
-    kinds = {address.rsplit("/", 1)[1]: None for id in ids for address, _ in id.running}
-    if kinds and not any(action in GESTURES[kind].steerable for kind in kinds):
-        known = [name for kind in kinds for name in GESTURES[kind].steerable]
-        raise Refused(f"{action}: a {' or a '.join(kinds)} has none: {expected(action, dict.fromkeys(known))}")
+def _warn_of_nothing(transaction: Transaction, call: Call, ids: list[GestureId]) -> None:
+    """Warn of steering what none of the gestures has."""
+    assert call.verb
+    action = call.verb.action
+    kinds = dict.fromkeys(address.rsplit("/", 1)[1] for id in ids for address, _ in id.running)
+    if not any(action in GESTURES[kind].steerable for kind in kinds):
+        known = dict.fromkeys(name for kind in kinds for name in GESTURES[kind].steerable)
+        reason = f"what goes on ({', '.join(kinds)}) has no {action}, so nothing changes: {expected(action, known)}"
+        transaction.replies.append(Message("/warning", (f"{call.message.address}: {reason}",)))
 
 
 def _require_surfaces(transaction: Transaction, ids: list[GestureId], action: str, values: Values) -> None:

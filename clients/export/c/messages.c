@@ -189,16 +189,6 @@ static void note(carom *scene, const call *told, const object *of) {
 
 /* --- messages --- */
 
-/* True if one of the gestures that go on by an id takes what an action steers. */
-static int takes(const carom *scene, const char *id, const char *action) {
-    for (int n = 0; n < scene->gesture_count; n++) {
-        const running *each = &scene->gestures[n];
-        const value *kind = item(part(scene, "gestures"), each->action);
-        if (!strcmp(each->id, id) && place_of(item(kind, "steerable"), action) >= 0) return 1;
-    }
-    return 0;
-}
-
 static void steer(carom *scene, const call *told) {
     command made;
     collect(scene);
@@ -211,7 +201,6 @@ static void steer(carom *scene, const call *told) {
         send_command(scene, &made);
         return;
     }
-    if (!takes(scene, told->target, told->action)) refuse(scene, "%.80s: a %s has none", told->action, found->action);
     set(scene, &made, "parameter", number_of(part(scene, "steerable"), told->action));
     send_points(scene, &made, told);
 }

@@ -149,11 +149,9 @@ export class Messages {
 
   steer(verb, id, action, args, time) {
     this.collect();
-    const { number, addresses } = this.running.get(id) ?? refuse(`${id}: no such gesture is running`);
-    if (action === "stop") return this.send({ time, kind: "STOP", gesture: number });
-    const kinds = addresses.map((address) => address.split("/").pop());
-    if (!kinds.some((kind) => this.map.gestures[kind].steerable.includes(action))) refuse(`${action}: a ${kinds[0]} has none`);
-    for (const point of points(verb, args)) this.send({ time, kind: "STEER", gesture: number, parameter: this.map.steerable[action], ...point });
+    const { number } = this.running.get(id) ?? refuse(`${id}: no such gesture is running`);
+    if (action === "stop") this.send({ time, kind: "STOP", gesture: number });
+    else for (const point of points(verb, args)) this.send({ time, kind: "STEER", gesture: number, parameter: this.map.steerable[action], ...point });
   }
 
   /** Learn which gestures have ended. */

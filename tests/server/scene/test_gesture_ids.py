@@ -43,7 +43,9 @@ def test_gestures_are_steered(played):
 
 def test_a_gesture_is_not_steered_by_what_it_lacks(played):
     say(played, "/object/pane/press", 1.0, "id", "hand")
-    assert refusal(played, "/gesture/hand/gravity", 1.62).startswith("gravity: a press has none: expected one of force")
+    (warned,) = say(played, "/gesture/hand/gravity", 1.62)
+    assert warned.address == "/warning"
+    assert warned.args[0].startswith("/gesture/hand/gravity: what goes on (press) has no gravity, so nothing changes: ")
     say(played, "/object/pane/bounce", 1.0, "id", "ball")
     assert say(played, "/gesture/*/gravity", 1.62) == []  # one of them has it
 
