@@ -3,6 +3,9 @@
 import { bodyOf } from "./bodies.js";
 import { read, write } from "./tables.js";
 
+/** The share of the table's sides at their ends where no object's middle lies. */
+export const EDGE = 0.03;
+
 const FIRST = ["church-bell", "wine-glass", "steel-plate", "wood-board", "singing-bowl", "marimba-bar"];
 const SOFTEST = -72; // dB at which an object is dark
 const PLACES = "carom-places";
@@ -228,7 +231,7 @@ export class Scene extends EventTarget {
   }
 
   place(name, x, y) {
-    const at = [x, y].map((each) => Number(Math.min(0.97, Math.max(0.03, each)).toFixed(4)));
+    const at = [x, y].map((each) => Number(Math.min(1 - EDGE, Math.max(EDGE, each)).toFixed(4)));
     this.places[name] = at;
     const object = this.objects.get(name);
     if (!object) return;

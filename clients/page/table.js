@@ -2,6 +2,7 @@
 
 import { draw } from "./frames.js";
 import { Marks } from "./marks.js";
+import { EDGE } from "./scene.js";
 
 const SEGMENTS = 28;
 const APART = 8; // px between objects
@@ -111,7 +112,8 @@ export class Table extends EventTarget {
   /** Pixels all over the table that are accepted. */
   places(accepts) {
     const spots = [];
-    for (let y = STEP; y < this.h; y += STEP) for (let x = STEP; x < this.w; x += STEP) spots.push([x, y]);
+    const [left, top, right, bottom] = [EDGE * this.w, EDGE * this.h, (1 - EDGE) * this.w, (1 - EDGE) * this.h];
+    for (let y = top; y < bottom; y += STEP) for (let x = left; x < right; x += STEP) spots.push([x, y]);
     return spots.filter(accepts);
   }
 
