@@ -50,29 +50,32 @@ _FLAT = 1e-9  # of 1 - b: the power law is as good as even by ratios
 def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, float, float, float]:
     """Return the last blow's place, speed (m/s), mass (kg), loss w/(1 + w), and ln of its rms width (s) at an object
     that does not yield."""
-    i, seed = swarm.index - 1, swarm.random
-    u = uniform(seed, i, MAGNITUDE)
-    place = int(uniform(seed, i, PLACE) * swarm.places)
+    i = swarm.index - 1
+    u = uniform(swarm, i, MAGNITUDE)
+    place = int(uniform(swarm, i, PLACE) * swarm.places)
     if swarm.law == DROPS:
-        diameter = _draw_drop(knot.scale, u, uniform(seed, i, OTHER), uniform(seed, i, VARIETY))
+        diameter = _draw_drop(knot.scale, u, uniform(swarm, i, OTHER), uniform(swarm, i, VARIETY))
         v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
         scale = _DROP_TIME * diameter / v
         mass = _WATER * diameter * diameter * diameter
         return place, v, mass, 0.0, log(scale) + table.width[0]
-    s = exp(knot.variety * (2.0 * uniform(seed, i, VARIETY) - 1.0)) if knot.variety > 0.0 else 1.0
-    mass = swarm.m * s * s * s
+    mass, light = swarm.m, swarm.light
+    if knot.variety > 0.0:
+        s = exp(knot.variety * (2.0 * uniform(swarm, i, VARIETY) - 1.0))
+        mass = swarm.m * s * s * s
+        light = log(mass / (swarm.k * math.sqrt(s)))
     v = max(min(_draw_speed(swarm.law, knot, mass, u), math.sqrt(2.0 * max(swarm.store, 0.0) / mass)), _SLOWEST)
-    loss, width = pulse_of(swarm, table, mass, math.sqrt(s), v)
+    loss, width = pulse_of(swarm, table, light, v)
     return place, v, mass, loss, width
 
 
 @kernel
-def pulse_of(swarm: Swarm, table: PulseTable, mass: float, stiffer: float, v: float) -> tuple[float, float]:
+def pulse_of(swarm: Swarm, table: PulseTable, light: float, v: float) -> tuple[float, float]:
     """Return the loss w/(1 + w) and ln of the rms width (s) of a grain's pulse at a speed (m/s).
 
-    stiffer: than the usual grain, by that factor.
+    light: ln of its mass over its stiffness.
     """
-    scale = (log(mass / (swarm.k * stiffer)) + (1.0 - swarm.a) * log(v)) / (swarm.a + 1.0)
+    scale = (light + (1.0 - swarm.a) * log(v)) / (swarm.a + 1.0)
     w = swarm.w if swarm.w > 0.0 else swarm.mu * v
     loss = min(w / (1.0 + w), MOST_LOSS)
     return loss, scale + known_of(table.width, loss)

@@ -40,14 +40,14 @@ def break_up(swarm: Swarm, whole: float, count: int, speed: float, height: float
     total = 0.0
     swarm.pieces = min(max(count, 1), MOST_PIECES)
     for p in range(swarm.pieces):
-        share = 1.0 - uniform(swarm.random, p, MAGNITUDE) * _LEAST
+        share = 1.0 - uniform(swarm, p, MAGNITUDE) * _LEAST
         swarm.mass_of[p] = 1.0 / (share * share)
         total += swarm.mass_of[p]
     swarm.smallest = size_of(swarm, whole / total)
     swarm.finer = (SIZES - 1) * 3.0 / math.log(_DECADES)
     for p in range(swarm.pieces):
         swarm.mass_of[p] *= whole / total
-        up = _THROWN * speed * uniform(swarm.random, p, GAP)
+        up = _THROWN * speed * uniform(swarm, p, GAP)
         swarm.speed_of[p] = math.sqrt(up * up + 2.0 * STANDARD_GRAVITY * height)
         swarm.next_of[p] = (up + swarm.speed_of[p]) / STANDARD_GRAVITY
         swarm.bounced[p] = 0
@@ -56,7 +56,7 @@ def break_up(swarm: Swarm, whole: float, count: int, speed: float, height: float
 @kernel
 def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
     """Advance a piece that has landed to its next bounce, with what its contact leaves it of its speed, if any."""
-    left = 1.0 - _TURNING * uniform(swarm.random, number_of(swarm, p), OTHER)
+    left = 1.0 - _TURNING * uniform(swarm, number_of(swarm, p), OTHER)
     swarm.speed_of[p] *= restitution * left
     swarm.bounced[p] += 1
     if swarm.speed_of[p] < _SLOWEST or swarm.bounced[p] == BOUNCES:

@@ -10,6 +10,8 @@ from ..sizes import CAPACITY
 
 SWARMS = 16
 """Swarms that can go on at once."""
+CHANNELS = 8
+"""Random numbers of a blow."""
 PLACES = 8
 """Places on an object at which the blows of a swarm fall."""
 SIZES = 24
@@ -111,7 +113,7 @@ class Swarm(Record):
     used: int
     law: int  # of its blows, as schema.Gesture.swarms
     table: int  # of its pulses
-    random: np.uint64  # seed
+    random: Annotated[View[np.uint64], CHANNELS]  # where the numbers of a channel begin
     index: int  # of the next blow
     time: float  # s: of the last one
     reached: float  # the integral of the rate, of blows of its own, there
@@ -134,6 +136,7 @@ class Swarm(Record):
     mobility: Annotated[View2D[float], PLACES, WIDTHS]  # 1/kg: sum of phi^2 of the modes that a pulse of a width moves
     m: float  # kg: of the usual grain
     k: float
+    light: float  # ln of m/k
     mu: float
     a: float
     w: float  # mu v, where a restitution was given; else 0

@@ -13,19 +13,27 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.elementary import exp, log
 from ..numerics.random import STEP, mixed
-from .record import KNOTS, Knot, Swarm
+from .record import CHANNELS, KNOTS, Knot, Swarm
 
-GAP, SET_OFF, MAGNITUDE, OTHER, PLACE, VARIETY, SIZE, FORM = range(8)
+GAP, SET_OFF, MAGNITUDE, OTHER, PLACE, VARIETY, SIZE, FORM = range(CHANNELS)
 """Channels of a blow's random numbers."""
 
 _LATTICE = 2.0**30  # per s: knots lie on it, so that times in samples of any rate give the same knots
 
 
 @kernel
-def uniform(seed: np.uint64, index: int, channel: int) -> float:
+def seed_swarm(swarm: Swarm, seed: np.uint64) -> None:
+    """Begin the random numbers of all channels."""
+    for channel in range(CHANNELS):
+        swarm.random[channel] = mixed(seed + np.uint64(channel) * STEP)
+
+
+@kernel
+def uniform(swarm: Swarm, index: int, channel: int) -> float:
     """Return the number in (0, 1) of a blow and a channel."""
-    begin = mixed(seed + np.uint64(channel) * STEP)
-    return (np.float64(mixed(begin + (np.uint64(index) + np.uint64(1)) * STEP) >> np.uint64(11)) + 0.5) * 2.0**-53
+    return (
+        np.float64(mixed(swarm.random[channel] + (np.uint64(index) + np.uint64(1)) * STEP) >> np.uint64(11)) + 0.5
+    ) * 2.0**-53
 
 
 @kernel
@@ -101,11 +109,11 @@ def take_blow(swarm: Swarm, until: float) -> bool:
     """Advance to the next blow, if it comes before a time (s): its time is then `swarm.time`, and its number one less
     than `swarm.index`."""
     i = swarm.index
-    reached = swarm.reached - log(uniform(swarm.random, i, GAP))
+    reached = swarm.reached - log(uniform(swarm, i, GAP))
     time = _time_of(swarm, reached)
     if swarm.excited > 0.0:
         memory = swarm.memory
-        left = 1.0 + log(uniform(swarm.random, i, SET_OFF)) / (swarm.excited * memory)
+        left = 1.0 + log(uniform(swarm, i, SET_OFF)) / (swarm.excited * memory)
         if left > 0.0:
             early = swarm.time - memory * log(left)
             if early < time:

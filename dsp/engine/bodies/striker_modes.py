@@ -68,7 +68,7 @@ def rescale(state: State, voice: Voice, contact: Contact, size: int, ratio: floa
     for i in range(striker.size):
         lower, damped = edge, 0.0
         if breaks and i >= striker.clicks:
-            uneven = 2.0 * uniform(swarm.random, size * STRIKER_MODES + i, FORM) - 1.0
+            uneven = 2.0 * uniform(swarm, size * STRIKER_MODES + i, FORM) - 1.0
             lower, damped = area * (1.0 + IRREGULAR * uneven), TOUCHED
         frequency, sigma = striker.frequency[i] / lower, striker.sigma[i] / lower + damped
         weight = striker.weight[i] * area / lower

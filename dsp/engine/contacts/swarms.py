@@ -33,7 +33,7 @@ from ...swarm.pieces import (
     size_of,
 )
 from ...swarm.record import BACK, BANDS, FORCES, GRID, OCTAVES, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
-from ...swarm.times import PLACE, SIZE, add_knot, drop_knots, on_lattice, take_blow, uniform
+from ...swarm.times import PLACE, SIZE, add_knot, drop_knots, on_lattice, seed_swarm, take_blow, uniform
 from ..bodies.objects import frequency_of, is_felt, shape_at
 from ..bodies.strikers import roll_striker, sound_grains
 from ..bodies.surface import has_moved, keep_spot, put
@@ -88,7 +88,7 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     state.contact_count += 1
     contact.number = state.contact_count
     swarm.used, swarm.law, swarm.table = 1, contact.trait.swarms, int(values.pulses) - 1
-    swarm.random = np.uint64(values.seed)
+    seed_swarm(swarm, np.uint64(values.seed))
     swarm.index = swarm.count = swarm.blows = 0
     swarm.time = swarm.reached = swarm.excited = swarm.spared = swarm.energy = swarm.impulse = 0.0
     swarm.memory, swarm.spare, swarm.bar = 1.0, _AT_ONCE, -math.inf
@@ -113,6 +113,7 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
             swarm.size_grid[c, n] = 0.0
     if contact.trait.breaks == 1:
         _break(state, contact, event)
+    swarm.light = log(swarm.m / swarm.k)
     _add_knot(swarm, contact, 0.0)
 
 
@@ -330,8 +331,9 @@ def _drop_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> 
             if not swarm.next_of[p] < until:
                 break
             number, mass, v = number_of(swarm, p), contact.trait.meets * swarm.mass_of[p], swarm.speed_of[p]
-            where = int(uniform(swarm.random, number, PLACE) * swarm.places)
-            loss, width = pulse_of(swarm, table, mass, math.exp(0.5 * size_of(swarm, mass)), v)
+            where = int(uniform(swarm, number, PLACE) * swarm.places)
+            light = log(mass / (swarm.k * math.exp(0.5 * size_of(swarm, mass))))
+            loss, width = pulse_of(swarm, table, light, v)
             _lay_blow(state, contact, swarm, (swarm.next_of[p], number, where), (v, mass, loss, width))
             bounce_piece(swarm, p, known_of(table.momentum, loss) - 1.0)
         left = left or swarm.next_of[p] < math.inf
@@ -378,7 +380,7 @@ def _lay_blow(
 def _size_of_blow(contact: Contact, swarm: Swarm, number: int, mass: float) -> tuple[int, float]:
     """Return the size by which a blow of a mass (kg) sounds, and the factor on its momentum with which a grain of that
     size moves as fast as its own would. A crack moves a piece beside it."""
-    u, alike = uniform(swarm.random, number, SIZE), 1.0
+    u, alike = uniform(swarm, number, SIZE), 1.0
     if swarm.cracked > 0:
         piece = contact.trait.meets * swarm.mass_of[piece_beside(swarm, u)]
         at_size = (math.log(piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5

@@ -11,7 +11,7 @@ from carom.dsp.native.typed import dtype_of
 from carom.dsp.schema import DROPS, ENERGIES, SPEEDS
 from carom.dsp.swarm.blows import draw_blow
 from carom.dsp.swarm.record import FORMS, SWARM, PulseTable
-from carom.dsp.swarm.times import add_knot, drop_knots, take_blow
+from carom.dsp.swarm.times import add_knot, drop_knots, seed_swarm, take_blow
 
 TABLE = np.zeros(1, dtype_of(PulseTable))[0]
 
@@ -25,9 +25,10 @@ def knot_at(record, time):
 def swarm(law=SPEEDS, seed=1, rate=1000.0, **keys):
     """Return a swarm with one knot."""
     record = np.zeros(1, SWARM)[0]
-    record["law"], record["random"], record["places"], record["memory"] = law, seed, 8, 1.0
+    record["law"], record["places"], record["memory"] = law, 8, 1.0
+    seed_swarm(record, np.uint64(seed))
     record["store"] = math.inf
-    record["m"], record["k"], record["a"] = 1e-3, 1e9, 1.5
+    record["m"], record["k"], record["a"], record["light"] = 1e-3, 1e9, 1.5, math.log(1e-12)
     knot = knot_at(record, 0.0)
     knot["rate"], knot["memory"] = rate, 1.0
     for name, value in keys.items():

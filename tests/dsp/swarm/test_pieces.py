@@ -8,12 +8,14 @@ import pytest
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.swarm.pieces import bounce_piece, break_up, piece_beside
 from carom.dsp.swarm.record import SWARM
+from carom.dsp.swarm.times import seed_swarm
 
 
 def broken(seed, count=200, whole=0.25, speed=3.0, height=0.5):
     """Return a swarm of the pieces of what broke."""
     swarm = np.zeros(1, SWARM)[0]
-    swarm["random"], swarm["m"] = seed, 1e-3
+    seed_swarm(swarm, np.uint64(seed))
+    swarm["m"] = 1e-3
     break_up(swarm, whole, count, speed, height)
     return swarm
 
