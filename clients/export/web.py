@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -25,6 +26,9 @@ _ROOMS = {
 _FASTER = "carom.dsp.engine.contacts.blocks.run_alone."
 """A kernel that does faster what others do, too, to the same bits: a page is loaded sooner without it."""
 
+_COMMENT = re.compile(r"(?<=[;,{}]) // [^\"'`]*$")
+"""A comment that ends a line of a script."""
+
 
 def write_page(scene: Scene, folder: Path) -> None:
     """Write a scene's files into a folder that is there."""
@@ -39,8 +43,8 @@ def write_page(scene: Scene, folder: Path) -> None:
 
 
 def shortened(script: str) -> str:
-    """Return a script without its indents and the comments that have lines of their own; strings have one line."""
-    first, *lines = (line.strip() for line in script.splitlines())
+    """Return a script without its indents and comments. Strings have one line, and no comment in them."""
+    first, *lines = (_COMMENT.sub("", line.strip()) for line in script.splitlines())
     return "\n".join([first, *(each for each in lines if each and not each.startswith(("//", "/**")))]) + "\n"
 
 
