@@ -1,8 +1,11 @@
 """Load of many contacts that last: rolls that feel their objects' modes, and rests that ring.
-`python -m tests.bench.lasting [ACCURACY]`."""
 
+`python -m tests.bench.lasting [ACCURACY]` prints a row of JSON for each.
+"""
+
+import argparse
+import json
 import math
-import sys
 from collections.abc import Callable
 from time import thread_time
 
@@ -86,16 +89,18 @@ def load(engine: Engine, strike: Callable[[], None] = lambda: None) -> float:
 
 
 def main(accuracy: str) -> None:
-    """Print the loads."""
+    """Print the loads, a row of JSON each."""
     for surface in SURFACES:
-        share = load(rolling(accuracy, surface))
-        print(
-            f"{ROLLS} rolls over {surface} on {FEWEST} to {MOST} modes, {accuracy}: {share:.1%} of a core", flush=True
-        )
+        _print(f"{ROLLS} rolls over {surface} on {FEWEST} to {MOST} modes", accuracy, load(rolling(accuracy, surface)))
     for support in SUPPORTS:
-        share = load(*resting(accuracy, support))
-        print(f"{RESTS} objects that ring on {support}, {accuracy}: {share:.1%} of a core", flush=True)
+        _print(f"{RESTS} objects that ring on {support}", accuracy, load(*resting(accuracy, support)))
+
+
+def _print(contacts: str, accuracy: str, share: float) -> None:
+    print(json.dumps({"contacts": contacts, "accuracy": accuracy, "share of a core": round(share, 4)}), flush=True)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "-50")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("accuracy", nargs="?", default="-50", choices=LEVELS)
+    main(parser.parse_args().accuracy)
