@@ -59,9 +59,9 @@ def take_step(state: State, microphones: MicrophoneState, points: int, time: flo
     state.happened = state.changed = 0
     for i in range(state.touching):
         clear(state.pairs[i])
-    least = max(state.rest, _FALL * state.gravity * min(span, _LONGEST_FALL))
+    fall = state.gravity * min(span, _LONGEST_FALL)
     for n in range(points):
-        take_point(state, n, span, least)
+        take_point(state, n, span, fall, max(state.rest, _FALL * fall))
     for i in range(state.touching - 1, -1, -1):
         _step_pair(state, microphones, i, span)
     return state.happened

@@ -73,8 +73,11 @@ def _struck(state: State, a: int, b: int) -> int:
 
 
 @noinline_kernel
-def take_point(state: State, n: int, span: float, least: float) -> None:
-    """Add a point of this step to its pair."""
+def take_point(state: State, n: int, span: float, fall: float, least: float) -> None:
+    """Add a point of this step to its pair.
+
+    fall: the speed (m/s) that gravity gives in the step; least: the least that is a blow's.
+    """
     first, second = state.pair[n, 0], state.pair[n, 1]
     if first == second:
         return
@@ -106,7 +109,7 @@ def take_point(state: State, n: int, span: float, least: float) -> None:
     pair.steepest = _steepest(state.friction[n])
     fresh = _is_new(state, pair, n, span, abs(approach) + slip)
     pair.sinks = max(pair.sinks, approach)
-    fresh = fresh and approach > least and not _grazes(pair, approach, slip) and not _sinks(pair, approach)
+    fresh = fresh and approach > least and not _grazes(pair, approach, slip, fall) and not _sinks(pair, approach)
     if fresh and not _goes_on(state, pair, n, sign, span, approach):
         pair.fresh += 1
         pair.speed += approach
@@ -126,10 +129,15 @@ def _steepest(friction: float) -> float:
 
 
 @kernel
-def _grazes(pair: Pair, approach: float, slip: float) -> bool:
+def _grazes(pair: Pair, approach: float, slip: float, fall: float) -> bool:
     """True if a new point is one of a slide: it closes more slowly than it slips by far, and its contact has stayed, or
-    hardly flew, or lands faster than its last blow left it."""
-    if approach >= pair.steepest * max(slip, pair.fastest):
+    hardly flew, or lands faster than its last blow left it.
+
+    A step ends after the landing, so what the simulator lifted falls for up to a step longer, and closes by up to
+    `fall` faster; where that is most of it, it is a blow.
+    """
+    lifted = pair.steepest * max(slip, pair.fastest)
+    if approach >= lifted + min(fall, lifted):
         return False
     if pair.stood == 0 and pair.flown < math.inf and approach > _LIFTED * pair.left:
         pair.stood = 1
