@@ -37,7 +37,7 @@ LONGEST_TAIL = 600.0
 LONGEST_REST = LONGEST_BOUNCE + LONGEST_TAIL
 """Time (s) after a score's last event at which a render ends, even if gestures go on that would come to rest."""
 
-_PIECE = 1_024  # frames
+_PIECE = 4_096  # frames
 _MOST_NAMES = 8  # of gestures, in a warning
 
 
@@ -58,7 +58,7 @@ class Options:
     """
 
     rate: int = 48_000
-    block: int = 4_096
+    block: int = 16_384
     format: str | None = None
     seconds: float | None = None
     contact: tuple[Argument, ...] = ()

@@ -42,7 +42,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("out", metavar="OUT", help=out)
     parser.add_argument("--jobs", type=whole, metavar="N", help="scores to render at once (one for each processor)")
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
-    parser.add_argument("--block", type=whole, default=4096, help="frames per block (%(default)s); changes no sound")
+    parser.add_argument("--block", type=whole, default=16_384, help="frames per block (%(default)s); changes no sound")
     parser.add_argument("--format", choices=FORMATS, type=one_of(*FORMATS), help="sample format (WAV: float, FLAC: 24)")
     parser.add_argument("--seconds", type=number, help="length of the sound (until silence)")
     parser.add_argument("--plot", metavar="OUT.png", help="draw the wave and spectrogram of each channel")
