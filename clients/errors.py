@@ -5,10 +5,9 @@ from difflib import SequenceMatcher
 from pathlib import Path
 
 from ..dsp.wording import near
-from .actions import CommandError
 from .folding import columns_of, folded
 
-KINDS = (CommandError, OSError, RuntimeError, ValueError)
+KINDS = (OSError, RuntimeError, ValueError)
 """Errors that may be Carom's own or the system's; `is_expected` tells these from bugs."""
 
 

@@ -1,15 +1,19 @@
 """The options that several commands share."""
 
+from __future__ import annotations
+
 import argparse
 import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...server.osc.wire import DEFAULT_PORT
-from ..client import Client
 from .parser import one_of, pascals, whole
+
+if TYPE_CHECKING:
+    from ..client import Client
 
 RATE = 48_000
 """Hz, where no other rate is given."""
@@ -80,6 +84,7 @@ def add_server(parser: argparse.ArgumentParser) -> None:
 def client(arguments: argparse.Namespace) -> Client:
     """Return a client of the server that the options name."""
     from ...server.net.reply_budget import local
+    from ..client import Client
 
     found = Client(arguments.host, arguments.port, arguments.tcp or not local(arguments.host))
     found.tell_compiling(_show_compiling)
