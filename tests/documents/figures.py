@@ -160,7 +160,7 @@ def web() -> str:
         return "Not measured yet: `python -m tests.bench.web` writes this table."
     found = json.loads(WEB.read_text(encoding="utf-8"))
     rows = [
-        ("the demo's files, kB", f"{found['kB in all']:.0f}"),
+        ("the demo's files that a first visit loads, kB", f"{found['kB at a first visit']:.0f}"),
         ("of these the engine", f"{found['kB']['carom.wasm.lzma']:.0f}"),
         ("of these the scene", f"{found['kB']['scene.carom.lzma']:.0f}"),
         ("memory, MB", f"{found['MB']:.0f}"),
