@@ -82,6 +82,7 @@ documents: $(DEV)  ## write the tables of all pages
 study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simulators, meshes, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.decays
+	$(BIN)/python -m tests.bench.harmonics
 	$(BIN)/python -m tests.bench.listening build/listening.html
 	$(BIN)/python -m tests.bench.gongs
 	$(BIN)/python -m tests.bench.fits

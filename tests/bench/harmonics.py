@@ -1,0 +1,110 @@
+"""Levels of harmonics beside recordings: how a bowed cello falls, how loud bars over tubes sound their lowest.
+
+`python -m tests.bench.harmonics` takes the sampled instruments of the SoundFont that Debian's fluid-soundfont-gm
+installs: a cello's notes from its looped part on, and notes of bars within half an octave of the presets'. Of a cello,
+the power about each harmonic is fitted by a line over the octaves. Of a bar, it is the lowest partial's power against
+that of all higher ones, over the first 0.3 s, that the tube below decides; the mallet and where it falls do, too.
+"""
+
+from dataclasses import replace
+from statistics import mean
+
+import numpy as np
+
+import carom
+
+from .recordings import RATE, SOUNDFONT, Pair, from_onset, strike
+from .soundfont import Recording, SoundFont
+
+CELLO = tuple(f"Cello {note}" for note in ("C#3", "E3", "G3", "A#3", "C#4", "E4", "G4", "A#4", "C#5"))
+LOWEST, HIGHEST = 1500.0, 8000.0  # Hz: from the bridge's hill up
+PITCHES = 60.0, 400.0  # Hz
+BOWED = 3.0  # s
+BEGINS = 1 / 3  # of a bowed note: what is before is its onset
+BARS: tuple[Pair, ...] = (
+    ("Marimba C 5", "marimba-bar", {}),
+    ("Marimba F# 5", "marimba-bar", {"tune": 6.0}),
+    ("Vibraphone A4", "vibraphone-bar", {"tune": 4.0}),
+    ("Vibraphone D#5", "vibraphone-bar", {"tune": 10.0}),
+    ("Xylophone F# 5", "xylophone-bar", {"tune": -6.0}),
+    ("Xylophone C 6", "xylophone-bar", {}),
+    ("Xylophone F# 6", "xylophone-bar", {"tune": 6.0}),
+)
+NOTES = {"marimba-bar": 261.6, "vibraphone-bar": 174.6, "xylophone-bar": 523.3}  # Hz
+FIRST = 0.3  # s
+NEAR, ABOVE = 2 ** (1 / 6), 1.5  # ratios to the lowest partial
+
+
+def bowed() -> Recording:
+    """Return the preset's cello, bowed as it says."""
+    with carom.Scene(RATE, limiter=False) as scene:
+        scene.new("a", "cello-string", stereo_width=0).slide(at=0.0)
+        return Recording("cello-string", scene.render(BOWED).samples[:, 0].astype(float), RATE)
+
+
+def pitch(sound: Recording) -> float:
+    """Return the pitch (Hz) of a steady sound, by its autocorrelation."""
+    size = len(sound.samples)
+    alike = np.fft.irfft(np.abs(np.fft.rfft(sound.samples, 2 * size)) ** 2)
+    lags = np.arange(int(sound.rate / PITCHES[1]), int(sound.rate / PITCHES[0]))
+    return float(sound.rate / lags[np.argmax(alike[lags])])
+
+
+def fall(sound: Recording) -> tuple[float, float]:
+    """Return the pitch (Hz) of a bowed note, and the slope (dB per octave) of its harmonics from LOWEST to HIGHEST."""
+    steady = replace(sound, samples=sound.samples[int(BEGINS * len(sound.samples)) :])
+    lowest = pitch(steady)
+    power, frequency = spectrum(steady.samples, sound.rate)
+    harmonics = lowest * np.arange(np.ceil(LOWEST / lowest), HIGHEST / lowest)
+    levels = [10 * np.log10(power[np.abs(frequency - each) < 0.3 * lowest].sum()) for each in harmonics]
+    return lowest, float(np.polyfit(np.log2(harmonics), levels, 1)[0])
+
+
+def over_the_rest(sound: Recording, lowest: float) -> float:
+    """Return by how many dB a bar's lowest partial (Hz) exceeds all that is above it, in the first FIRST seconds."""
+    power, frequency = spectrum(from_onset(sound)[: round(FIRST * sound.rate)], sound.rate)
+    ratio = frequency / lowest
+    own = power[(ratio > 1 / NEAR) & (ratio < NEAR)].sum()
+    return float(10 * np.log10(own / power[ratio > ABOVE].sum()))
+
+
+def spectrum(samples: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the power and the frequencies (Hz) of a piece of sound, faded."""
+    power = np.abs(np.fft.rfft(samples * np.hanning(len(samples)))) ** 2
+    return power, np.fft.rfftfreq(len(samples), 1 / rate)
+
+
+def cello(font: SoundFont) -> None:
+    """Print the slopes of the recorded notes and of the preset's."""
+    slopes = []
+    print(f"dB an octave from {LOWEST:.0f} to {HIGHEST:.0f} Hz")
+    for name in CELLO:
+        lowest, slope = fall(font.recording(name))
+        slopes.append(slope)
+        print(f"  {name:18} {lowest:6.0f} Hz {slope:7.1f}")
+    lowest, slope = fall(bowed())
+    print(f"  {'cello-string':18} {lowest:6.0f} Hz {slope:7.1f}   mean of the recordings {mean(slopes):.1f}")
+
+
+def bars(font: SoundFont) -> None:
+    """Print how far the lowest partial exceeds the rest, of each recorded bar and of the preset's."""
+    print("dB of the lowest partial over all others      real    ours    ours less real")
+    for name, preset, changes in BARS:
+        found = font.recording(name)
+        lowest = NOTES[preset] * 2 ** (changes.get("tune", 0.0) / 12)
+        pair = Recording(name, found.unlooped, found.rate), strike(preset, changes, FIRST + 0.1)
+        rows = [over_the_rest(each, lowest) for each in pair]
+        print(f"  {name:18} {preset:16} {lowest:6.0f} Hz {rows[0]:7.1f} {rows[1]:7.1f} {rows[1] - rows[0]:10.1f}")
+
+
+def main() -> None:
+    if not SOUNDFONT.exists():
+        print(f"nothing to compare with: {SOUNDFONT} is not there (Debian: apt install fluid-soundfont-gm)")
+        return
+    font = SoundFont(SOUNDFONT)
+    cello(font)
+    bars(font)
+
+
+if __name__ == "__main__":
+    main()
