@@ -116,7 +116,7 @@ class Gesture:
     @cached_property
     def steerable(self) -> tuple[str, ...]:
         """Names of the parameters that a running gesture takes anew."""
-        given = (self.argument, *STRIKE, *POINT, *self.keys)
+        given = (self.argument, *STRIKE, *POINT, *(BY_POINT if self.rests else ()), *self.keys)
         named = {each.name: each.steerable for each in given}
         return tuple(name for name, steerable in named.items() if steerable and name not in self.fixed)
 
@@ -149,9 +149,10 @@ POINT = tuple(
 )  # fmt: skip
 """The place of a gesture on an object that has a surface, in place of the position: the nearest point of it."""
 BY_POINT = tuple(
-    dataclasses.replace(each, name=f"by_{each.name}", help="", steerable=False, glide=0.0) for each in POINT
+    dataclasses.replace(each, name=f"by_{each.name}", help=f"{each.name} of the point of that object on which it rests")
+    for each in POINT
 )
-"""The same of the object that strikes."""
+"""The same of the object that strikes, or on which it rests: only a rest's is steered."""
 DIRECTION = tuple(
     Parameter(
         f"direction_{axis}", -1000.0, 1000.0, "", f"{axis} in its own frame of the direction in which it is pushed",
@@ -434,7 +435,7 @@ def gestures_steered_by(name: str) -> dict[str, Parameter]:
     """Return the gestures that a steerable parameter steers, by name, each with the parameter as it has it."""
     found = {}
     for gesture in GESTURES.values():
-        own = {each.name: each for each in (*STRIKE, *POINT, *gesture.keys, gesture.argument)}
+        own = {each.name: each for each in (*STRIKE, *POINT, *BY_POINT, *gesture.keys, gesture.argument)}
         if name in gesture.steerable:
             found[gesture.name] = own[name]
     return found

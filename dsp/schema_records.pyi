@@ -30,6 +30,9 @@ class Steered(Record):
     tangential: float  # N/m
     along: float
     load: float
+    by_x: float  # m
+    by_y: float  # m
+    by_z: float  # m
     by_position: float
     rate: float  # 1/s
     size: float  # m

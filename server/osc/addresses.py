@@ -163,6 +163,7 @@ _RUNNING = (
         "steers a gesture on an object with a surface to the point of that nearest to there, or along a list of points",
         POINT,
     ),
+    Move("/gesture/ID/by_point", "steers a rest to such a point of the object on which it lies", BY_POINT),
 )
 
 _ENGINE = (

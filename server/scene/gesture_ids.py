@@ -29,6 +29,8 @@ class GestureId:
     """Number of gestures that were sent with it."""
     running: list[tuple[str, Any]] = field(default_factory=list)
     """Address and source of the message for each gesture that was sent and whose end is not known, the oldest first."""
+    under: str = ""
+    """Name of the object on which that lies which was laid down last; "" if it is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +89,10 @@ class GestureIds:
         """Return a number for a gesture without an id: nobody is told of its end."""
         self._last += 1
         return self._last
+
+    def lay_on(self, name: str, under: str) -> None:
+        """Remember on which object that lies which an id that was started stands for; "": on none."""
+        self._known.names[name].under = under
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""

@@ -40,6 +40,7 @@ def rest(to: ObjectCall) -> None:
     feet = feet_values(to, other)
     id = to.id(to.transaction.gestures.made_for)
     gesture = {to.start(id) for _ in feet}.pop()  # one number
+    to.transaction.gestures.lay_on(id, what if other else "")
     message = to.canonical
     _lay(to, message, other, support, gesture, feet)
     if not (support and support.mass):  # it lies there by its weight, and so no longer where it stood

@@ -5,7 +5,7 @@ from itertools import islice
 
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import GESTURES, POINT
+from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, POINT
 from ...dsp.wording import MOST_COMPARED, expected, some_of, suggestion
 from ..osc.addresses import Call
 from ..osc.arguments import GestureEnded, Refused, Values
@@ -17,6 +17,7 @@ from .touching import require_surface
 from .transaction import Transaction
 
 _ON_SURFACE = ("point", *(each.name for each in POINT))
+_ON_OTHER = ("by_point", *(each.name for each in BY_POINT))
 CHANGE_WORK = 80
 """Work of carrying out a change on one gesture or object, as in patterns.work."""
 
@@ -30,7 +31,9 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
         raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
     commands = [Command(NOW, Kind.STOP)]
-    if action not in ("stop", "point"):
+    if action in (*_ON_OTHER, BY_POSITION.name):
+        ids = _lying(transaction, call, ids, values)
+    elif action not in ("stop", "point"):
         _warn_of_nothing(transaction, call, ids)
     if action in _ON_SURFACE:
         _require_surfaces(transaction, ids, action, values)
@@ -71,6 +74,23 @@ def _require_surfaces(transaction: Transaction, ids: list[GestureId], action: st
             for name, obj in there.items():
                 if obj:
                     require_surface(name, obj, action, point)
+
+
+def _lying(transaction: Transaction, call: Call, ids: list[GestureId], values: Values) -> list[GestureId]:
+    """Return those of the gestures that lie on an object; warn where none does, and refuse a point where no such object
+    has a surface."""
+    assert call.verb
+    lying = [id for id in ids if id.under]
+    if not lying:
+        text = f"{call.message.address}: what goes on lies on no object, so nothing changes"
+        transaction.replies.append(Message("/warning", (text,)))
+    there = {id.under: transaction.objects.at(id.under, transaction.time).get(id.under) for id in lying}
+    known = {name: obj for name, obj in there.items() if obj}
+    if call.verb.action in _ON_OTHER and known and all(obj.modes.faces is None for obj in known.values()):
+        point = tuple(values.numbers[each.name] for each in BY_POINT if each.name in values.numbers)
+        for name, obj in known.items():
+            require_surface(name, obj, call.verb.action, point)
+    return lying
 
 
 def _running(transaction: Transaction, target: str) -> str:

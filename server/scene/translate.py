@@ -338,7 +338,7 @@ HANDLERS: dict[str, Handler] = {
     PLACE: _on_objects(_put),
     "/object/NAME/free": _on_objects(_free),
     "/object/NAME/note": _on_objects(_note),
-    **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", "point", *STEERABLE)), steer),
+    **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", "point", "by_point", *STEERABLE)), steer),
     **SENSOR_HANDLERS,
     **SPACE_HANDLERS,
     **ENGINE_HANDLERS,

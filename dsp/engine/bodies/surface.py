@@ -25,6 +25,19 @@ def put(state: State, obj: Object, contact: Contact, position: float) -> None:
         place(point, position, obj.rows)
 
 
+@kernel
+def put_other(state: State, contact: Contact) -> None:
+    """Find rows and weights of the shapes where a contact touches its other object, if it has one."""
+    other, now = contact.point[1], contact.now
+    if other.slot < 0:
+        return
+    obj = state.objects[other.slot]
+    if other.on_surface == 1 and obj.faces > 0:
+        put_at(state, obj, other, now.by_x, now.by_y, now.by_z)
+    else:
+        place(other, now.by_position, obj.rows)
+
+
 @noinline_kernel
 def direct(state: State, obj: Object, contact: Contact) -> None:
     """Find the shapes in the direction of a contact that was put at a point of a surface, if it has one.

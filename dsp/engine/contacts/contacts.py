@@ -11,10 +11,9 @@ import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
-from ...schema import FORCE, POINT, STEERABLE, gestures_steered_by
-from ..bodies.objects import place
+from ...schema import BY_POINT, FORCE, POINT, STEERABLE, gestures_steered_by
 from ..bodies.strikers import roll_striker
-from ..bodies.surface import put
+from ..bodies.surface import put, put_other
 from ..memory.order import wake
 from ..memory.quality import coarseness_of, holds_steps, must_wait
 from ..memory.records import Contact
@@ -34,9 +33,10 @@ _LAID = FORCE.glide  # s: also of a striker's weight
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 
 _GLIDES = np.array([max(each.glide for each in gestures_steered_by(name).values()) for name in STEERABLE])
-_NEAR = np.array([1e-6 if name in ("position", "x", "y", "z") else 0.0 for name in STEERABLE])  # as good as there
+_PLACES = "position", "x", "y", "z", "by_position", "by_x", "by_y", "by_z"
+_NEAR = np.array([1e-6 if name in _PLACES else 0.0 for name in STEERABLE])  # as good as there
 _POSITION, _BY_POSITION = STEERABLE.index("position"), STEERABLE.index("by_position")
-_POINT = STEERABLE.index(POINT[0].name)
+_POINT, _BY_POINT = STEERABLE.index(POINT[0].name), STEERABLE.index(BY_POINT[0].name)
 
 
 @noinline_kernel
@@ -77,8 +77,8 @@ def _glide(state: State, contact: Contact, obj: Object) -> None:
         if (i == _POSITION or _POINT <= i < _POINT + 3) and contact.solver == COUPLING:
             put(state, obj, contact, now.position)
             contact.unsettled = 1
-        elif i == _BY_POSITION and contact.solver == COUPLING and contact.point[1].slot >= 0:
-            place(contact.point[1], now.by_position, state.objects[contact.point[1].slot].rows)
+        elif (i == _BY_POSITION or _BY_POINT <= i < _BY_POINT + 3) and contact.solver == COUPLING:
+            put_other(state, contact)
             contact.unsettled = 1
 
 

@@ -18,8 +18,9 @@ import math
 
 from ...contact.coupled import begin_within
 from ...native.jit import kernel, noinline_kernel
-from ..bodies.objects import is_heard, least_heard, place
+from ..bodies.objects import is_heard, least_heard
 from ..bodies.sheets import is_coupled
+from ..bodies.surface import put_other
 from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, Object, State
 from .contact_force import couple, has_room_for, touch, update_mode_count
@@ -33,9 +34,8 @@ _STILL = 1e-5  # of the compression at rest: a contact that swings by less is st
 def begin_rest(state: State, contact: Contact) -> bool:
     """Lay an object on what it rests on. False if there is no room for it."""
     touch(state, contact)
-    other, coupled = contact.point[1], contact.coupled
-    if other.slot >= 0 and other.on_surface == 0:
-        place(other, contact.now.by_position, state.objects[other.slot].rows)
+    coupled = contact.coupled
+    put_other(state, contact)
     contact.light = 1
     if not has_room_for(state, contact):
         state.stats.contacts_dropped += 1

@@ -2,7 +2,7 @@
 
 from ...native.jit import kernel
 from ...native.records import field, set_field
-from ...schema import POINT, STEERABLE
+from ...schema import BY_POINT, POINT, STEERABLE
 from ..contacts.swarms import steer_swarm
 from ..memory.commands import (
     IN_VALUES,
@@ -16,6 +16,7 @@ from ..memory.state import Object, State
 
 _GRAVITY, _FORCE = STEERABLE.index("gravity"), STEERABLE.index("force")
 _POSITION, _POINT = STEERABLE.index("position"), STEERABLE.index(POINT[0].name)
+_BY_POSITION, _BY_POINT = STEERABLE.index("by_position"), STEERABLE.index(BY_POINT[0].name)
 _SPEED, _SWEEP = STEERABLE.index("speed"), STEERABLE.index("sweep")
 
 
@@ -66,6 +67,10 @@ def set_target(state: State, contact: Contact, parameter: int, value: float) -> 
         contact.point[0].on_surface = 0
     elif _POINT <= parameter < _POINT + 3:
         contact.point[0].on_surface = 1
+    elif parameter == _BY_POSITION:
+        contact.point[1].on_surface = 0
+    elif _BY_POINT <= parameter < _BY_POINT + 3:
+        contact.point[1].on_surface = 1
     if contact.trait.rolls == 1:
         set_field(state.rolls[contact.roll].target, parameter, value)
     elif contact.trait.falls == 1 and parameter == _GRAVITY:
@@ -103,10 +108,14 @@ def is_steered(state: State, event: Event) -> bool:
 @kernel
 def _takes(state: State, contact: Contact, event: Event) -> bool:
     """True if a contact is of the gesture that an event steers; to a point, if its object has a surface."""
-    to_point = _POINT <= event.parameter < _POINT + 3
-    slot = contact.point[0].slot
+    side = -1
+    if _POINT <= event.parameter < _POINT + 3:
+        side = 0
+    elif _BY_POINT <= event.parameter < _BY_POINT + 3:
+        side = 1
+    slot = contact.point[max(side, 0)].slot
     has_surface = slot >= 0 and state.objects[slot].faces > 0
-    return contact.gesture == event.gesture and (not to_point or has_surface)
+    return contact.gesture == event.gesture and (side < 0 or has_surface)
 
 
 @kernel

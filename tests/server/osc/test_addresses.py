@@ -42,7 +42,7 @@ def test_what_steers_a_gesture_has_the_range_of_what_starts_it(name):
     assert gestures and gestures.keys() <= GESTURES.keys()
     for gesture in gestures:
         verb = VERBS[f"/object/NAME/{gesture}"]
-        point = verb.named["point"].axes
+        point = (*verb.named["point"].axes, *verb.named["by_point"].axes)
         (same,) = (each for each in (*verb.required, *verb.optional, *verb.keys, *point) if each.name == name)
         assert isinstance(same, Parameter)
         assert (same.low, same.high, same.unit) == (number.low, number.high, number.unit)

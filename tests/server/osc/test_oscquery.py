@@ -93,7 +93,7 @@ def test_keys_and_steerable_numbers_are_told_with_their_ranges():
         in node("/object/bell/roll", NAMES)["DESCRIPTION"]
     )
     steered = node("/gesture/g1", NAMES)["CONTENTS"]
-    assert steered.keys() == {"stop", "point", *STEERABLE}
+    assert steered.keys() == {"stop", "point", "by_point", *STEERABLE}
     for name in STEERABLE:
         ranges = [number.useful or (number.low, number.high) for number in gestures_steered_by(name).values()]
         low, high = min(low for low, _ in ranges), max(high for _, high in ranges)

@@ -11,8 +11,10 @@ from carom.dsp.bodies.curved import EDGE_RADIUS, curvatures_at, stiffness_share
 from carom.dsp.bodies.triangles import nearest
 from carom.dsp.engine.bodies.surface import put_at
 from carom.dsp.engine.memory.capacity import FACE
+from carom.dsp.runtime.engine import NOW
 from carom.dsp.runtime.plan import planned
 from carom.presets import Presets
+from carom.server.osc.wire import Message
 from tests.server.scene.support import refusal, say
 
 STRAIGHT = {"tilt": 0.0}
@@ -159,6 +161,40 @@ def test_the_object_that_strikes_may_have_a_point_too(mug):
     faces = mug.objects["spoon"].modes.faces
     face = nearest(faces.corners, np.array([[0.1, 0.0, 0.0]]))[0][0]
     assert contact["point"][1]["row"] == faces.rows[face]
+
+
+def test_what_lies_on_an_object_is_moved_over_its_surface(mug, modes):
+    say(mug, "/object/new", "bar", "marimba-bar")
+    say(mug, "/object/bar/rest", "mug", 0.5, "by_point", *HERE, "id", "g")
+    mug.engine.process(4800)
+    contact = contact_of(mug)
+
+    def now():
+        return [float(contact["now"][f"by_{axis}"]) for axis in "xyz"]
+
+    assert contact["point"][1]["row"] == row_at(modes, HERE)
+    say(mug, "/gesture/g/by_point", *THERE)
+    mug.engine.process(9600)
+    assert now() == pytest.approx(THERE, abs=1e-5) and contact["point"][1]["row"] == row_at(modes, now())
+    say(mug, "/gesture/g/by_z", 0.09)
+    say(mug, "/gesture/g/position", 0.9)
+    mug.engine.process(9600)
+    assert now()[2] == pytest.approx(0.09, abs=1e-5) and contact["point"][1]["row"] == row_at(modes, now())
+    assert float(contact["now"]["position"]) == pytest.approx(0.9, abs=1e-4) and contact["point"][0]["on_surface"] == 0
+    say(mug, "/gesture/g/by_position", 0.25)
+    mug.engine.process(9600)
+    assert contact["point"][1]["on_surface"] == 0 and contact["point"][1]["row"] == int(0.25 * 64) - 1
+
+
+def test_what_lies_on_nothing_with_a_surface_takes_no_point_there(played):
+    say(played, "/object/new", "bar", "marimba-bar")
+    say(played, "/object/bar/rest", "pane", "id", "g")
+    say(played, "/object/bar/rest", "felt", 0.1, "id", "pad")
+    assert "pane has no surface" in refusal(played, "/gesture/g/by_point", 0.0, 0.0, 0.0)
+    assert "pane has no surface" in refusal(played, "/gesture/g/by_x", 0.0)
+    for action, args in (("by_point", (0.0, 0.0, 0.0)), ("by_y", (0.1,)), ("by_position", (0.1,))):
+        (reply,) = played.perform([Message(f"/gesture/pad/{action}", args)], NOW)
+        assert reply.address == "/warning" and "lies on no object" in reply.args[0]
 
 
 @pytest.mark.parametrize(

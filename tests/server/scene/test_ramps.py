@@ -61,7 +61,8 @@ def test_all_that_is_steered_takes_its_time(played, name):
     gesture = "crumple" if name in crackles else gesture
     begins = (gesture, 0.3, "striker", "glass-marble")
     begins = ("rest", "cup", 0.3) if name in ("load", "by_position") else begins
-    if name in ("x", "y", "z"):
+    begins = ("rest", "mug", 0.3) if name in ("by_x", "by_y", "by_z") else begins
+    if name in ("x", "y", "z", "by_x", "by_y", "by_z"):
         say(played, "/object/new", "mug", "mug")
     said = say(played, f"/object/{'mug' if name in ('x', 'y', 'z') else 'pane'}/{begins[0]}", *begins[1:], "id", "x")
     value = {"size": 1e-3, "density": 100.0, "decades": 2.0, "evenness": 1.0}.get(name, 0.02)
