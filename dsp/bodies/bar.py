@@ -19,6 +19,7 @@ from .radiation.board import BOARDS
 from .radiation.twist import Twist
 from .resonator_tube import GAP, Tube, strip_flow, with_tube
 from .ritz import quadrature
+from .shearing import rectangles_shear, tubes_shear
 from .torsion import torsion
 from .unheard import FINER, Felt, completed, with_unheard
 
@@ -93,7 +94,7 @@ def bar(
         carving = _Carving(width, thickness, undercut, undercut_span)
         parts = _rectangular(span, carving, across, math.radians(tilt))
     elif diameter is not None and width is None and thickness is None:
-        section = _tube(diameter, wall, material.poisson_ratio)
+        section = _tube(diameter, wall, material)
         parts = _round(span, section, split, math.radians(imperfection))
     else:
         raise ValueError("section: expected width and thickness, or diameter")
@@ -163,7 +164,7 @@ def _area(
     if width is not None and thickness is not None:
         return width * thickness * (1 - carved)
     assert diameter is not None
-    return float(_tube(diameter, wall, material.poisson_ratio).area)
+    return float(_tube(diameter, wall, material).area)
 
 
 def _clicks(
@@ -230,20 +231,20 @@ class _Carving(NamedTuple):
         """Points between which it is smooth."""
         return (-self.span, self.span) if self.undercut and self.span < 1 else ()
 
-    def upright(self, nu: float, x: Array) -> Section:
+    def upright(self, material: Material, x: Array) -> Section:
         """Return the section at x for bending along the thickness."""
         depth = self.depth(x)[0]
-        return Section(self.width * depth, self.width * depth**3 / 12, _shear(nu))
+        return Section(self.width * depth, self.width * depth**3 / 12, rectangles_shear(material, self.width / depth))
 
-    def sideways(self, nu: float, x: Array) -> Section:
+    def sideways(self, material: Material, x: Array) -> Section:
         """Return the section at x for bending along the width."""
         depth = self.depth(x)[0]
-        return Section(self.width * depth, self.width**3 * depth / 12, _shear(nu))
+        return Section(self.width * depth, self.width**3 * depth / 12, rectangles_shear(material, depth / self.width))
 
 
 def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> list[_Part]:
     """Return the motions that a blow excites at a point off the middle line, and half the thickness above the axis."""
-    nu, width = span.material.poisson_ratio, carving.width
+    width = carving.width
 
     def swayed(x: Array) -> Array:
         return span.material.density * width * carving.depth(x)[0]
@@ -254,10 +255,10 @@ def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> 
     def edge(x: Array) -> line.Outline:
         return line.on_edge(width, carving.depth(x)[0])
 
-    upright = bending(*span, partial(carving.upright, nu), carving.kinks)
+    upright = bending(*span, partial(carving.upright, span.material), carving.kinks)
     parts = [_Part(upright, partial(_everywhere, math.cos(tilt)), partial(_swaying, span, face), swayed)]
     if tilt:
-        sideways = bending(*span, partial(carving.sideways, nu), carving.kinks)
+        sideways = bending(*span, partial(carving.sideways, span.material), carving.kinks)
         parts.append(_Part(sideways, partial(_everywhere, math.sin(tilt)), partial(_swaying, span, edge), swayed))
     if across or tilt:
         arm = across * width / 2 * math.cos(tilt)
@@ -271,7 +272,7 @@ def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> 
 
 
 def _round(span: _Span, section: Section, split: float, imperfection: float) -> list[_Part]:
-    motion = bending(*span, lambda x: Section(section.area + 0 * x, section.moment + 0 * x, section.shear))
+    motion = bending(*span, lambda x: Section(*(each + 0 * x for each in section)))
     area, moment = float(section.area), float(section.moment)
     bore = math.sqrt(max(8 * moment / area - 2 * area / math.pi, 0.0))  # of A = pi/4 (D^2 - d^2), I = pi/64 (D^4 - d^4)
     outline = partial(line.tubular, math.sqrt(bore**2 + 4 * area / math.pi), bore)
@@ -320,18 +321,11 @@ def _twisting(span: _Span, carving: _Carving, motion: Motion) -> Loaded:
     return Loaded(motion.frequency, twist.resistance(motion.frequency), np.ones_like(motion.frequency))
 
 
-def _shear(nu: float) -> float:
-    """Return the shear coefficient of a rectangle (Cowper 1966)."""
-    return 10 * (1 + nu) / (12 + 11 * nu)
-
-
-def _tube(diameter: float, wall: float | None, nu: float) -> Section:
-    """Return the section of a rod or tube; its shear coefficient by Cowper (1966)."""
+def _tube(diameter: float, wall: float | None, material: Material) -> Section:
+    """Return the section of a rod or tube."""
     bore = 0.0 if wall is None else diameter - 2 * wall
     if bore < 0:
         raise ValueError(f"wall = {wall}: expected at most half the diameter, {diameter / 2}")
     area = math.pi / 4 * (diameter**2 - bore**2)
     moment = math.pi / 64 * (diameter**4 - bore**4)
-    ratio = (bore / diameter) ** 2
-    kappa = 6 * (1 + nu) * (1 + ratio) ** 2 / ((7 + 6 * nu) * (1 + ratio) ** 2 + (20 + 12 * nu) * ratio)
-    return Section(np.array(area), np.array(moment), kappa)
+    return Section(np.array(area), np.array(moment), np.array(tubes_shear(material, bore / diameter)))

@@ -13,11 +13,11 @@ from .ritz import basis, converged, quadrature, terms_for
 
 
 class Section(NamedTuple):
-    """Area (m^2) and second moment (m^4) (p,) at points of a bar, and the shear coefficient (Cowper 1966)."""
+    """Area (m^2), second moment (m^4) and shear coefficient (p,) at points of a bar."""
 
     area: Array
     moment: Array
-    shear: float
+    shear: Array
 
 
 class Motion(NamedTuple):
@@ -140,7 +140,7 @@ def _solve(
 
 def _wavenumber(material: Material, section: Section, frequency: float) -> float:
     """Return the larger wavenumber (rad/m) of Timoshenko's dispersion relation for a section at a frequency (Hz)."""
-    (area,), (moment,), kappa = section
+    (area,), (moment,), (kappa,) = section
     e, rho, kg = material.youngs_modulus, material.density, kappa * material.shear_modulus
     square = (2 * np.pi * frequency) ** 2
     b = rho * moment * (1 + e / kg) * square

@@ -30,7 +30,7 @@ def test_a_thin_ring_is_hoppes():
 def test_short_waves_on_a_ring_are_a_timoshenko_bars():
     radius, thickness, n = 0.3, 0.02, 12
     ring = bodies.ring(HEAVY, radius=radius, thickness=thickness, length=0.02, top=20000)
-    section = (np.array([0.02 * thickness]), np.array([0.02 * thickness**3 / 12]), 5 / 6)
+    section = (np.array([0.02 * thickness]), np.array([0.02 * thickness**3 / 12]), np.array([5 / 6]))
     curvature = (n**2 - 1) / (n * math.sqrt(n**2 + 1))  # what the ring's closing changes
     assert _wavenumber(HEAVY, section, ring.frequency[n - 2] / curvature) == pytest.approx(n / radius, rel=0.01)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from carom.dsp import bodies
+from carom.dsp.bodies.shearing import rectangles_shear
 from carom.dsp.bodies.string import _Sines
 from carom.dsp.bodies.unheard import Felt, completed, with_unheard
 from carom.presets import Presets
@@ -32,8 +33,8 @@ def cantilever():
     modes = bodies.bar(
         STEEL, length=length, width=width, thickness=thickness, ends="cantilever", top=TOP, across=0.0, tilt=0.0
     )
-    nu, area = STEEL.poisson_ratio, width * thickness
-    shear = length / (10 * (1 + nu) / (12 + 11 * nu) * STEEL.shear_modulus * area)
+    coefficient = float(rectangles_shear(STEEL, np.array([width / thickness]))[0])
+    shear = length / (coefficient * STEEL.shear_modulus * width * thickness)
     return modes, 1.0, length**3 / (3 * STEEL.youngs_modulus * width * thickness**3 / 12) + shear
 
 
