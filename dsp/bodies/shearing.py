@@ -13,12 +13,14 @@ from .material import Array, Material
 
 _TERMS = np.arange(1.0, 25.0)[:, None]  # the series falls as n^-4 at least
 _LEAST = 1.06  # of 1/coefficient
+_WIDEST = 4.0  # from there on the coefficient is at its bound, and the series loses its digits
 _PLAIN = 1.2  # 1/coefficient of a rectangle that does not widen
 
 
 def rectangles_shear(material: Material, width: Array) -> Array:
     """Return the coefficients (p,) of rectangles that bend along their depth, by their widths over it (p,)."""
-    nu, square = material.poisson_ratio, width**2
+    nu, width = material.poisson_ratio, np.minimum(width, _WIDEST)
+    square = width**2
     waves = _TERMS * np.pi / width
     series = (16 * nu**2 * width**5 * (waves - np.tanh(waves)) / ((_TERMS * np.pi) ** 5 * (1 + nu))).sum(axis=0)
     bulk = 4 / 45 * (-12 - 15 * nu + 5 * nu * square) + series
