@@ -24,8 +24,8 @@ from ..native.typed import View
 from ..numerics.elementary import exp, log
 from ..schema import DROPS, ENERGIES, FALLS
 from .grid import MOST_LOSS
-from .record import FORMS, WIDTHS, Knot, PulseTable, Swarm
-from .times import MAGNITUDE, OTHER, PLACE, VARIETY, uniform
+from .record import BATCH, FORMS, WIDTHS, Blows, PulseTable, Swarm
+from .times import MAGNITUDE, OTHER, PLACE, VARIETY, unit
 
 ROLL_OFF = 0.83
 """The roll-off of a pulse's power: |P|^2 <= 1/(1 + (0.83 omega s)^3) for drops, and 1.0 for contacts of w up to 3."""
@@ -47,26 +47,102 @@ _FLAT = 1e-9  # of 1 - b: the power law is as good as even by ratios
 
 
 @kernel
-def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, float, float, float]:
-    """Return the last blow's place, speed (m/s), mass (kg), loss w/(1 + w), and ln of its rms width (s) at an object
-    that does not yield."""
-    i = swarm.index - 1
-    u = uniform(swarm, i, MAGNITUDE)
-    place = int(uniform(swarm, i, PLACE) * swarm.places)
+def draw_blows(swarm: Swarm, table: PulseTable, blows: Blows) -> None:
+    """Draw the last blows' places, speeds (m/s), masses (kg), losses w/(1 + w), and ln of their rms widths (s) at an
+    object that does not yield. Loops go over whole batches, so that the same instructions make each blow."""
+    first, places, begin = blows.number[0], swarm.places, swarm.random[PLACE]
+    for n in range(BATCH):
+        blows.place[n] = int(unit(begin, first + n) * places)
     if swarm.law == DROPS:
-        diameter = _draw_drop(knot.scale, u, uniform(swarm, i, OTHER), uniform(swarm, i, VARIETY))
+        _draw_drops(swarm, table, blows)
+        return
+    _draw_masses(swarm, blows)
+    _draw_speeds(swarm, blows)
+    for n in range(BATCH):
+        blows.loss[n], blows.width[n] = pulse_of(swarm, table, blows.light[n], blows.v[n])
+
+
+@kernel
+def _draw_drops(swarm: Swarm, table: PulseTable, blows: Blows) -> None:
+    """Draw drops, and the speeds at which they fall."""
+    first, scale, width = blows.number[0], swarm.knots[0].scale, table.width[0]
+    magnitude, other, variety = swarm.random[MAGNITUDE], swarm.random[OTHER], swarm.random[VARIETY]
+    for n in range(BATCH):
+        i = first + n
+        diameter = _draw_drop(scale, unit(magnitude, i), unit(other, i), unit(variety, i))
         v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
-        scale = _DROP_TIME * diameter / v
-        mass = _WATER * diameter * diameter * diameter
-        return place, v, mass, 0.0, log(scale) + table.width[0]
-    mass, light = swarm.m, swarm.light
-    if knot.variety > 0.0:
-        s = exp(knot.variety * (2.0 * uniform(swarm, i, VARIETY) - 1.0))
-        mass = swarm.m * s * s * s
-        light = log(mass / (swarm.k * math.sqrt(s)))
-    v = max(min(_draw_speed(swarm.law, knot, mass, u), math.sqrt(2.0 * max(swarm.store, 0.0) / mass)), _SLOWEST)
-    loss, width = pulse_of(swarm, table, light, v)
-    return place, v, mass, loss, width
+        blows.v[n], blows.mass[n], blows.loss[n] = v, _WATER * diameter * diameter * diameter, 0.0
+        blows.width[n] = log(_DROP_TIME * diameter / v) + width
+
+
+@kernel
+def _draw_masses(swarm: Swarm, blows: Blows) -> None:
+    """Draw the masses of grains (kg), and ln of these over their stiffnesses."""
+    first, m, k, variety = blows.number[0], swarm.m, swarm.k, swarm.knots[0].variety
+    if variety == 0.0:
+        light = swarm.light
+        for n in range(BATCH):
+            blows.mass[n], blows.light[n] = m, light
+        return
+    begin = swarm.random[VARIETY]
+    for n in range(BATCH):
+        s = exp(variety * (2.0 * unit(begin, first + n) - 1.0))
+        mass = m * s * s * s
+        blows.mass[n], blows.light[n] = mass, log(mass / (k * math.sqrt(s)))
+
+
+@kernel
+def _draw_speeds(swarm: Swarm, blows: Blows) -> None:
+    """Draw the speeds (m/s) of grains, by the law of their swarm and no more than its store of energy has."""
+    first, begin, scale = blows.number[0], swarm.random[MAGNITUDE], swarm.knots[0].scale
+    if swarm.law == ENERGIES:
+        _draw_energies(swarm, blows)
+    elif swarm.law == FALLS:
+        for n in range(BATCH):
+            blows.v[n] = max(scale * math.sqrt(unit(begin, first + n)), _SLOWEST)
+    else:
+        _draw_gas(swarm, blows)
+    if swarm.store == math.inf:
+        return
+    for n in range(blows.count):
+        most = math.sqrt(2.0 * max(swarm.store, 0.0) / blows.mass[n])
+        blows.v[n] = max(min(blows.v[n], most), _SLOWEST)
+        swarm.store -= 0.5 * blows.mass[n] * blows.v[n] * blows.v[n]
+
+
+@kernel
+def _draw_gas(swarm: Swarm, blows: Blows) -> None:
+    """Draw the speeds (m/s) of a gas at a wall, or more even or uneven ones."""
+    first, begin, scale, evenness = blows.number[0], swarm.random[MAGNITUDE], swarm.knots[0].scale, _evenness(swarm)
+    if evenness == _GAS:
+        for n in range(BATCH):
+            blows.v[n] = max(scale * math.sqrt(-log(unit(begin, first + n))), _SLOWEST)
+        return
+    for n in range(BATCH):
+        blows.v[n] = max(scale * exp(log(-log(unit(begin, first + n))) / evenness), _SLOWEST)
+
+
+@kernel
+def _evenness(swarm: Swarm) -> float:
+    asked: float = swarm.knots[0].steepness
+    return asked if asked > 0.0 else _GAS
+
+
+@kernel
+def _draw_energies(swarm: Swarm, blows: Blows) -> None:
+    """Draw the speeds (m/s) of grains whose energies follow a power law, by inverse transform."""
+    first, begin, knot = blows.number[0], swarm.random[MAGNITUDE], swarm.knots[0]
+    highest, span, rest = knot.scale, knot.span, 1.0 - knot.steepness
+    if abs(rest) < _FLAT:
+        for n in range(BATCH):
+            energy = highest * exp(-span * unit(begin, first + n))
+            blows.v[n] = max(math.sqrt(2.0 * energy / blows.mass[n]), _SLOWEST)
+        return
+    # u = 1 - (E^(1-b) - lo^(1-b))/(hi^(1-b) - lo^(1-b)), of E over the highest
+    low = exp(-rest * span)
+    for n in range(BATCH):
+        energy = highest * exp(log(low + (1.0 - low) * unit(begin, first + n)) / rest)
+        blows.v[n] = max(math.sqrt(2.0 * energy / blows.mass[n]), _SLOWEST)
 
 
 @kernel
@@ -79,18 +155,6 @@ def pulse_of(swarm: Swarm, table: PulseTable, light: float, v: float) -> tuple[f
     w = swarm.w if swarm.w > 0.0 else swarm.mu * v
     loss = min(w / (1.0 + w), MOST_LOSS)
     return loss, scale + known_of(table.width, loss)
-
-
-@kernel
-def _draw_speed(law: int, knot: Knot, mass: float, u: float) -> float:
-    """Return the speed (m/s) of a grain of a mass (kg)."""
-    if law == ENERGIES:
-        return math.sqrt(2.0 * _draw_energy(knot, u) / mass)
-    if law == FALLS:
-        return knot.scale * math.sqrt(u)
-    if knot.steepness > 0.0 and knot.steepness != _GAS:
-        return knot.scale * exp(log(-log(u)) / knot.steepness)
-    return knot.scale * math.sqrt(-log(u))
 
 
 @kernel
@@ -108,21 +172,8 @@ def _draw_drop(scale: float, u: float, other: float, chosen: float) -> float:
     smallest."""
     more = _NEARLY * _SLOWED * scale
     less = (1.0 - _NEARLY) * (1.0 + _SLOWED * scale)
-    diameter = SMALLEST_DROP - scale * log(u)
-    if chosen * (more + less) < more:
-        diameter -= scale / (1.0 + _SLOWED * scale) * log(other)
-    return min(diameter, _LARGEST_DROP)
-
-
-@kernel
-def _draw_energy(knot: Knot, u: float) -> float:
-    """Return an energy (J) of the power law, by inverse transform."""
-    rest = 1.0 - knot.steepness
-    if abs(rest) < _FLAT:
-        return knot.scale * exp(-knot.span * u)
-    # u = 1 - (E^(1-b) - lo^(1-b))/(hi^(1-b) - lo^(1-b)), of E over the highest
-    low = exp(-rest * knot.span)
-    return knot.scale * exp(log(low + (1.0 - low) * u) / rest)
+    beyond = scale / (1.0 + _SLOWED * scale) * log(other) if chosen * (more + less) < more else 0.0
+    return min(SMALLEST_DROP - scale * log(u) - beyond, _LARGEST_DROP)
 
 
 @kernel

@@ -37,6 +37,9 @@ BANDS = 40
 WIDTHS = 20
 """Widths of pulses, octaves apart, for which it is known how an object yields."""
 
+BATCH = 32
+"""Blows that are drawn together, a multiple of LANES."""
+
 BACK = 5
 """Samples before a quantum at which the force is computed."""
 FORE = 4
@@ -161,6 +164,24 @@ class Swarm(Record):
     blows: int  # so far
     impulse: float  # N s: given in this quantum
     energy: float  # J: of its blows, so far
+
+
+class Blows(Record):
+    """Blows of one swarm that are drawn together, by one law: the first `count` are some."""
+
+    count: int
+    number: Annotated[View[int], BATCH]  # for random numbers
+    gap: Annotated[View[float], BATCH]  # in the integral of the rate
+    time: Annotated[View[float], BATCH]  # s from the swarm's beginning
+    place: Annotated[View[int], BATCH]
+    v: Annotated[View[float], BATCH]  # m/s
+    mass: Annotated[View[float], BATCH]  # kg
+    light: Annotated[View[float], BATCH]  # ln of m/k
+    loss: Annotated[View[float], BATCH]  # w/(1 + w)
+    width: Annotated[View[float], BATCH]  # ln of the rms width (s)
+    ratio: Annotated[View[float], BATCH]  # of the mass that the object leaves it
+    momentum: Annotated[View[float], BATCH]  # N s
+    at: Annotated[View[float], BATCH]  # samples: its middle
 
 
 PULSE_TABLE, PULSE_WORK, SWARM = dtype_of(PulseTable), dtype_of(PulseWork), dtype_of(Swarm)

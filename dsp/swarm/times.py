@@ -13,7 +13,7 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.elementary import exp, log
 from ..numerics.random import STEP, mixed
-from .record import CHANNELS, KNOTS, Knot, Swarm
+from .record import BATCH, CHANNELS, KNOTS, Blows, Knot, Swarm
 
 GAP, SET_OFF, MAGNITUDE, OTHER, PLACE, VARIETY, SIZE, FORM = range(CHANNELS)
 """Channels of a blow's random numbers."""
@@ -31,9 +31,13 @@ def seed_swarm(swarm: Swarm, seed: np.uint64) -> None:
 @kernel
 def uniform(swarm: Swarm, index: int, channel: int) -> float:
     """Return the number in (0, 1) of a blow and a channel."""
-    return (
-        np.float64(mixed(swarm.random[channel] + (np.uint64(index) + np.uint64(1)) * STEP) >> np.uint64(11)) + 0.5
-    ) * 2.0**-53
+    return unit(swarm.random[channel], index)
+
+
+@kernel
+def unit(begin: np.uint64, index: int) -> float:
+    """Return the number in (0, 1) of a blow, of a channel whose numbers begin somewhere."""
+    return (np.float64(mixed(begin + (np.uint64(index) + np.uint64(1)) * STEP) >> np.uint64(11)) + 0.5) * 2.0**-53
 
 
 @kernel
@@ -105,15 +109,27 @@ def _reached_at(swarm: Swarm, time: float) -> float:
 
 
 @kernel
-def take_blow(swarm: Swarm, until: float) -> bool:
-    """Advance to the next blow, if it comes before a time (s): its time is then `swarm.time`, and its number one less
-    than `swarm.index`."""
-    i = swarm.index
-    reached = swarm.reached - log(uniform(swarm, i, GAP))
+def take_blows(swarm: Swarm, blows: Blows, until: float) -> None:
+    """Advance by the blows that come before a time (s) and have the law of one knot, which is then the first: at most
+    as many as are drawn together."""
+    begin, first = swarm.random[GAP], swarm.index
+    for n in range(BATCH):
+        blows.gap[n] = -log(unit(begin, first + n))
+        blows.number[n] = first + n
+    blows.count = 0
+    while blows.count < BATCH and _take_blow(swarm, blows, until):
+        blows.count += 1
+
+
+@kernel
+def _take_blow(swarm: Swarm, blows: Blows, until: float) -> bool:
+    """Advance to the next blow, if it comes before a time (s) and has the law of those before it."""
+    n = blows.count
+    reached = swarm.reached + blows.gap[n]
     time = _time_of(swarm, reached)
     if swarm.excited > 0.0:
         memory = swarm.memory
-        left = 1.0 + log(uniform(swarm, i, SET_OFF)) / (swarm.excited * memory)
+        left = 1.0 + log(uniform(swarm, swarm.index, SET_OFF)) / (swarm.excited * memory)
         if left > 0.0:
             early = swarm.time - memory * log(left)
             if early < time:
@@ -121,10 +137,16 @@ def take_blow(swarm: Swarm, until: float) -> bool:
                 reached = _reached_at(swarm, time)
     if not time < until:
         return False
-    knot = swarm.knots[knot_at(swarm, time)]
+    k = knot_at(swarm, time)
+    if k > 0:
+        if n > 0:
+            return False
+        drop_knots(swarm, time)
+    knot = swarm.knots[0]
     if knot.excitation > 0.0 or swarm.excited > 0.0:
         left = exp(-(time - swarm.time) / swarm.memory)
         swarm.excited = swarm.excited * left + knot.excitation / knot.memory
-    swarm.time, swarm.reached, swarm.index, swarm.memory = time, reached, i + 1, knot.memory
-    drop_knots(swarm, time)
+    swarm.time, swarm.reached, swarm.memory = time, reached, knot.memory
+    swarm.index += 1
+    blows.time[n] = time
     return True

@@ -12,36 +12,24 @@ import numpy as np
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.constants import STANDARD_GRAVITY
-from ...numerics.elementary import exp, log
+from ...numerics.elementary import log
 from ...resonator.fed import REACH
 from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
 from ...schema_records import Steered
-from ...swarm.blows import NARROWEST, ROLL_OFF, draw_blow, known_of, pulse_of, yielding
+from ...swarm.blows import NARROWEST, ROLL_OFF
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
-from ...swarm.grid import HALF, LEAST, find_force, find_moments, lay_pulse, move_on
-from ...swarm.pieces import (
-    BOUNCES,
-    CRACK,
-    CRACKING,
-    CRACKS,
-    JUNCTIONS,
-    STRONGEST,
-    bounce_piece,
-    break_up,
-    number_of,
-    piece_beside,
-    size_of,
-)
-from ...swarm.record import BACK, BANDS, FORCES, GRID, OCTAVES, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
-from ...swarm.times import PLACE, SIZE, add_knot, drop_knots, on_lattice, seed_swarm, take_blow, uniform
+from ...swarm.grid import find_force, find_moments, move_on
+from ...swarm.pieces import CRACK, CRACKING, CRACKS, JUNCTIONS, STRONGEST, break_up
+from ...swarm.record import BACK, BANDS, FORCES, GRID, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
+from ...swarm.times import add_knot, drop_knots, on_lattice, seed_swarm
 from ..bodies.objects import frequency_of, is_felt, shape_at
 from ..bodies.strikers import roll_striker, sound_grains
 from ..bodies.surface import has_moved, keep_spot, put
-from ..memory.commands import NUMBERS, Event
+from ..memory.commands import Event
 from ..memory.records import Contact, ContactPoint
-from ..memory.state import BEHIND, CLOSED, QUANTUM, ROLLING, ROLLS, ROWS_OF_SWARM, Object, State
+from ..memory.state import BEHIND, QUANTUM, ROLLING, ROLLS, ROWS_OF_SWARM, Object, State
 from .contact_force import update_mode_count
-from .contact_list import append_contact, schedule_contact
+from .swarm_blows import AT_ONCE, lay_drawn, lay_pieces
 from .trace import trace_place
 
 LEAD = 1e-3
@@ -50,17 +38,8 @@ frames."""
 LOOK = 44
 """Frames after a quantum's end up to which blows are drawn: half the filter and the bump, FORE and some."""
 
-HEAVY = 0.1
-"""m M of a blow, above which it is a contact of its own."""
-_WIDEST = math.log(LEAST * 2.0**OCTAVES)  # ln of samples: the rms width of a pulse
-_OFTEN, _AT_ONCE = 100.0, 4.0  # such contacts of a swarm a second, and soon after one another
-_RISE, _BELOW = 0.2, 2.0  # of ln of the momentum that such a blow must have, at each; so far below the last at least
-_AWAITED = 0.005  # s from the beginning of such a blow: one that flies off then touches no more
-_MOST = 16_384  # blows of a swarm in a quantum
-_EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's
 _SAME = 1e-6  # of a position
 _LOWEST = 16.0  # Hz: of the bands of modes
-_IMPACT = NUMBERS["impact"]
 _BRIEFEST = 1e-6  # s: of a memory
 _NEAR = 1e-9  # of a rate
 _BENT = 1e-6  # of a step's rate: its bends lie on the lattice of knots
@@ -91,7 +70,7 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     seed_swarm(swarm, np.uint64(values.seed))
     swarm.index = swarm.count = swarm.blows = 0
     swarm.time = swarm.reached = swarm.excited = swarm.spared = swarm.energy = swarm.impulse = 0.0
-    swarm.memory, swarm.spare, swarm.bar = 1.0, _AT_ONCE, -math.inf
+    swarm.memory, swarm.spare, swarm.bar = 1.0, AT_ONCE, -math.inf
     swarm.m, swarm.k, swarm.mu, swarm.a, swarm.w = contact.m, contact.k, contact.mu, contact.a, contact.w
     swarm.places = PLACES if values.spread > 0.0 else 1
     swarm.retuned, swarm.spread, swarm.centre = -1, values.spread, -1.0
@@ -256,9 +235,9 @@ def swarm_on(state: State, index: int) -> bool:
         until = min(until, on_lattice((contact.until - contact.origin) / state.rate))
     swarm.impulse = 0.0
     if swarm.pieces > 0:
-        _drop_pieces(state, contact, swarm, until)
+        lay_pieces(state, contact, swarm, until)
     else:
-        _draw_blows(state, contact, swarm, until)
+        lay_drawn(state, contact, swarm, until)
     drop_knots(swarm, until)
     _make_force(state, contact, swarm)
     obj.live = max(obj.live, contact.point[0].modes)
@@ -309,89 +288,6 @@ def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: Vie
             mobility[n] += bands[band] / (1.0 + turns * turns * turns)
 
 
-@noinline_kernel
-def _draw_blows(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
-    """Lay a swarm's blows up to a time (s from its beginning) onto its grids."""
-    table = state.pulses.tables[swarm.table]
-    for _ in range(_MOST):
-        if not take_blow(swarm, until):
-            break
-        where, v, mass, loss, width = draw_blow(swarm, swarm.knots[0], table)
-        swarm.store -= 0.5 * mass * v * v
-        _lay_blow(state, contact, swarm, (swarm.time, swarm.index - 1, where), (v, mass, loss, width))
-
-
-@noinline_kernel
-def _drop_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
-    """Lay the blows of pieces that land up to a time (s from the beginning); where all lie still, the swarm is over."""
-    table = state.pulses.tables[swarm.table]
-    left = False
-    for p in range(swarm.pieces):
-        for _ in range(BOUNCES):
-            if not swarm.next_of[p] < until:
-                break
-            number, mass, v = number_of(swarm, p), contact.trait.meets * swarm.mass_of[p], swarm.speed_of[p]
-            where = int(uniform(swarm, number, PLACE) * swarm.places)
-            light = log(mass / (swarm.k * math.exp(0.5 * size_of(swarm, mass))))
-            loss, width = pulse_of(swarm, table, light, v)
-            _lay_blow(state, contact, swarm, (swarm.next_of[p], number, where), (v, mass, loss, width))
-            bounce_piece(swarm, p, known_of(table.momentum, loss) - 1.0)
-        left = left or swarm.next_of[p] < math.inf
-    if not left and contact.until == math.inf:
-        contact.until = contact.gone_at = float(state.position + QUANTUM)
-
-
-@kernel
-def _lay_blow(
-    state: State, contact: Contact, swarm: Swarm, at: tuple[float, int, int],
-    blow: tuple[float, float, float, float],
-) -> None:  # fmt: skip
-    """Lay a blow onto the grids, or make it a contact of its own; at: its time (s from the beginning), its number for
-    random numbers, and its place; blow: speed, mass, loss, and ln of its width (s)."""
-    time, number, where = at
-    v, mass, loss, width = blow
-    table, rate = state.pulses.tables[swarm.table], state.rate
-    ratio, shorter, asked = 1.0, width, 0.0
-    if swarm.places > 0:
-        ratio, shorter, asked = yielding(swarm, where, mass, width)
-    swarm.energy += 0.5 * mass * v * v
-    if asked > HEAVY and contact.trait.breaks == 0 and _may_be_contact(state, swarm, log(mass * v)):
-        _become_contact(state, contact, swarm.position[where], v, mass)
-        return
-    state.stats.impacts += 1
-    held = min(shorter + swarm.log_rate, _WIDEST)
-    origin = contact.origin - state.position + swarm.lead + _EARLY
-    begun = origin + time * rate + known_of(table.middle, loss) * exp(held)
-    momentum = known_of(table.momentum, loss) * ratio * mass * v
-    if shorter + swarm.log_rate > _WIDEST:  # as much power at frequencies above the longer pulse's, and less below
-        momentum *= exp(1.5 * (_WIDEST - shorter - swarm.log_rate))
-    if swarm.places > 0:
-        end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], begun, held, loss, momentum)
-        swarm.busy[where] = max(swarm.busy[where], end)
-    if swarm.sized == 1:
-        c, alike = _size_of_blow(contact, swarm, number, mass)
-        alike = alike if swarm.cracked == 0 else alike / ratio
-        end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], begun, held, loss, alike * momentum)
-        swarm.size_busy[c] = max(swarm.size_busy[c], end)
-    swarm.impulse += momentum
-
-
-@kernel
-def _size_of_blow(contact: Contact, swarm: Swarm, number: int, mass: float) -> tuple[int, float]:
-    """Return the size by which a blow of a mass (kg) sounds, and the factor on its momentum with which a grain of that
-    size moves as fast as its own would. A crack moves a piece beside it."""
-    u, alike = uniform(swarm, number, SIZE), 1.0
-    if swarm.cracked > 0:
-        piece = contact.trait.meets * swarm.mass_of[piece_beside(swarm, u)]
-        at_size = (math.log(piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
-    else:
-        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + (u if swarm.pieces == 0 else 0.5)
-    c = min(max(int(at_size), 0), SIZES - 1)
-    if swarm.cracked == 0:
-        alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
-    return c, alike
-
-
 @kernel
 def _sound_sizes(state: State, contact: Contact, swarm: Swarm) -> None:
     """Drive the voices of a swarm's grains, size by size."""
@@ -404,48 +300,6 @@ def _sound_sizes(state: State, contact: Contact, swarm: Swarm) -> None:
             row = contact.roll + 1 + PLACES + c
             find_moments(force, state.feeds[row, BEHIND:], state.scratch.work)
             sound_grains(state, contact, c, math.exp(swarm.smallest + c / swarm.finer), row)
-
-
-@kernel
-def _may_be_contact(state: State, swarm: Swarm, momentum: float) -> bool:
-    """True if a swarm's heavy blow, of ln of a momentum, may be a contact of its own: the strongest are, by their times
-    and momenta alone, where there is room. What they must have falls with time, and rises with each."""
-    if swarm.law == DROPS:
-        return False
-    since = (swarm.time - swarm.spared) * _OFTEN
-    swarm.spare, swarm.bar = min(swarm.spare + 2.0 * since, _AT_ONCE), swarm.bar - _RISE * since
-    swarm.spared = swarm.time
-    if momentum < swarm.bar or swarm.spare < 1.0 or state.stats.contacts_active >= len(state.contacts):
-        return False
-    swarm.spare -= 1.0
-    swarm.bar = max(swarm.bar, momentum - _BELOW) + _RISE
-    return True
-
-
-@kernel
-def _become_contact(state: State, contact: Contact, position: float, v: float, mass: float) -> None:
-    """Make the last blow of a swarm an impact of its own."""
-    swarm, stats = state.swarms[contact.swarm], state.stats
-    index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
-    stats.contacts_active += 1
-    state.last_command[index] = 0
-    state.contacts[index] = contact
-    blow = state.contacts[index]
-    blow.index, blow.kind, blow.trait = index, _IMPACT, state.traits[_IMPACT]
-    blow.gesture, blow.voice, blow.solver, blow.touching = 0, -1, CLOSED, 0
-    blow.roll = blow.swarm = -1  # which stay the swarm's
-    blow.unsettled = blow.solved = blow.ahead = blow.led = 0
-    blow.forces[:] = 0.0
-    blow.spot = np.uint64(0)
-    blow.gone_at = math.inf
-    blow.v_in, blow.m = v, mass
-    blow.k = swarm.k * math.exp(math.log(mass / swarm.m) / 6.0)
-    blow.now.position = blow.target.position = position
-    blow.origin = contact.origin + swarm.lead
-    blow.elapsed = swarm.time
-    schedule_contact(state, blow)
-    blow.until = blow.start + _AWAITED * state.rate
-    append_contact(state, state.objects[contact.point[0].slot], index)
 
 
 @kernel

@@ -23,7 +23,7 @@ from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits
 from ...sizes import CAPACITY
 from ...spectral.layout import PHASES, REGION, Spectral
-from ...swarm.record import PLACES, SIZES, SWARMS, Pulses, Swarm
+from ...swarm.record import PLACES, SIZES, SWARMS, Blows, Pulses, Swarm
 from .capacity import DIRECTED, MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
 from .clock import Clock
 from .commands import Budget, Event, Method
@@ -249,6 +249,7 @@ class Scratch(Record):
     receptance: Annotated[View[float], FINE]
     drivers: Annotated[View[Driver], DRIVEN]  # of the rolls and swarms on one object, at one time
     blows: Annotated[View2D[float], DRIVEN, QUANTUM]  # their forces by one number a frame, those at one place together
+    batch: Blows  # of a swarm, that are drawn together
     placed: Annotated[View[int], DRIVEN]  # the first driver at each place
     taps: Annotated[View3D[float], 2, 2, REACH + 1]  # from one to the sound, at a quantum's beginning and end
     group: Annotated[View[int], OBJECTS]  # slots of those that are rendered together

@@ -9,10 +9,11 @@ from scipy.stats import kstest, weibull_min
 
 from carom.dsp.native.typed import dtype_of
 from carom.dsp.schema import DROPS, ENERGIES, SPEEDS
-from carom.dsp.swarm.blows import draw_blow
-from carom.dsp.swarm.record import FORMS, SWARM, PulseTable
-from carom.dsp.swarm.times import add_knot, drop_knots, seed_swarm, take_blow
+from carom.dsp.swarm.blows import draw_blows
+from carom.dsp.swarm.record import FORMS, SWARM, Blows, PulseTable
+from carom.dsp.swarm.times import add_knot, drop_knots, seed_swarm, take_blows
 
+BLOWS = np.zeros(1, dtype_of(Blows))[0]
 TABLE = np.zeros(1, dtype_of(PulseTable))[0]
 
 
@@ -36,13 +37,19 @@ def swarm(law=SPEEDS, seed=1, rate=1000.0, **keys):
     return record
 
 
+def taken(record, until):
+    """Return how many blows come before a time, of those that are drawn together."""
+    take_blows(record, BLOWS, until)
+    return int(BLOWS["count"])
+
+
 def times_of(record, until, step=None):
     """Return the times of blows, asked for in steps."""
     found, horizon = [], 0.0
     while horizon < until:
         horizon = min(until, horizon + (step or until))
-        while take_blow(record, horizon):
-            found.append(float(record["time"]))
+        while taken(record, horizon):
+            found += BLOWS["time"][: BLOWS["count"]].tolist()
         drop_knots(record, horizon)
     return np.array(found)
 
@@ -59,6 +66,18 @@ def test_blows_are_the_same_however_they_are_asked_for():
     whole = times_of(swarm(excitation=0.5, memory=0.01), 2.0)
     for step in (0.00133, 0.1, 0.37):
         assert np.array_equal(times_of(swarm(excitation=0.5, memory=0.01), 2.0, step), whole)
+
+
+def test_blows_are_drawn_to_the_bit_wherever_a_batch_begins():
+    keys = {"scale": 0.5, "variety": 0.3, "steepness": 3.0}
+    whole = drawn(swarm(**keys), 300)
+    found, record = [], swarm(**keys)
+    for n in range(200):
+        horizon = 1e-3 * (n + 1)
+        while taken(record, horizon):
+            draw_blows(record, TABLE, BLOWS)
+            found += np.transpose([BLOWS[name][: BLOWS["count"]] for name in ("place", "v", "mass")]).tolist()
+    assert len(found) > 150 and np.array_equal(np.array(found), whole.T[: len(found)])
 
 
 def test_a_rate_that_goes_by_lines_gives_the_integral_of_blows():
@@ -86,17 +105,19 @@ def test_blows_that_set_off_others_come_as_many_times_more(ratio):
 
 
 def drawn(record, count):
-    blows = []
-    while len(blows) < count:
-        take_blow(record, math.inf)
-        blows.append(draw_blow(record, record["knots"][0], TABLE))
-    return np.array(blows).T
+    """Return the places, speeds and masses of blows."""
+    found = []
+    while sum(map(len, found)) < count:
+        many = taken(record, math.inf)
+        draw_blows(record, TABLE, BLOWS)
+        found.append(np.transpose([BLOWS[name][:many] for name in ("place", "v", "mass")]))
+    return np.concatenate(found)[:count].T
 
 
 @pytest.mark.parametrize("b", [0.7, 1.0, 1.2, 1.5, 2.5])
 def test_the_exponent_of_energies_is_found_again(b):
     record = swarm(ENERGIES, seed=3, scale=1e-3, steepness=b, span=math.log(1e4))
-    _, v, mass, *_ = drawn(record, 10_000)
+    _, v, mass = drawn(record, 10_000)
     energy = 0.5 * mass * v**2
     assert energy.min() > 0.99e-7 and energy.max() < 1.001e-3
     mean, span = np.log(energy / 1e-7).mean(), math.log(1e4)
@@ -109,7 +130,7 @@ def test_the_exponent_of_energies_is_found_again(b):
 
 
 def test_grains_hit_at_the_speeds_and_of_the_sizes_that_are_asked_for():
-    place, v, mass, *_ = drawn(swarm(scale=0.7, variety=math.log(1.5)), 20_000)
+    place, v, mass = drawn(swarm(scale=0.7, variety=math.log(1.5)), 20_000)
     assert np.sqrt(np.mean(v**2)) == pytest.approx(0.7, rel=0.02)
     assert np.bincount(place.astype(int)).min() > 2300
     size = (mass / 1e-3) ** (1 / 3)
@@ -118,7 +139,7 @@ def test_grains_hit_at_the_speeds_and_of_the_sizes_that_are_asked_for():
 
 
 def test_drops_that_arrive_are_as_many_as_are_there_times_their_speed():
-    _, v, mass, *_ = drawn(swarm(DROPS, scale=4e-4), 40_000)
+    _, v, mass = drawn(swarm(DROPS, scale=4e-4), 40_000)
     diameter = np.cbrt(6.0 * mass / (1000.0 * np.pi))
     x = np.linspace(0.5e-3, 6e-3, 4001)
     flux = (9.65 - 10.3 * np.exp(-600.0 * x)) * np.exp(-x / 4e-4)
@@ -131,5 +152,5 @@ def test_drops_that_arrive_are_as_many_as_are_there_times_their_speed():
 @pytest.mark.parametrize("evenness", [0.7, 2.0, 6.0])
 def test_speeds_are_spread_as_evenly_as_is_asked(evenness):
     record = swarm(scale=0.5, steepness=evenness)
-    speeds = [draw_blow(record, record["knots"][0], TABLE)[1] for _ in range(4000) if take_blow(record, 100.0)]
-    assert len(speeds) == 4000 and kstest(speeds, weibull_min(evenness, scale=0.5).cdf).pvalue > 0.05
+    _, speeds, _ = drawn(record, 4000)
+    assert kstest(speeds, weibull_min(evenness, scale=0.5).cdf).pvalue > 0.05

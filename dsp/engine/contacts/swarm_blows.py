@@ -1,0 +1,178 @@
+"""The blows of a swarm, or of pieces that land: laid onto its grids, or contacts of their own where they are heavy.
+
+They are drawn and laid some at a time, so that loops over them become SIMD.
+"""
+
+import math
+
+import numpy as np
+
+from ...native.jit import kernel, noinline_kernel
+from ...numerics.elementary import exp, log
+from ...schema import DROPS
+from ...swarm.blows import draw_blows, known_of, pulse_of, yielding
+from ...swarm.grid import HALF, LEAST, lay_pulse
+from ...swarm.pieces import BOUNCES, bounce_piece, number_of, piece_beside, size_of
+from ...swarm.record import BACK, BATCH, OCTAVES, SIZES, Blows, Swarm
+from ...swarm.times import PLACE, SIZE, take_blows, uniform
+from ..memory.commands import NUMBERS
+from ..memory.records import Contact
+from ..memory.state import CLOSED, QUANTUM, State
+from .contact_list import append_contact, schedule_contact
+
+_HEAVY = 0.1  # m M of a blow, above which it is a contact of its own
+_WIDEST = math.log(LEAST * 2.0**OCTAVES)  # ln of samples: the rms width of a pulse
+AT_ONCE = 4.0
+"""Contacts of its own that a swarm may have soon after one another."""
+_OFTEN = 100.0  # such contacts of a swarm a second
+_RISE, _BELOW = 0.2, 2.0  # of ln of the momentum that such a blow must have, at each; so far below the last at least
+_AWAITED = 0.005  # s from the beginning of such a blow: one that flies off then touches no more
+_MOST = 16_384  # blows of a swarm in a quantum
+_EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's
+_IMPACT = NUMBERS["impact"]
+
+
+@noinline_kernel
+def lay_drawn(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
+    """Lay a swarm's blows up to a time (s from its beginning) onto its grids."""
+    blows, most = state.scratch.batch, swarm.index + _MOST
+    while swarm.index < most:
+        take_blows(swarm, blows, until)
+        if blows.count == 0:
+            break
+        draw_blows(swarm, state.pulses.tables[swarm.table], blows)
+        _lay_blows(state, contact, swarm, blows)
+
+
+@noinline_kernel
+def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
+    """Lay the blows of pieces that land up to a time (s from the beginning); where all lie still, the swarm is over."""
+    table, blows = state.pulses.tables[swarm.table], state.scratch.batch
+    left = False
+    blows.count = 0
+    for p in range(swarm.pieces):
+        for _ in range(BOUNCES):
+            if not swarm.next_of[p] < until:
+                break
+            n, number, v = blows.count, number_of(swarm, p), swarm.speed_of[p]
+            mass = contact.trait.meets * swarm.mass_of[p]
+            light = log(mass / (swarm.k * math.exp(0.5 * size_of(swarm, mass))))
+            loss, width = pulse_of(swarm, table, light, v)
+            blows.time[n], blows.number[n], blows.v[n], blows.mass[n] = swarm.next_of[p], number, v, mass
+            blows.place[n] = int(uniform(swarm, number, PLACE) * swarm.places)
+            blows.loss[n], blows.width[n] = loss, width
+            blows.count += 1
+            if blows.count == BATCH:
+                _lay_blows(state, contact, swarm, blows)
+                blows.count = 0
+            bounce_piece(swarm, p, known_of(table.momentum, loss) - 1.0)
+        left = left or swarm.next_of[p] < math.inf
+    if blows.count > 0:
+        _lay_blows(state, contact, swarm, blows)
+    if not left and contact.until == math.inf:
+        contact.until = contact.gone_at = float(state.position + QUANTUM)
+
+
+@noinline_kernel
+def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> None:
+    """Lay blows onto the grids, or make them contacts of their own."""
+    rate, sizes = state.rate, swarm.sized == 1
+    for n in range(blows.count):
+        _weigh_blow(state, contact, swarm, blows, n)
+    origin = contact.origin - state.position + swarm.lead + _EARLY
+    for n in range(BATCH):
+        blows.at[n] = origin + blows.time[n] * rate + blows.at[n] * exp(blows.width[n])
+    for n in range(blows.count):
+        momentum = blows.momentum[n]
+        if momentum == 0.0:
+            continue
+        at, width, loss, where = blows.at[n], blows.width[n], blows.loss[n], blows.place[n]
+        if swarm.places > 0:
+            end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], at, width, loss, momentum)
+            swarm.busy[where] = max(swarm.busy[where], end)
+        if sizes:
+            c, alike = _size_of_blow(contact, swarm, blows.number[n], blows.mass[n])
+            alike = alike if swarm.cracked == 0 else alike / blows.ratio[n]
+            end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], at, width, loss, alike * momentum)
+            swarm.size_busy[c] = max(swarm.size_busy[c], end)
+        swarm.impulse += momentum
+
+
+@kernel
+def _weigh_blow(state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int) -> None:
+    """Find a blow's momentum, its width (ln of samples) and its middle (in that) by how its place yields; the momentum
+    is 0 where it becomes a contact of its own."""
+    table, mass, v, loss = state.pulses.tables[swarm.table], blows.mass[n], blows.v[n], blows.loss[n]
+    ratio, width, asked = 1.0, blows.width[n], 0.0
+    if swarm.places > 0:
+        ratio, width, asked = yielding(swarm, blows.place[n], mass, width)
+    width += swarm.log_rate
+    blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
+    swarm.energy += 0.5 * mass * v * v
+    if asked > _HEAVY and contact.trait.breaks == 0 and _may_be_contact(state, swarm, blows.time[n], log(mass * v)):
+        _become_contact(state, contact, blows, n)
+        blows.momentum[n] = 0.0
+        return
+    state.stats.impacts += 1
+    blows.momentum[n] = known_of(table.momentum, loss) * ratio * mass * v
+    if width > _WIDEST:  # as much power at frequencies above the longer pulse's, and less below
+        blows.momentum[n] *= exp(1.5 * (_WIDEST - width))
+
+
+@kernel
+def _size_of_blow(contact: Contact, swarm: Swarm, number: int, mass: float) -> tuple[int, float]:
+    """Return the size by which a blow of a mass (kg) sounds, and the factor on its momentum with which a grain of that
+    size moves as fast as its own would. A crack moves a piece beside it."""
+    u, alike = uniform(swarm, number, SIZE), 1.0
+    if swarm.cracked > 0:
+        piece = contact.trait.meets * swarm.mass_of[piece_beside(swarm, u)]
+        at_size = (math.log(piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
+    else:
+        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + (u if swarm.pieces == 0 else 0.5)
+    c = min(max(int(at_size), 0), SIZES - 1)
+    if swarm.cracked == 0:
+        alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
+    return c, alike
+
+
+@kernel
+def _may_be_contact(state: State, swarm: Swarm, time: float, momentum: float) -> bool:
+    """True if a swarm's heavy blow at a time (s), of ln of a momentum, may be a contact of its own: the strongest are,
+    by their times and momenta alone, where there is room. What they must have falls with time, and rises with each."""
+    if swarm.law == DROPS:
+        return False
+    since = (time - swarm.spared) * _OFTEN
+    swarm.spare, swarm.bar = min(swarm.spare + 2.0 * since, AT_ONCE), swarm.bar - _RISE * since
+    swarm.spared = time
+    if momentum < swarm.bar or swarm.spare < 1.0 or state.stats.contacts_active >= len(state.contacts):
+        return False
+    swarm.spare -= 1.0
+    swarm.bar = max(swarm.bar, momentum - _BELOW) + _RISE
+    return True
+
+
+@kernel
+def _become_contact(state: State, contact: Contact, blows: Blows, n: int) -> None:
+    """Make a blow of a swarm an impact of its own."""
+    mass, position = blows.mass[n], state.swarms[contact.swarm].position[blows.place[n]]
+    swarm, stats = state.swarms[contact.swarm], state.stats
+    index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
+    stats.contacts_active += 1
+    state.last_command[index] = 0
+    state.contacts[index] = contact
+    blow = state.contacts[index]
+    blow.index, blow.kind, blow.trait = index, _IMPACT, state.traits[_IMPACT]
+    blow.gesture, blow.voice, blow.solver, blow.touching = 0, -1, CLOSED, 0
+    blow.roll = blow.swarm = -1  # which stay the swarm's
+    blow.unsettled = blow.solved = blow.ahead = blow.led = 0
+    blow.forces[:] = 0.0
+    blow.spot = np.uint64(0)
+    blow.gone_at = math.inf
+    blow.v_in, blow.m = blows.v[n], mass
+    blow.k = swarm.k * math.exp(math.log(mass / swarm.m) / 6.0)
+    blow.now.position = blow.target.position = position
+    blow.origin = contact.origin + swarm.lead
+    blow.elapsed = blows.time[n]
+    schedule_contact(state, blow)
+    blow.until = blow.start + _AWAITED * state.rate
+    append_contact(state, state.objects[contact.point[0].slot], index)
