@@ -131,6 +131,15 @@ class Grains:
         self._state["sounds"][kind] = ringing[0] if ringing else -1
         return exponent
 
+    def take_back(self, name: str) -> None:
+        """Forget the kind that was declared last."""
+        kind = len(self._kinds)
+        of_it = self._state["grain"][: len(self._bodies)] == kind
+        for number in map(int, np.flatnonzero(of_it)):
+            self._state["rings"][number], self._state["grain"][number] = self._bodies[number].rings, 0
+        self._state["sounds"][kind] = -1
+        del self._kinds[name]
+
     def restart(self) -> None:
         """Forget what goes on."""
         self._running.clear()

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from ...presets import Presets
 from ..osc.addresses import VERBS, Call
 from ..osc.arguments import shown
+from ..osc.patterns import match
 from ..osc.wire import Argument
 from ..osc.world_verbs import BODY, TOUCHED
 from .bodies import Body, BodyMaker, WorldError
@@ -64,6 +65,20 @@ class TellsWorld:
         point, normal = ([numbers[f"{sign}{axis}"] for axis in "xyz"] for sign in ("", "n"))
         told = {each.name: numbers.get(each.name, math.nan) for each in TOUCHED}
         self._touches.append(Touch(a, b, point, normal, **told))
+
+    def grains(self, name: str, pattern: str, striker: str) -> float:
+        """Make bodies whose names match a pattern grains, or a striker; the exponent of their contacts."""
+        simulation = self.simulation
+        numbers = [number for number, body in enumerate(simulation.bodies) if pattern and match(pattern, body.name)]
+        if pattern and not numbers:
+            numbers = [simulation.number(pattern)]  # which says that there is none
+        return simulation.grains.declare(name, numbers, striker)
+
+    def pour(self, name: str, on: str, told: dict[str, float]) -> None:
+        """Add blows of grains on a body to what the next step tells."""
+        keys = {key: told.get(key) for key in ("speed", "impulse", "energy")}
+        simulation = self.of(on)
+        simulation.grains.pour(name, simulation.number(on), told["count"], told.get("position"), **keys)
 
     def step(self, time: float) -> tuple[float, list[Request]]:
         """End a step: the time of the step before, and what is to be heard of what happened since."""

@@ -89,6 +89,23 @@ WORLD = (
         keys=TOUCHED,
     ),
     Verb(
+        "/world/grains",
+        "makes small bodies grains, or names a striker for `/world/pour`: a swarm is heard of their blows on each body",
+        (Word("name"),),
+        keys=(Word("bodies", "a pattern of their names, as stone*"), Word("striker", "a preset")),
+    ),
+    Verb(
+        "/world/pour",
+        "tells blows of grains on a body since the last step: how many, and at least one of speed, impulse and energy",
+        (Word("name"), Word("on"), _number("count", "how many", "", 0.0, 1e6)),
+        keys=(
+            _number("speed", "rms", "m/s", 0.0, 1e3),
+            _number("impulse", "of all of them", "N s", 0.0, 1e6),
+            _number("energy", "of all of them", "J", 0.0, 1e6),
+            Parameter("position", 0, 1, "", "on its strike path"),
+        ),
+    ),
+    Verb(
         "/world/step",
         "ends a step of the simulation: what was told since the last one holds at this time",
         (_number("time", "of the simulation", "s", 0.0, 1e9),),

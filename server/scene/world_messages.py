@@ -37,12 +37,9 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
             with transaction.has_made(its, made.sound):
                 translate(transaction, its)
 
-    def pair(transaction: Transaction, call: Call, values: Values) -> None:
-        a, b = values.words.pop("a"), values.words.pop("b")
-        transaction.world.of(a, b).pair(a, b, **values.numbers, **values.words)
-
     def step(transaction: Transaction, call: Call, values: Values) -> None:
         engine = transaction.engine
+        transaction.tables = None  # what was told is told once: it cannot wait for a table
         before, told = transaction.world.step(values.numbers["time"])
         begin = max(transaction.time, float(engine.position) + _AHEAD * engine.rate * (transaction.time < 0))
         for each in told:
@@ -54,12 +51,28 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
 
     return {
         BODY: body,
-        "/world/pair": pair,
+        "/world/pair": _pair,
         "/world/microphones": lambda transaction, call, values: transaction.world.place_microphones(values.many),
         "/world/pose": lambda transaction, call, values: transaction.world.pose(values.words["name"], values.many),
         "/world/touch": lambda transaction, call, values: transaction.world.touch(
             values.words["a"], values.words["b"], values.numbers
         ),
+        "/world/grains": _grains,
+        "/world/pour": lambda transaction, call, values: transaction.world.pour(
+            values.words["name"], values.words["on"], values.numbers
+        ),
         "/world/step": step,
         "/world/end": end,
     }
+
+
+def _pair(transaction: Transaction, call: Call, values: Values) -> None:
+    a, b = values.words.pop("a"), values.words.pop("b")
+    transaction.world.of(a, b).pair(a, b, **values.numbers, **values.words)
+
+
+def _grains(transaction: Transaction, call: Call, values: Values) -> None:
+    name, kinds = values.words["name"], transaction.world.simulation.grains
+    exponent = transaction.world.grains(name, values.words.get("bodies", ""), values.words.get("striker", ""))
+    transaction.on_undo(lambda: kinds.take_back(name))
+    transaction.pulses(exponent)  # a table that is made now, and not amid the steps

@@ -11,6 +11,7 @@ from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message import OscMessage
 from pythonosc.osc_message_builder import OscMessageBuilder
 
+import carom
 from carom.server.osc.oscquery import node
 from tests.support import serving
 
@@ -31,9 +32,63 @@ def test_a_score_may_tell_a_simulation(render_text):
     assert begun == pytest.approx(0.028 * 48_000, abs=4)  # a step after its line, 2 ms before the step's end
 
 
+POURED = """
+0 /world/body bowl plate ceramic 0.2 0.2 0.004 held 1 most_modes 32
+0 /world/grains rice striker rice
+"""
+
+
+def test_a_score_that_pours_grains_is_as_loud_as_a_world_that_does():
+    steps = [0.01 * n for n in range(1, 60)]
+    lines = [f"{at:g} /world/pour rice bowl 6 speed 1.5\n{at:g} /world/step {at:g}" for at in steps]
+    sound = carom.render(POURED + "\n".join(lines), 48_000, calibrated=True, seconds=0.6).samples
+    with carom.World(microphones=[(0.0, 0.0, 0.0)] * 2, keep=True) as world:
+        world.body("bowl", "plate", (0.2, 0.2, 0.004), "ceramic", held=True, most_modes=32)
+        world.grains("rice", striker="rice")
+        for at in steps:
+            world.pour("rice", "bowl", 6, speed=1.5)
+            world.step(at)
+        right = world.sound().samples
+    loud, wanted = (float((each[9600:24_000] ** 2).mean()) for each in (sound, right))
+    assert 10 * np.log10(loud / wanted) == pytest.approx(0.0, abs=1.0)
+
+
+def test_a_score_may_tell_bodies_that_are_grains(render_text):
+    balls = "".join(f"0 /world/body ball{n} sphere steel 0.003\n" for n in range(8))
+    kind = "0 /world/grains balls bodies ball*\n"
+    hits = [
+        f"{0.002 * n:g} /world/touch bowl ball{n % 8} 0.05 0 0.002 0 0 1 approach 0.5\n"
+        f"{0.002 * n:g} /world/step {0.002 * n:g}"
+        for n in range(100)
+    ]  # fmt: skip
+    assert np.abs(render_text(POURED + balls + kind + "\n".join(hits), seconds=0.3)).max() > 1e-6
+
+
+@pytest.mark.parametrize(
+    "line, reason",
+    [
+        ("/world/grains rice", "grains rice: there are some of that name already"),
+        ("/world/grains peas", "grains peas: expected either bodies or a striker"),
+        ("/world/grains peas striker ryce", "grains peas: no striker 'ryce': did you mean rice?"),
+        ("/world/grains peas bodies pea*", "body pea*: no such body; expected one of bowl"),
+        ("/world/grains peas bodies bowl", "grains peas: body bowl: it is held"),
+        ("/world/pour rise bowl 3 speed 1", "grains rise: no such grains with a striker; did you mean rice?"),
+        ("/world/pour rice bow 3 speed 1", "body bow: no such body; did you mean bowl?"),
+        ("/world/pour rice bowl 3", "grains rice: expected speed, impulse or energy"),
+        ("/world/pour rice bowl -3 speed 1", "count = -3: expected a number from 0 to 1e+06"),
+        ("/world/pour rice bowl nan speed 1", "count = nan"),
+        ("/world/pour rice bowl 3 speed wide", "speed = wide: expected a number"),
+    ],
+)
+def test_what_cannot_be_said_of_grains_is_refused(render_text, line, reason):
+    with pytest.raises(Exception) as refused:
+        render_text(POURED + "0.1 " + line, seconds=0.2)
+    assert reason in str(refused.value)
+
+
 def test_oscquery_has_the_addresses():
     found = node("/world", {})
-    assert set(found["CONTENTS"]) == {"body", "pair", "microphones", "pose", "touch", "step", "end"}
+    assert set(found["CONTENTS"]) == {"body", "pair", "microphones", "pose", "touch", "grains", "pour", "step", "end"}
     assert found["CONTENTS"]["step"]["TYPE"] == "f" and found["CONTENTS"]["touch"]["TYPE"] == "ssffffff"
 
 
