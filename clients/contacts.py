@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -44,7 +45,7 @@ class Drive:
     ratio: float = 1.0
     snaps: tuple[tuple[float, float], ...] = ()
 
-    @property
+    @cached_property
     def stays(self) -> bool:
         """True if it acts at one place with one gain, and nothing rubs."""
         same = (self.position == self.position[:1]).all() and (self.gain == self.gain[:1]).all()

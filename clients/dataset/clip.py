@@ -155,11 +155,11 @@ def _played(
         performer.perform(head, None)
         head = []
     longest = QUANTUM if follows else _PIECE
-    done = 0
+    done, frames = 0, recipe.frames
     for line in [*lines, None]:
-        due = _due(recipe, item, line) if line else recipe.frames
-        while done < min(due, recipe.frames):
-            end = min(done + longest, due, recipe.frames)
+        due = _due(recipe, item, line) if line else frames
+        while done < min(due, frames):
+            end = min(done + longest, due, frames)
             pieces.append(performer.engine.process(end - done))
             traces.append(performer.traced(end))
             if follows:
@@ -173,7 +173,7 @@ def _played(
                 raise CommandError(f"{line.where}: {error}" if line.where else str(error)) from None
     trace = np.concatenate([*filter(len, traces)] or traces)
     width, channels = performer.engine.width, performer.engine.channels
-    whole = _joined(pieces, recipe.frames, width)
+    whole = _joined(pieces, frames, width)
     contacts = assemble(trace, recipe.rate, 0, performer.striking)
     pressure = whole[:, :channels] * np.float32(1.0 / AMPLIFIED)  # a power of two
     return pressure, whole[:, channels:], contacts

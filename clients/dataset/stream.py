@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...dsp.numerics.blas import on_one_thread
-from ...presets import PresetError, Presets
+from ...presets import PresetError
 from ...presets.values import shown
 from ..errors import KINDS, is_expected, plain
 from .check import require_sound
@@ -65,7 +65,7 @@ def checked(recipe: Given, presets: Folders) -> tuple[Recipe, tuple[str, ...]]:
     given = (presets,) if isinstance(presets, str | PathLike) else tuple(presets)
     folders = tuple(str(Path(each)) for each in given)
     found = recipe_from(recipe, tuple(map(Path, folders)))
-    require_sound(found, Presets(folders))
+    require_sound(found, presets_of(folders))
     return found, folders
 
 

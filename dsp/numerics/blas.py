@@ -26,7 +26,7 @@ class _Blas:
     def __init__(self) -> None:
         self._lock = Lock()
         self._users = 0
-        self._limit: Any = None
+        self._limited: list[tuple[Any, int]] = []  # libraries, and how many threads each had
 
     @contextmanager
     def on_one_thread(self) -> Iterator[None]:
@@ -34,7 +34,10 @@ class _Blas:
         leave lifts it."""
         with self._lock:
             if self._users == 0:
-                self._limit = _controller().limit(limits=1, user_api="blas")
+                counts = ((each, each.num_threads) for each in _libraries())
+                self._limited = [(each, count) for each, count in counts if count not in (None, 1)]
+                for library, _ in self._limited:
+                    library.set_num_threads(1)
             self._users += 1
         try:
             yield
@@ -42,14 +45,15 @@ class _Blas:
             with self._lock:
                 self._users -= 1
                 if self._users == 0:
-                    self._limit.restore_original_limits()
+                    for library, before in self._limited:
+                        library.set_num_threads(before)
 
 
 @cache  # to look through all libraries takes longer than many an object
-def _controller() -> Any:
+def _libraries() -> list[Any]:
     import scipy.linalg  # noqa: F401 - slow to load, and its BLAS must be there to be found
 
-    return ThreadpoolController()
+    return [each for each in ThreadpoolController().lib_controllers if each.user_api == "blas"]
 
 
 _blas = _Blas()

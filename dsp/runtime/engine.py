@@ -296,12 +296,16 @@ class Engine:
         written = int(observe(ring["written"]))
         read = max(int(ring["read"][0]), written - (most or len(entries)))
         first, last = read % len(entries), written - read + read % len(entries)
+        if first == last:
+            return entries[:0].copy()
+        kind = entries.dtype
+        whole = entries.view(f"V{kind.itemsize}") if kind.names else entries  # to copy field by field is slow
         if last <= len(entries):
-            taken: NDArray[Any] = entries[first:last].copy()
+            taken: NDArray[Any] = whole[first:last].copy()
         else:
-            taken = np.concatenate([entries[first:], entries[: last - len(entries)]])
+            taken = np.concatenate([whole[first:], whole[: last - len(entries)]])
         publish(ring["read"], written)
-        return taken
+        return taken.view(kind)
 
     def record(self) -> None:
         """Keep the sound from here on for `recorded`."""
