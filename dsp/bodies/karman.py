@@ -75,8 +75,8 @@ class Laid(NamedTuple):
     """A plate's coupling as it is laid out: the modes (n,), those that are coupled in the order of the grids, then the
     others by frequency, and one grid of all that are coupled, one of half of them.
 
-    drained (coupled,): the share in what brings the auxiliary variable to the grid's. growth: c0 over the energy. least
-    (J): that below which coupling is not heard. highest (Hz): of the coupled modes.
+    drained (coupled,): the share in what the auxiliary variable gets where it is far behind the grid's. growth: c0 over
+    the energy. least (J): that below which coupling is not heard. highest (Hz): of the coupled modes.
     """
 
     mode: Indices

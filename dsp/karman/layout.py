@@ -92,7 +92,8 @@ class Sheet(Record):
     moved: Annotated[View[float], MOST_SCATTERED]  # displacement by its last
     fades: Annotated[View2D[float], 3, MOST_SCATTERED]  # of a coupled mode: decay, 1/s; of twice its energy, what a
     # sample took of that of v, and of that of its last sample
-    drained: Annotated[View[float], MOST_COUPLED]  # share in what brings psi to the grid's
+    drained: Annotated[View[float], MOST_COUPLED]  # share in what psi gets where it is far behind the grid's
+    follows: float  # s in which psi follows the grid's
     bends: Annotated[View2D[float], 2, MOST_SCATTERED]  # output left and right as a steady force of 1 bends a mode
     smoothing: Annotated[View[float], 3]  # of what is heard of bending: a two-pole recursion, and its input's factor
     bent: Annotated[View2D[float], 2, 2]  # output of bending, left and right: now and a sample ago

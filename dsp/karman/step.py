@@ -191,28 +191,57 @@ def give_back(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
 def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float, h: float) -> None:
     """Bring psi nearer to the grid's by a share of the difference in energy, which the coupled modes pay, or get.
 
-    The highest pay most. psi is that of half a sample of h seconds before the grid was looked at, as half of a kick is
-    still to come.
+    All velocities change by one factor, the less the less they are: were some modes to pay more than others, or as much
+    while they turn around, those that have least would grow by it.
     """
     n = 2 * sheet.functions - sheet.plain
-    velocity, before, pushed, drained = sheet.seen[0], sheet.seen[1], sheet.pushed, sheet.drained
-    g = sheet.gradient[0]
-    first = second = along = 0.0
+    velocity, before, pushed = sheet.seen[0], sheet.seen[1], sheet.pushed
+    square = 0.0
     for i in range(n):
         v = velocity[i] * y1[i] + before[i] * y2[i]
-        along += g[i] * v
+        square += v * v
+    if square <= _LEAST:
+        return
+    wanted = share * min(square / max(sheet.energy, _LEAST), 1.0) * _missing(sheet, y1, y2, h)
+    paid = min(wanted, 0.25 * square)
+    loss = 1.0 - math.sqrt(1.0 - 2.0 * paid / square)
+    for i in range(n):
+        y2[i] -= loss * pushed[i] * (velocity[i] * y1[i] + before[i] * y2[i])
+    sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + 2.0 * paid, 0.0))
+
+
+@simd_kernel
+def catch_up(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
+    """Bring psi, which is far behind, to the grid's as far as modes can pay at once: the highest pay most."""
+    n = 2 * sheet.functions - sheet.plain
+    velocity, before, pushed, drained = sheet.seen[0], sheet.seen[1], sheet.pushed, sheet.drained
+    first = second = 0.0
+    for i in range(n):
+        v = velocity[i] * y1[i] + before[i] * y2[i]
         first += drained[i] * v * v
         second += drained[i] * drained[i] * v * v
-    now = sheet.psi + 0.5 * h * along
-    wanted = 0.5 * share * (sheet.truth * sheet.truth - now * now)
     if second <= _LEAST:
         return
-    paid = min(wanted, 0.25 * first * first / second)
+    paid = min(_missing(sheet, y1, y2, h), 0.25 * first * first / second)
     loss = (first - math.sqrt(first * first - 2.0 * second * paid)) / second
     for i in range(n):
         v = velocity[i] * y1[i] + before[i] * y2[i]
         y2[i] -= loss * drained[i] * pushed[i] * v
     sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + 2.0 * paid, 0.0))
+
+
+@simd_kernel
+def _missing(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> float:
+    """Return the energy (J) by which psi is behind the grid's.
+
+    psi is that of half a sample of h seconds before the grid was looked at, as half of a kick is still to come.
+    """
+    g, velocity, before = sheet.gradient[0], sheet.seen[0], sheet.seen[1]
+    along = 0.0
+    for i in range(2 * sheet.functions - sheet.plain):
+        along += g[i] * (velocity[i] * y1[i] + before[i] * y2[i])
+    now = sheet.psi + 0.5 * h * along
+    return 0.5 * (sheet.truth * sheet.truth - now * now)
 
 
 @kernel

@@ -61,6 +61,7 @@ class Sheets:
         sheet["coupled"] = sheet["level"] = 0
         sheet["scale"] = sheet["tension"] = sheet["share"] = 1.0
         sheet["drained"][: laid.drained.size] = laid.drained
+        sheet["follows"] = FOLLOWS
         self._fill_ladder(sheet, laid)
         for grid, tables in zip(sheet["grids"], laid.grids, strict=True):
             _fill_grid(grid, tables, begin)
@@ -80,6 +81,8 @@ LOOKS = 12.0
 """Looks at the grid in each period of the highest coupled mode, at least."""
 MIXES = 6_000.0
 """Exchanges of energy above the coupled modes, per second."""
+FOLLOWS = 0.0001
+"""s in which the auxiliary variable follows the grid's."""
 MOST_EVERY = 3
 """Samples from one look at the grid to the next, at most: its gradient is extrapolated between."""
 

@@ -12,6 +12,7 @@ from ...karman.layout import Sheet
 from ...karman.scatter import scatter
 from ...karman.step import (
     Heard,
+    catch_up,
     displace,
     drawn_in,
     extrapolate,
@@ -40,7 +41,6 @@ _LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
 _UNHEARD = 1e-9  # output
 _GIVEN, _GIVEN_STRUCK = 0.9999, 0.999  # of what modes have lost: how much they may get back, and in a contact
 _FADES = 0.04  # s in which stretching fades as a plate falls asleep
-_FOLLOWS = 0.001  # s in which psi follows the grid's
 
 
 @kernel
@@ -230,7 +230,10 @@ def kick_modes(state: State, obj: Object) -> None:
     if sheet.turn == 0:
         if behind and sheet.given == _GIVEN:
             _draw_in(state, obj, sheet)
-        settle(sheet, y1, y2, 1.0 if behind else min(every * h / _FOLLOWS, 1.0), h)
+        if behind:
+            catch_up(sheet, y1, y2, h)
+        else:
+            settle(sheet, y1, y2, min(every * h / sheet.follows, 1.0), h)
     kick(sheet, y1, y2, h)
     sheet.turn += 1
     sheet.mixed += 1
