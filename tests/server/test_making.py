@@ -61,7 +61,6 @@ def test_tables_of_pulses_are_made_beside(server, swarm):
     # Drops have a table, and each exponent of a contact law; one takes most of a second.
     with Client(port=server.port) as player, server.client() as other:
         action, amount = swarm
-        player.send("/object/*/free", 1)
         player.new("board", "wood-board")
         player.ask("/sync", 1)
         player.send(f"/object/board/{action}", amount, *(() if action == "rain" else ("exponent", 2.1)))
@@ -73,11 +72,12 @@ def test_tables_of_pulses_are_made_beside(server, swarm):
             answers.append(time.monotonic() - started)
             assert started - begun < 60.0
         assert sorted(answers)[len(answers) * 19 // 20] < 0.1 and player.errors() == []
+        player.send("/object/board/free", 1)
+        player.ask("/sync", 3)
 
 
 def test_a_bundle_that_waits_for_tables_is_carried_out_once(server):
     with Client(port=server.port) as player:
-        player.send("/object/*/free", 1)
         player.new("shelf", "wood-board")
         player.ask("/sync", 1)
         before = counted(player.status())["impacts"]
