@@ -14,9 +14,10 @@ import numpy as np
 
 from ..dsp.bodies.material import Material
 from ..dsp.bodies.mesh import Table
+from ..dsp.mesh.blocks import Block
 from ..dsp.mesh.model import Wanted
 from ..dsp.mesh.surface import Surface
-from .meshes import EDITION, cache_folder, elastic_of, keep, table_bytes_of
+from .meshes import EDITION, block_bytes_of, cache_folder, elastic_of, keep, table_bytes_of
 from .schema import PresetError
 from .tables import SUFFIX, read_table, table_of
 
@@ -29,7 +30,7 @@ STRIKER, VELOCITY, POSITION = "wood", 1.0, 0.3
 _STEP = 1e-7  # m: to which points are rounded, so that a mesh that is placed anew is the same
 
 
-def known_object(folders: Sequence[Path], mesh: Surface, material: Material, wanted: Wanted) -> str:
+def known_object(folders: Sequence[Path], mesh: Surface | Block, material: Material, wanted: Wanted) -> str:
     """Return the name of the object of a mesh that lies in one of the folders of presets, or that is kept; empty if
     there is none."""
     begin = f"mesh-{_digest(mesh, material, wanted)}-"
@@ -42,17 +43,20 @@ def known_object(folders: Sequence[Path], mesh: Surface, material: Material, wan
     return ""
 
 
-def made_object(mesh: Surface, material: Material, wanted: Wanted, say: Any = None) -> str:
-    """Make the object of a mesh, and keep it; return its name.
+def made_object(mesh: Surface | Block, material: Material, wanted: Wanted, say: Any = None) -> str:
+    """Make the object of a mesh, or of a solid box or cylinder, and keep it; return its name.
 
     MeshError says why there is none, OSError why it can't be kept.
     """
-    data = table_bytes_of(*_rounded(mesh), material, wanted, say)
+    if isinstance(mesh, Block):
+        data, source = block_bytes_of(mesh, material, wanted, say), f"made of a simulation's {mesh.kind}"
+    else:
+        data, source = table_bytes_of(*_rounded(mesh), material, wanted, say), "made of a simulation's mesh"
     table = table_of(data, "the table")
     name = f"mesh-{_digest(mesh, material, wanted)}-{table.digest[:16]}"
     place = cache_folder() / "objects"
     keep(place / f"{name}{SUFFIX}", data)
-    keep(place / f"{name}.toml", preset_text(name, "made of a simulation's mesh", material.name, table).encode())
+    keep(place / f"{name}.toml", preset_text(name, source, material.name, table).encode())
     return name
 
 
@@ -99,10 +103,13 @@ def _rounded(mesh: Surface) -> Surface:
     return Surface(points, np.asarray(mesh.faces, np.int64))
 
 
-def _digest(mesh: Surface, material: Material, wanted: Wanted) -> str:
-    """Return the digest of a mesh and of what is wanted of it."""
-    points, faces = _rounded(mesh)
-    key = sha256(points.astype("<f8").tobytes())
-    key.update(faces.astype("<i8").tobytes())
+def _digest(mesh: Surface | Block, material: Material, wanted: Wanted) -> str:
+    """Return the digest of a mesh, or of a solid box or cylinder, and of what is wanted of it."""
+    if isinstance(mesh, Block):
+        key = sha256(repr((mesh.kind, *map(float, mesh.size))).encode())
+    else:
+        points, faces = _rounded(mesh)
+        key = sha256(points.astype("<f8").tobytes())
+        key.update(faces.astype("<i8").tobytes())
     key.update(repr((EDITION, tuple(wanted), elastic_of(material))).encode())
     return key.hexdigest()[:16]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
@@ -14,18 +14,21 @@ import numpy as np
 from ..dsp.bodies.material import Array, Material
 from ..dsp.bodies.mesh import Table
 from ..dsp.errors import CaromError
+from ..dsp.mesh.blocks import Block
 from ..dsp.mesh.surface import Indices, MeshError
 from ..dsp.numerics.blas import on_one_thread
 from .schema import MESH, PresetError, check
 from .tables import SUFFIX, read_table, table_bytes, table_of
 
 if TYPE_CHECKING:
+    from ..dsp.mesh.model import Model
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
 EDITION = "8"
 """Edition of the computation: tables of another one are made anew."""
 
+_BLOCKS = ("box", "cylinder")
 _MOST_BYTES = 500_000_000
 _USUAL = (0.003, 10.0)  # m: sizes of which nobody is asked
 
@@ -149,13 +152,10 @@ def made_table(
     key.update(repr((EDITION, tuple(wanted), scale, elastic_of(material))).encode())
     if parts:
         key.update(repr((material, sorted(parts.items()))).encode())
-    place = cache_folder() / f"{key.hexdigest()}{SUFFIX}"
-    try:
-        data = place.read_bytes()
-        table_of(data, str(place))
-        return data
-    except (OSError, PresetError):
-        pass
+    place = _place(key.hexdigest())
+    kept = _kept(place)
+    if kept is not None:
+        return kept
     made_of: Any = material
     if parts:
         read = read_parts(path, scale)
@@ -181,13 +181,52 @@ def table_bytes_of(points: Array, faces: Indices, made_of: Material | Division, 
     none."""
     from ..dsp.mesh.model import model_of
 
+    return _bytes_of(lambda: model_of(points, faces, made_of, wanted, say))
+
+
+def block_bytes_of(block: Block, material: Material, wanted: Any, say: Any = None) -> bytes:
+    """Return the bytes of the table of a solid box or cylinder. MeshError says why there is none."""
+    from ..dsp.mesh.model import model_of_block
+
+    return _bytes_of(lambda: model_of_block(block, material, wanted, say))
+
+
+def made_block(block: Block, material: Material, wanted: Any) -> bytes:
+    """Return the bytes of the table of a solid box or cylinder: kept ones, if these were made of the same before.
+    MeshError says why there is none."""
+    place = _place(sha256(repr((EDITION, block, tuple(wanted), elastic_of(material))).encode()).hexdigest())
+    data = _kept(place)
+    if data is None:
+        data = block_bytes_of(block, material, wanted)
+        with suppress(OSError):
+            keep(place, data)
+    return data
+
+
+def _bytes_of(make: Callable[[], Model]) -> bytes:
+    """Return the bytes of the table of a model that is made so."""
     try:
         with on_one_thread():
-            model = model_of(points, faces, made_of, wanted, say)
+            model = make()
     except MemoryError:
         raise MeshError("not enough memory: expected a smaller mesh, or fewer modes") from None
     density, modulus, ratio = elastic_of(model.materials[0])
     return table_bytes({**vars(model), "density": density, "youngs_modulus": modulus, "poisson_ratio": ratio})
+
+
+def _place(digest: str) -> Path:
+    """Return the file of a table that is kept."""
+    return cache_folder() / f"{digest}{SUFFIX}"
+
+
+def _kept(place: Path) -> bytes | None:
+    """Return the bytes of a table that is kept; None if it is not, or is broken."""
+    try:
+        data = place.read_bytes()
+        table_of(data, str(place))
+        return data
+    except (OSError, PresetError):
+        return None
 
 
 def cache_folder() -> Path:
@@ -226,11 +265,18 @@ def with_table(where: str, data: dict[str, Any], folder: Path, library: Any) -> 
     section = f"{where}[mesh] "
     given = dict(data["mesh"]) if isinstance(data["mesh"], Mapping) else data["mesh"]
     parts = _parts(f"{where}[mesh.materials] ", given.pop("materials", {}), library) if given else {}
-    values = check(section, given, MESH, ("file",))
+    values = check(section, given, MESH, ())
+    forms = [key for key in ("file", *_BLOCKS) if key in values]
+    if len(forms) != 1:
+        shown = " and ".join(forms) or "file"
+        raise PresetError(f"{section}{shown}: expected one of file, {', '.join(_BLOCKS)}")
     if not isinstance(geometry, Mapping) or "table" in geometry:
-        raise PresetError(f"{where}[mesh] file and [geometry] table: expected one of the two")
-    path = _inside(f"{section}file", values.pop("file"), folder)
-    table = table_of_section(path, values, library.material(str(data.get("material"))), parts)
+        raise PresetError(f"{where}[mesh] {forms[0]} and [geometry] table: expected one of the two")
+    material, form = library.material(str(data.get("material"))), values.pop(forms[0])
+    if forms[0] in _BLOCKS:
+        table = _table_of_block(section, Block(forms[0], tuple(form)), material, values, parts)
+    else:
+        table = table_of_section(_inside(f"{section}file", form, folder), values, material, parts)
     return {**{key: each for key, each in data.items() if key != "mesh"}, "geometry": {**geometry, "table": table}}
 
 
@@ -239,6 +285,22 @@ def _parts(where: str, given: Any, library: Any) -> dict[str, Material]:
     if not isinstance(given, Mapping) or not all(isinstance(each, str) for each in given.values()):
         raise PresetError(f"{where}= {given!r}: expected a material's name for each part that is of another")
     return {name: library.material(each) for name, each in given.items()}
+
+
+def _table_of_block(
+    where: str, block: Block, material: Material, values: dict[str, Any], parts: Mapping[str, Material]
+) -> Table:
+    """Return the table of a solid box or cylinder that a section [mesh] asks for."""
+    from ..dsp.mesh.model import Wanted
+
+    for key in ("scale", "wall", *(("materials",) if parts else ())):
+        if key in values or key == "materials":
+            raise PresetError(f"{where}{key}: expected none of a solid {block.kind}")
+    values["fine"] = values.pop("fine", "no") == "yes"
+    try:
+        return table_of(made_block(block, material, Wanted(**values)), f"the table of a {block.kind}")
+    except MeshError as error:
+        raise PresetError(f"{where}{block.kind}: {error}") from None
 
 
 def table_of_section(path: Path, values: dict[str, Any], material: Material, parts: Mapping[str, Material]) -> Table:

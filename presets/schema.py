@@ -381,13 +381,16 @@ SUITABLE = tuple(
 
 MESH: Fields = {
     "file": Text(),
+    "box": Row((LENGTH,) * 3),
+    "cylinder": Row((LENGTH,) * 2),
     "wall": THICKNESS,
     "scale": Quantity(1e-6, 1e3, "m"),
     "modes": Whole(1, 400),
     "points": Whole(50, 2000),
     "fine": Choice(("yes", "no")),
 }
-"""The mesh of a body of shape `mesh`, of which its table is made: in the place of a table."""
+"""The mesh, or the solid box or cylinder, of a body of shape `mesh`, of which its table is made: in the place of a
+table."""
 
 NO_REST = "none"
 """The word in the place of a support, by which an object hangs freely."""

@@ -198,7 +198,9 @@ class World(Grained, Closing):
         mass. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg), inertia (moments
         about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does not move.
         rings=False: it is silent. object: a preset that rings in its place. wall: thickness (m) of the wall of a hollow
-        box, cylinder or capsule, or of a mesh with faces. Further keys are those of `/object/new`, such as most_modes,
+        box, cylinder or capsule, or of a mesh with faces. surface=True: a solid box or cylinder that is free rings as
+        the solid that it is, and is touched at points of its surface, as a mesh with faces is: on its edges as on its
+        faces. Further keys are those of `/object/new`, such as most_modes,
         damping or gain. WorldError for a name that is taken, or a value that cannot be.
         """
         try:

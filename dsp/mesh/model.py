@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array, Material
-from . import cells, shells
+from . import blocks, cells, shells
 from .air import Radiation, layer_of, radiation, velocities
 from .cleaning import cleaned, openings
 from .forms import together
@@ -60,9 +60,9 @@ class Model:
     in m^2; curvature (P, 2) in 1/m, the larger first, positive where convex. faces (F, 3), numbers of points, between
     which shapes are linear; edges (F, 3): 1 where the side from a corner to the next is a sharp edge. Where sides of an
     edge meet, a point is there for each. mass in kg, volume of its material in m^3.
-    error (n,): of the frequencies, estimated, as a share. method: "cells" or "shells"; notes say what was mended and
-    assumed. materials: of its parts, the main one first; energy (materials, n): the share of each in the energy that
-    bends the body; of (F,): the number of each face's material.
+    error (n,): of the frequencies, estimated, as a share. method: "cells", "shells" or "polynomials"; notes say what
+    was mended and assumed. materials: of its parts, the main one first; energy (materials, n): the share of each in the
+    energy that bends the body; of (F,): the number of each face's material.
     """
 
     frequency: Array
@@ -114,13 +114,42 @@ def model_of(
         raise MeshError(f"size = {size:.3g} m: expected {low:g} to {high:g} m; a scale of 0.001 reads mm")
     if wanted.wall is not None and not 1e-5 <= wanted.wall <= size / 2:
         raise MeshError(f"wall = {wanted.wall:g}: expected 1e-05 to {size / 2:.3g} m, half the size")
+    return _made(body, wanted, say, notes, lambda fine: _solution(body, wanted, fine))
+
+
+def model_of_block(block: blocks.Block, material: Material, wanted: Wanted, say: Say | None = None) -> Model:
+    """Return the model of a solid box or cylinder; MeshError as `model_of`."""
+    _require(wanted)
+    if wanted.wall is not None:
+        raise MeshError(f"wall = {wanted.wall:g}: expected none of a solid {block.kind}")
+    surface, count = block.surface, wanted.modes + _RIGID + _SPARE
+    low, high = SIZES
+    if not low <= max(block.edges) <= high:
+        raise MeshError(f"size = {max(block.edges):.3g} m: expected {low:g} to {high:g} m")
+    body = _Body(surface, np.zeros(len(surface.faces), np.int64), Parts((surface,), (material,)))
+
+    def solved(fine: bool) -> tuple[Solution, str, tuple[str, ...]]:
+        found = blocks.solve(block, material, count, fine)
+        degrees = ", ".join(map(str, found.degrees))
+        return found, "polynomials", (f"a solid {block.kind}, by polynomials of degrees {degrees} along x, y and z",)
+
+    return _made(body, wanted, say or _silent, (), solved)
+
+
+Solution = blocks.Solution | cells.Solution | shells.Solution
+Solved = Callable[[bool], tuple[Solution, str, tuple[str, ...]]]
+"""Returns the modes, as fine as can be or not, the method, and what it found and assumed."""
+
+
+def _made(body: _Body, wanted: Wanted, say: Say, notes: tuple[str, ...], solved: Solved) -> Model:
+    """Return the model of a body whose modes are solved so."""
     say("modes", 0.1)
-    solution, method, told = _solution(body, wanted, wanted.fine)
+    solution, method, told = solved(wanted.fine)
     keep = _elastic(solution.frequency, wanted.modes)
     frequency = solution.frequency[keep]
-    error = _errors(body, wanted, frequency, say)
+    error = _errors(solved, wanted, frequency, say)
     say("radiation", 0.6)
-    made = _heard(surface, solution, keep, wanted)
+    made = _heard(body.surface, solution, keep, wanted)
     frequency = frequency / np.sqrt(1 + made.mass)
     order = np.argsort(frequency, kind="stable")
     say("points", 0.9)
@@ -164,9 +193,6 @@ def _silent(doing: str, done: float) -> None:
     pass
 
 
-Solution = cells.Solution | shells.Solution
-
-
 def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, tuple[str, ...]]:
     """Return the modes, the method, and what it found and assumed."""
     surface, parts = together(*body.parts.surfaces), body.parts
@@ -205,12 +231,12 @@ def _elastic(frequency: Array, count: int) -> Indices:
     return bending[bending >= _RIGID][:count]
 
 
-def _errors(body: _Body, wanted: Wanted, frequency: Array, say: Say) -> Array:
+def _errors(solved: Solved, wanted: Wanted, frequency: Array, say: Say) -> Array:
     """Return the errors of frequencies, as a share: by a second resolution if it is wanted, else NaN."""
     if not wanted.errors:
         return np.full(len(frequency), np.nan)
     say("modes at a second resolution", 0.35)
-    other, _, _ = _solution(body, wanted, not wanted.fine)
+    other, _, _ = solved(not wanted.fine)
     again = other.frequency[_elastic(other.frequency, wanted.modes)][: len(frequency)]
     found = np.full(len(frequency), np.nan)
     change = np.abs(frequency[: len(again)] / again - 1)
@@ -267,7 +293,8 @@ def _at_points(body: _Body, solution: Solution, keep: Indices, wanted: Wanted) -
 
 def _volume(body: _Body, solution: Solution) -> float:
     """Return the volume (m^3) of a solid."""
-    if len(body.parts.surfaces) > 1 and isinstance(solution, cells.Solution):
+    several = len(body.parts.surfaces) > 1
+    if isinstance(solution, blocks.Solution) or (several and isinstance(solution, cells.Solution)):
         return solution.volume
     return volume_of(body.surface)
 

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import Material
 from ...dsp.bodies.modes import Modes, Silent
+from ...dsp.mesh.blocks import Block
+from ...dsp.mesh.surface import MeshError, Surface, volume_of
 from ...dsp.schema import SETTINGS
 from ...dsp.wording import expected
 from ...presets import Presets
@@ -105,7 +107,7 @@ Progress = Callable[[str], AbstractContextManager[Callable[[str, float], object]
 """Shows how an object of a name is made: it is told what is done, and how much of the whole."""
 
 
-ABOUT = ("density", "mass", "inertia", "held", "rings", "object")
+ABOUT = ("density", "mass", "inertia", "held", "rings", "object", "surface")
 """Keys of a body that are no object's."""
 
 
@@ -130,6 +132,7 @@ class BodyMaker:
         if kind not in SHAPES:
             raise ValueError(f"shape = {shown(kind)}: {expected(kind, SHAPES)}")
         held, rings, preset = (about.pop(key, default) for key, default in (("held", 0), ("rings", 1), ("object", "")))
+        own = bool(about.pop("surface", 0))
         density, mass, inertia, wall = (about.pop(key, None) for key in ("density", "mass", "inertia", "wall"))
         made_of = self._presets.material(str(material))
         wall = None if wall is None else _positive("wall", wall)
@@ -139,6 +142,16 @@ class BodyMaker:
             shape = self._surface(name, size, made_of if surfaced else None, wall)
         else:
             shape = shape_of(kind, size, bool(held), wall)
+        if own and not surfaced:
+            if kind not in _SOLID or held or wall is not None or not rings or preset:
+                raise ValueError(
+                    f"surface = 1: expected a solid {' or '.join(_SOLID)} that is free, and rings by itself"
+                )
+            numbers = tuple(float(each) for each in np.ravel(np.asarray(size, np.float64)))
+            shape, surfaced = (
+                replace(shape, ringing=Ringing(self._object(name, Block(kind, numbers), made_of, None), {})),
+                True,
+            )
         if density is not None and mass is not None:
             raise ValueError(f"density = {shown(density)}, mass = {shown(mass)}: expected one of the two")
         density = made_of.density if density is None else _positive("density", density)
@@ -171,16 +184,23 @@ class BodyMaker:
     def _surface(self, name: str, size: Any, material: Material | None, wall: float | None) -> Shape:
         """Return the shape of a mesh, its vertices and faces in the axes of the body; with the object that rings as it
         does, if its material is given. It is made if it is not there yet. NoModel says why it can't be."""
-        from ...dsp.mesh.model import Wanted
-        from ...dsp.mesh.surface import MeshError, Surface, volume_of
-        from ...presets.made import known_object, made_object
-
         points, faces = np.asarray(size[0], np.float64), np.asarray(size[1])
         if not points.shape[1:] == faces.shape[1:] == (3,) or faces.dtype.kind not in "iu":
             raise ValueError(f"size, of shapes {points.shape} and {faces.shape}: expected {SIZES['mesh']}")
         mesh = Surface(points, faces.astype(np.int64))
         if material is None:
             return surface_shape(mesh.points, mesh.faces, abs(volume_of(mesh)))
+        made = self._object(name, mesh, material, wall)
+        table = self._presets.object(made).geometry["table"]
+        shape = surface_shape(mesh.points, mesh.faces, table.mass / table.density)
+        return replace(shape, ringing=Ringing(made, {}))
+
+    def _object(self, name: str, mesh: Surface | Block, material: Material, wall: float | None) -> str:
+        """Return the object that rings as a mesh, or a solid box or cylinder; it is made if it is not there yet.
+        NoModel says why it can't be."""
+        from ...dsp.mesh.model import Wanted
+        from ...presets.made import known_object, made_object
+
         wanted = Wanted(wall)
         try:
             made = known_object(self._presets.folders, mesh, material, wanted)
@@ -191,9 +211,7 @@ class BodyMaker:
             raise NoModel(str(error)) from None
         except OSError as error:
             raise NoModel(f"its table cannot be kept: {error}") from None
-        table = self._presets.object(made).geometry["table"]
-        shape = surface_shape(mesh.points, mesh.faces, table.mass / table.density)
-        return replace(shape, ringing=Ringing(made, {}))
+        return made
 
     def _sound(self, name: str, keys: dict[str, Argument]) -> NewObject:
         """Make its object. PresetError or ValueError say why there is none."""
@@ -206,6 +224,9 @@ class BodyMaker:
 def _unseen(name: str) -> Iterator[Callable[[str, float], object]]:
     """Show nothing of how an object is made."""
     yield lambda doing, done: None
+
+
+_SOLID = ("box", "cylinder")
 
 
 def _has_faces(size: Any) -> bool:

@@ -18,6 +18,8 @@ MEANINGS = {
     ("mesh", "path_to"): "where it ends",
     ("mesh", "tilt"): "of the blow from the normal, across the path; 5 if not given, 90 is tangential",
     ("mesh", "file"): "the mesh, in the preset's folder or below",
+    ("mesh", "box"): "in its place: edges of a solid box along x, y and z, about the origin",
+    ("mesh", "cylinder"): "in its place: radius and length of a solid cylinder about z",
     ("mesh", "wall"): "thickness of a sheet or a hollow body; a solid if not given",
     ("mesh", "scale"): "the mesh's unit; 1 m if not given",
     ("mesh", "modes"): "how many at most; 60 if not given",

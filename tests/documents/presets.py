@@ -70,7 +70,7 @@ def object_keys() -> str:
             "`[damping]`, in place of the material's": _keys("damping", known.DAMPING),
             "`[strike]`": _keys("strike", known.STRIKE, known.STRIKE),
             "`[rest]`": _keys("rest", known.REST, ("support",)),
-            "`[mesh]`": _keys("mesh", known.MESH, ("file",)),
+            "`[mesh]`": _keys("mesh", known.MESH, ()),
             **{f"`[{name}]`": _keys(name, added.fields, added.required) for name, added in known.ADDED.items()},
             **{f"`[{name}]`": _usual(name) for name in known.SUITABLE},
         }

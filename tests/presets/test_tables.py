@@ -82,6 +82,19 @@ def test_another_material_needs_another_table():
         Presets().object("mug").replace(material="steel").modes(20_000.0)
 
 
+@pytest.mark.slow
+def test_a_box_of_a_preset_is_struck_on_its_faces_and_edges(tmp_path, monkeypatch):
+    monkeypatch.setattr("carom.presets.meshes.cache_folder", lambda: tmp_path / "kept")
+    library = preset(tmp_path, "[mesh]\nbox = [0.1, 0.08, 0.01]\nmodes = 12\npoints = 60")
+    modes = library.object("mine").modes(20000.0)
+    corners = modes.faces.corners.reshape(-1, 3)
+    assert np.abs(corners).max(axis=0) == pytest.approx([0.05, 0.04, 0.005]) and modes.faces.edges.any()
+    (kept,) = (tmp_path / "kept").glob("*.npz")
+    stamp = kept.stat().st_mtime_ns
+    again = library.object("mine")
+    assert again.modes(20000.0).frequency.tolist() == modes.frequency.tolist() and kept.stat().st_mtime_ns == stamp
+
+
 @pytest.mark.parametrize(
     ("lines", "said"),
     [
@@ -90,7 +103,10 @@ def test_another_material_needs_another_table():
         ("[geometry]\ntable = 3", "expected a table in the preset's folder"),
         ("", "table is missing"),
         ('[mesh]\nfile = "mug.npz"', "expected a file that ends in .obj, .stl, .ply, .glb, .gltf"),
-        ("[mesh]\nwall = 0.1", "file is missing"),
+        ("[mesh]\nwall = 0.1", "file: expected one of file, box, cylinder"),
+        ('[mesh]\nfile = "mug.npz"\nbox = [1.0, 1.0, 1.0]', "file and box: expected one of file, box, cylinder"),
+        ("[mesh]\nbox = [0.1, 0.1, 0.1]\nwall = 0.1", "wall: expected none of a solid box"),
+        ("[mesh]\nbox = [1.0, 0.01, 0.01]", "a box of 1e\\+03 x 10 x 10 mm: expected edges"),
         ('[mesh]\nfile = "mug.npz"\n[geometry]\ntable = "mug.npz"', "expected one of the two"),
     ],
 )

@@ -87,6 +87,31 @@ def test_what_was_made_is_found_again_by_its_name(own_cache):
     assert heard(True, (0, 0, -0.004))[1] == score  # it is made anew
 
 
+def test_a_solid_box_rings_by_its_surface_where_it_is_asked_for():
+    """The same blow on the face below, at the edge beside, and on the end: points are told, and all three differ."""
+    with carom.World(keep=True) as world:
+        world.body("floor", "box", (1, 1, 0.1), "steel", held=True, rings=False)
+        world.body("bar", "box", SIZE, "steel", carom.Pose((0, 0, 0)), surface=True)
+        body = world.simulation.bodies[1]
+        assert body.surfaced and body.mass == pytest.approx(np.prod(SIZE) * body.material.density)
+        parts = []
+        for n, place in enumerate(((0.03, 0, -0.004), (0.03, 0.015, -0.004), (0.1, 0, 0.0))):
+            parts += [np.concatenate([world.step(0.2 * n + 0.01, [touch(place)]), world.step(0.2 * n + 0.2)])[:, 0]]
+        score = world.score()
+    assert "/object/bar/impact 1.0 point 0.03 0.015 -0.004 mass" in score
+    laws = [line.split("stiffness ")[1].split()[0] for line in score.splitlines() if "/impact" in line]
+    assert float(laws[1]) < 0.7 * float(laws[0])  # the edge is softer
+    first = body.modes.frequency[0]
+    low = [np.abs(np.sum(part[:9000] * np.exp(-2j * np.pi * first * np.arange(9000) / 48e3))) for part in parts]
+    assert low[1] > 10 * low[2]
+
+
+@pytest.mark.parametrize("keys", [{"held": True}, {"rings": False}, {"wall": 0.001}, {"object": "mug"}])
+def test_a_surface_is_of_what_is_free_and_solid(keys):
+    with carom.World() as world, pytest.raises(WorldError, match="surface = 1: expected a solid box or cylinder"):
+        world.body("bar", "box", SIZE, "steel", surface=True, **keys)
+
+
 def test_mass_and_inertia_are_those_of_a_solid():
     with carom.World() as world:
         world.body("bar", "mesh", (BAR.points, BAR.faces), "steel")
