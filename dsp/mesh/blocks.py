@@ -165,7 +165,7 @@ def legendre(x: Array, half: float, degree: int) -> tuple[Array, Array]:
     """Return Legendre's polynomials (n, degree + 1) on -half..half (m), of unit squares, at x (n,), and their
     slopes."""
     norm = np.sqrt((2 * np.arange(degree + 1) + 1) / (2 * half))
-    values = np.polynomial.legendre.legvander(x / half, degree)
+    values = np.asarray(np.polynomial.legendre.legvander(x / half, degree), np.float64)
     slopes = values[:, :-1] @ _slopes(degree) if degree else np.zeros_like(values)
     return values * norm, slopes * (norm / half)
 
