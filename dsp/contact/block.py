@@ -38,7 +38,7 @@ STIFFEST = np.array([0.0, 0.6, 1.5, 1.5])
 """rad of a contact's swing in a sample, of body and object together, up to which so many parts of it follow."""
 
 STIFFEST_AT_REST = np.array([0.0, 1.6, 2.2, 3.6])
-"""The same of a rest, which hardly leaves its stiffness: one part follows it within -55 dB."""
+"""The same of a rest, which hardly leaves its stiffness: one part mostly follows it within -55 dB."""
 
 _SOFT = 0.3  # rad of such a swing up to which one part of a sample follows a rest within -60 dB
 
