@@ -17,7 +17,7 @@ from .modes import Indices, Modes, audible, path, require_choice, require_positi
 from .radiation import line
 from .radiation.board import BOARDS
 from .radiation.twist import Twist
-from .resonator_tube import GAP, Tube, strip_flow, with_tube
+from .resonator_tube import GAP, Tube, bar_flow, with_tube
 from .ritz import quadrature
 from .shearing import rectangles_shear, tubes_shear
 from .torsion import torsion
@@ -120,10 +120,9 @@ def bar(
     mass = material.density * area * length
     made = heard(material, frequency[keep], resistance + share * lost, (strike, sign), mass, resistance + lost)
     made = with_unheard(made, _beyond(parts, positions, 2 * top), material.decay, top)
-    if tube is not None and width is not None:
-        made = over_tube(
-            made, np.flatnonzero(keep < parts[0].motion.frequency.size), shapes, tube, (length, width), top
-        )
+    if tube is not None and width is not None and thickness is not None:
+        upright = np.flatnonzero(keep < parts[0].motion.frequency.size)
+        made = over_tube(made, upright, shapes, tube, (length, width, thickness * (1 - undercut)), top)
     return replace(made, clicks=_clicks(mass, length, area, width, diameter, ends))
 
 
@@ -136,15 +135,22 @@ def tube_of(
 
 
 def over_tube(
-    modes: Modes, upright: Indices, shapes: Callable[[Array], Array], tube: Tube, sides: tuple[float, float], top: float
+    modes: Modes,
+    upright: Indices,
+    shapes: Callable[[Array], Array],
+    tube: Tube,
+    sides: tuple[float, float, float],
+    top: float,
 ) -> Modes:
     """Return a bar's modes with a tube under its middle, up to `top` (Hz).
 
-    upright: those that move it up and down; shapes: positions (p,) in 0..1 -> all shapes there (p, n); sides: length
-    and width (m).
+    upright: those that move it up and down; shapes: positions (p,) in 0..1 -> all shapes there (p, n); sides: length,
+    width, and thickness at the middle (m).
     """
+    if not upright.size:
+        return modes
     along, aside = tube.mouth
-    flow = strip_flow(sides[1] / 2, aside, tube.gap, tube.end) @ shapes(0.5 + along / sides[0])[:, upright] / along.size
+    flow = bar_flow(sides[1:], aside, tube.gap, tube.end) @ shapes(0.5 + along / sides[0])[:, upright] / along.size
     return with_tube(modes, upright, flow, tube.tuned(float(modes.frequency[upright[0]])), top)
 
 

@@ -9,10 +9,12 @@ modes,
 
 for each resonance of the tube, where its length is an odd number of quarter waves; M = rho L/(2 S) for a length L and
 an opening S. B_i is the pressure in the mouth for a unit of q_i'', and by reciprocity the force of X'' on the bar: that
-of the potential flow round a flat strip, rho (sqrt(b^2 - (y + i z)^2) + i z), its real part below a strip of half a
-width b, and that of the flow which the mouth stops: as much as stands in front of it, its end correction times rho and
-the flow's velocity into it. That is within 10 % of the flow between the strip and a closed mouth, from gaps of half the
-mouth's radius on (a test solves it). The air in the tube loses by viscosity and conduction at the wall (G. Kirchhoff
+of the potential flow round it, and that of the flow which the mouth stops: as much as stands in front of it, its end
+correction times rho and the flow's velocity into it. That is within 10 % of the flow between a flat strip and a closed
+mouth, from gaps of half the mouth's radius on (a test solves it). A bar as thick as a xylophone's moves more air than a
+strip. Its section counts as the ellipse that moves as much along with it, and displaces as much, a by b: the flow is
+the real part of rho a (a + b)/(i (p + sqrt(p^2 - a^2 + b^2))) at p = y + i z from its middle, within 10 % of that round
+a rectangle (another test). The air in the tube loses by viscosity and conduction at the wall (G. Kirchhoff
 1868), and by what the open end radiates (H. Levine and J. Schwinger 1948; N. Fletcher and T. Rossing, The Physics of
 Musical Instruments, ch. 8).
 
@@ -30,6 +32,7 @@ import numpy.typing as npt
 from .air import DENSITY, IMPEDANCE, SPEED
 from .material import Array
 from .modes import MOST_MODES, Indices, Modes, ascending, require_positive, selected
+from .radiation import line
 
 GAP = 0.012
 """m, between the middle of the bar and the mouth, unless it is said."""
@@ -119,15 +122,21 @@ def wall_loss(radius: float, frequency: Array) -> Array:
     return loss
 
 
-def strip_flow(half_width: float, across: Array, below: float, stopped: float = 0.0) -> Array:
-    """Return the potential (m) of the flow round a flat strip that moves with unit speed across itself.
+def bar_flow(sides: tuple[float, float], across: Array, below: float, stopped: float = 0.0) -> Array:
+    """Return the potential (m) of the flow round a bar that moves with unit speed across itself.
 
-    At points `across` (m) from its middle line, at a distance (m) from its plane: half_width (m) as wide on each side.
-    stopped (m): how much of the air in front of a mouth there stands, which adds by the velocity into it.
+    sides: its width and its thickness (m). At points `across` (m) from its middle line, at a distance (m) from its
+    lower face; stopped (m): how much of the air in front of a mouth there stands, which adds by the velocity into it.
     """
-    point = across + 1j * below
-    around = np.sqrt(point - half_width) * np.sqrt(point + half_width)
-    flow: Array = around.imag - below + stopped * (1 - (point / around).real)
+    width, thickness = sides
+    moved = line.added_of(thickness / width) * (width / 2) ** 2
+    long = math.sqrt(moved)
+    dipole = moved + width * thickness / math.pi  # long (long + short), of the ellipse
+    focus = np.sqrt(moved - (dipole / long - long) ** 2 + 0j)
+    point = across + 1j * (below + thickness / 2)
+    around = np.sqrt(point - focus) * np.sqrt(point + focus)
+    turned = dipole / (point + around)
+    flow: Array = -turned.imag - stopped * (turned / around).real
     return flow
 
 

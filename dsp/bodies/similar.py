@@ -92,7 +92,8 @@ class Sized:
         flat = self._table(top, material, {**own, "across": 0.0, "tilt": 0.0})
         upright = np.flatnonzero(np.isin(table.frequency[heard], flat.frequency[flat.strike.any(axis=0)]))
         tube = tube_of(**{key: sized[key] for key in _UNDER if key in sized})
-        return over_tube(made, upright, partial(_along, made.strike), tube, (sized["length"], sized["width"]), top)
+        sides = sized["length"], sized["width"], sized["thickness"] * (1 - sized.get("undercut", 0.0))
+        return over_tube(made, upright, partial(_along, made.strike), tube, sides, top)
 
     def _into(self, board: str, top: float, material: Material, own: Mapping[str, Any], table: Modes) -> Array:
         """Return what a bar's modes lose to the board that it is clamped in, over the board's conductance.

@@ -45,9 +45,15 @@ class Outline(NamedTuple):
     aspect: float = 0.0
 
 
+def added_of(aspect: float) -> float:
+    """Return the air that moves along with a section of a thickness over its width, over that of a flat strip of its
+    width."""
+    return float(np.interp(aspect, _ASPECTS, _ADDED))
+
+
 def dipole_of(aspect: float) -> float:
     """Return the dipole of a section of a thickness over its width, over that of a flat strip of its width."""
-    return float(np.interp(aspect, _ASPECTS, _ADDED)) + 4 * aspect / math.pi
+    return added_of(aspect) + 4 * aspect / math.pi
 
 
 def rectangular(width: float, depth: Array) -> Outline:

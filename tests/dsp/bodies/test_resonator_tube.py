@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.sparse.linalg import cg
 
 from carom.dsp import bodies
 from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED
-from carom.dsp.bodies.resonator_tube import Column, Tube, coupled, strip_flow
+from carom.dsp.bodies.resonator_tube import Column, Tube, bar_flow, coupled
 from tests.dsp.bodies.reference import HEAVY
 
 BAR = {"length": 0.36, "width": 0.05, "thickness": 0.012, "undercut": 0.6, "top": 8000, "across": 0.0, "tilt": 0.0}
@@ -21,22 +22,41 @@ METAL = replace(LIGHT, density=2700.0, youngs_modulus=7e10, loss_factor=1e-4)
 
 def test_the_flow_leaves_a_strip_as_fast_as_it_moves_and_is_a_dipole_far_away():
     across, step = np.linspace(-0.02, 0.02, 9), 1e-7
-    rises = (strip_flow(0.025, across, 2 * step) - strip_flow(0.025, across, step)) / step
+    rises = (bar_flow((0.05, 0.0), across, 2 * step) - bar_flow((0.05, 0.0), across, step)) / step
     assert rises == pytest.approx(-1, abs=1e-4)
-    assert strip_flow(0.025, np.array([0.0]), 1.0) == pytest.approx(0.025**2 / 2, rel=1e-3)
+    assert bar_flow((0.05, 0.0), np.array([0.0]), 1.0) == pytest.approx(0.025**2 / 2, rel=1e-3)
     y, z, d = 0.013, 0.02, 1e-4  # a potential: its Laplacian is 0
-    around = [strip_flow(0.025, np.array([y + a]), z + b)[0] for a, b in ((d, 0), (-d, 0), (0, d), (0, -d))]
-    here = strip_flow(0.025, np.array([y]), z)[0]
+    around = [bar_flow((0.05, 0.0), np.array([y + a]), z + b)[0] for a, b in ((d, 0), (-d, 0), (0, d), (0, -d))]
+    here = bar_flow((0.05, 0.0), np.array([y]), z)[0]
     assert (sum(around) - 4 * here) / d**2 == pytest.approx(0, abs=1e-3)
-    beside = strip_flow(0.025, np.array([0.05]), 0.01)[0]
-    assert 0 < beside < strip_flow(0.025, np.array([0.0]), 0.01)[0]
+    beside = bar_flow((0.05, 0.0), np.array([0.05]), 0.01)[0]
+    assert 0 < beside < bar_flow((0.05, 0.0), np.array([0.0]), 0.01)[0]
+
+
+@pytest.mark.parametrize("thickness", [0.2, 0.4, 1.0])
+def test_the_flow_is_that_round_a_thick_bar(thickness):
+    """Sources on the sides of a rectangle, 1 wide, that moves: their potential below it."""
+    corners = np.array([-0.5, -0.5 - 1j * thickness, 0.5 - 1j * thickness, 0.5, -0.5]) + 0j
+    edges = np.concatenate([np.linspace(a, b, 80, endpoint=False) for a, b in pairwise(corners)])
+    along = np.append(edges[1:], edges[0]) - edges
+    middle, outward = edges + along / 2, -1j * along / np.abs(along)
+    apart = middle[:, None] - middle
+    np.fill_diagonal(apart, 1.0)
+    push = (outward[:, None] / apart).real * np.abs(along) / (2 * np.pi)
+    np.fill_diagonal(push, 0.5)
+    source = np.linalg.solve(push, outward.imag) * np.abs(along)
+    across = np.linspace(0, 0.4, 5)
+    for below in (0.3, 0.6):
+        at = across - 1j * (thickness + below)
+        solved = np.log(np.abs(at[:, None] - middle)) @ source / (2 * np.pi)
+        assert bar_flow((1.0, thickness), across, below) == pytest.approx(np.abs(solved), rel=0.1)
 
 
 @pytest.mark.parametrize(("radius", "gap"), [(1.0, 0.6), (0.8, 0.8)])
 def test_a_mouth_stops_the_flow_below_a_strip(radius, gap):
     """Finite volumes solve it: a strip 2 wide above a closed tube, in a quarter of the space, to 10 widths away."""
     _, across = Tube(2 * radius).mouth
-    free, law = (np.mean(strip_flow(1.0, across, gap, stopped)) for stopped in (0.0, Tube(2 * radius).end))
+    free, law = (np.mean(bar_flow((2.0, 0.0), across, gap, stopped)) for stopped in (0.0, Tube(2 * radius).end))
     solved = flow_over_a_closed_tube(radius, gap)
     assert law == pytest.approx(solved, rel=0.1) and free < 0.8 * solved
 
@@ -129,7 +149,8 @@ def test_a_tube_in_tune_swells_and_dies_as_the_coupled_equations_say(material, d
     along, across = tube.mouth
     middle, path = alone.strike[len(alone.strike) // 2, 0], np.linspace(0, 1, len(alone.strike))
     over_mouth = np.interp(0.5 + along / BAR["length"], path, alone.strike[:, 0])
-    flow = np.array([np.mean(strip_flow(BAR["width"] / 2, across, tube.gap, tube.end) * over_mouth)])
+    sides = BAR["width"], BAR["thickness"] * (1 - BAR["undercut"])
+    flow = np.array([np.mean(bar_flow(sides, across, tube.gap, tube.end) * over_mouth)])
     found = coupled(alone.frequency[:1], alone.decay[:1], DENSITY * flow, tube.resonances(high))
     exact = np.abs(middle * found.sound[0] @ np.exp(np.outer(found.s, times)))
     heard = np.abs(envelope(over, 0.5, low, high, times))
@@ -154,6 +175,13 @@ def test_a_tube_far_out_of_tune_leaves_the_bar_as_it_is():
     assert over.frequency[first] == pytest.approx(alone.frequency[0], rel=1e-4)
     assert over.decay[first] == pytest.approx(alone.decay[0], rel=0.02)
     assert over.pressure[0, first] == pytest.approx(alone.pressure[0, first], rel=0.3)
+
+
+def test_a_tube_leaves_a_bar_that_bends_too_fast_to_be_heard():
+    wide = {"length": 0.03, "width": 0.055, "thickness": 0.022, "undercut": 0.67, "top": 15_000}
+    wood = replace(LIGHT, shear=1.6e9)  # twists far more slowly than it bends
+    alone, over = bodies.bar(wood, **wide), bodies.bar(wood, **wide, tube_diameter=0.05)
+    assert (over.frequency == alone.frequency).all() and (over.decay == alone.decay).all()
 
 
 def test_a_fan_beats_twice_a_turn_as_deep_as_it_closes():
