@@ -20,7 +20,7 @@ import numpy as np
 import carom
 from carom.dsp.runtime.engine import Engine
 
-CLIPS, SECONDS = 1_000, 1.0
+CLIPS, SECONDS = 300, 1.0
 EMPTY = 50  # scenes without an object
 PAGE = resource.getpagesize()  # bytes
 STATM = Path("/proc/self/statm")

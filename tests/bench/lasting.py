@@ -6,8 +6,9 @@
 import argparse
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from time import thread_time
+from typing import Any
 
 import numpy as np
 
@@ -89,19 +90,28 @@ def load(engine: Engine, strike: Callable[[], None] = lambda: None, frames: int 
     return least
 
 
-def main(accuracy: str) -> None:
-    """Print the loads, a row of JSON each."""
+def measure(accuracy: str = "-50") -> Iterator[dict[str, Any]]:
+    """Yield the loads of rolls over each surface, and of rests on each support."""
     for surface in SURFACES:
-        _print(f"{ROLLS} rolls over {surface} on {FEWEST} to {MOST} modes", accuracy, load(rolling(accuracy, surface)))
+        contacts = f"{ROLLS} rolls over {surface} on {FEWEST} to {MOST} modes"
+        yield dict(contacts=contacts, accuracy=accuracy, load=load(rolling(accuracy, surface)))
     for support in SUPPORTS:
-        _print(f"{RESTS} objects that ring on {support}", accuracy, load(*resting(accuracy, support), RINGING))
+        contacts = f"{RESTS} objects that ring on {support}"
+        yield dict(contacts=contacts, accuracy=accuracy, load=load(*resting(accuracy, support), RINGING))
 
 
-def _print(contacts: str, accuracy: str, share: float) -> None:
-    print(json.dumps({"contacts": contacts, "accuracy": accuracy, "share of a core": round(share, 4)}), flush=True)
+def aims(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the aims for what `measure` found."""
+    rolls = max(row["load"] for row in rows[: len(SURFACES)])
+    rests = max(row["load"] for row in rows[len(SURFACES) :])
+    return [
+        dict(aim=f"{ROLLS} coupled rolls at most 0.4 of a core", measured=rolls, met=rolls <= 0.4),
+        dict(aim=f"{RESTS} rests that ring at most 0.05 of a core", measured=rests, met=rests <= 0.05),
+    ]
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("accuracy", nargs="?", default="-50", choices=LEVELS)
-    main(parser.parse_args().accuracy)
+    for row in measure(parser.parse_args().accuracy):
+        print(json.dumps(row | {"load": round(row["load"], 4)}), flush=True)

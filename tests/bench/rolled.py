@@ -19,6 +19,8 @@ MODES = (64, 1024)
 SURFACES = ("glass", "concrete")
 DASHPOT = "dashpot"
 ACCURACIES = (DASHPOT, "-50", "-60")
+MOST = {(64, "-50"): 0.01, (64, "-60"): 0.02, (1024, "-50"): 0.04, (1024, "-60"): 0.07}
+"""Share of a core that a roll may take, by modes and accuracy."""
 STRETCH = 4_800  # frames of a measurement
 LIGHT = 0.6  # sum of m phi^2
 STRIKER, SPEED = "glass-marble", 0.3
@@ -62,3 +64,13 @@ def measure(rounds: int) -> list[dict[str, Any]]:
                 load, of_dashpot = seconds[accuracy] * RATE / STRETCH, seconds[accuracy] / seconds[DASHPOT]
                 rows.append(dict(modes=modes, surface=surface, accuracy=accuracy, load=load, of_dashpot=of_dashpot))
     return rows
+
+
+def aims(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the aims for what `measure` found."""
+    made = []
+    for (modes, accuracy), most in MOST.items():
+        load = max(row["load"] for row in rows if (row["modes"], row["accuracy"]) == (modes, accuracy))
+        aim = f"a roll on {modes:,} modes at {accuracy} at most {most:g} of a core"
+        made.append(dict(aim=aim, measured=load, met=load <= most))
+    return made

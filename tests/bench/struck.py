@@ -17,7 +17,7 @@ from tests.bench.ringing import BLOW, RATE, keep, ringing
 SCENE = (16_000, 64)
 """Objects, and modes of each."""
 STRIKES = 200.0  # per second
-CALLBACKS = 8_000
+CALLBACKS = 4_000
 RINGING = 0.99
 """Share of the modes that ring to the end at least: a blow stops few, where it meets them in antiphase."""
 

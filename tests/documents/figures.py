@@ -187,6 +187,7 @@ def speed() -> str:
         _struck(bench.get("struck", [])),
         _driven(bench.get("driven", [])),
         _rolled(bench.get("rolled", [])),
+        _lasting(bench.get("lasting", [])),
         _gestures(bench["gestures"]),
         _friction(bench.get("friction", []), bench.get("slides", [])),
         _starts(bench),
@@ -347,6 +348,14 @@ def _rolled(rows: list[dict[str, Any]]) -> str:
     ]
     head = ("modes", "surface", "accuracy", "load of one core", "over that on a dashpot")
     return f"## A body that rolls and feels the modes\n\n{table(head, lines)}"
+
+
+def _lasting(rows: list[dict[str, Any]]) -> str:
+    """Return the cost of many contacts that last; nothing where a bench has not measured it."""
+    if not rows:
+        return ""
+    lines = [(row["contacts"], f"`{row['accuracy']}`", f"{100 * row['load']:.3g} %") for row in rows]
+    return table(("at once", "accuracy", "load of one core"), lines)
 
 
 def _gestures(rows: list[dict[str, Any]]) -> str:
