@@ -22,7 +22,7 @@ from ..native.jit import kernel, simd_kernel
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
 from .simd import HALF, LANES, STRETCH, add_product, dot, put_product, put_projections
-from .simd_ring import ANSWERS, push, put_answers, ring_answering, ring_middle_once, ring_moved, ring_pushed
+from .simd_ring import ANSWERS, add_totals, push, put_answers, ring_answering, ring_middle_once, ring_moved, ring_pushed
 
 MOBILITY = 2 * FINE * LANES
 """First of the rows that `observe`, `receptance` and velocity.py need."""
@@ -178,12 +178,7 @@ def ring_driven(
             slope = dot(shape, at, stride, _four(driver.drift))
             push(pushes, phi, slope, modes.response, group, drive.feeds, driver.feed, drive.begin + frame)
         ring_pushed(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, first, pushes, totals)
-    for t in range(STRETCH):
-        for channel in range(2):
-            total = 0.0
-            for i in range(LANES):
-                total += totals[(2 * t + channel) * LANES + i]
-            out[channel, frame + t] += total
+    add_totals(out, frame, totals, 0, STRETCH)
 
 
 @simd_kernel
@@ -210,12 +205,7 @@ def ring_under(
             ring_answering(modes, first, work, moments, begin + start, frames, _LINE)
         else:
             ring_answering(modes, first, work, moments, begin + start, frames, _ALL)
-    for t in range(frames):
-        for channel in range(2):
-            total = 0.0
-            for i in range(LANES):
-                total += work[ANSWERS + (2 * t + channel) * LANES + i]
-            out[channel, start + t] += total
+    add_totals(out, start, work, ANSWERS, frames)
 
 
 @simd_kernel

@@ -108,6 +108,35 @@ def ring_pushed(
 
 
 @intrinsic
+def add_totals(
+    typingctx: object, out: View2D[float], start: int, totals: View[float], first: int, frames: int
+) -> Lowered[None]:
+    """Add sums over lanes to out[0] and out[1] from a frame on, of so many frames, a multiple of STRETCH: the lanes of
+    frame t and channel c lie from totals[first + (2 t + c) LANES] on."""
+
+    def codegen(context, builder, signature, args):
+        out, start, totals, first, frames = args
+        target = context.make_array(signature.args[0])(context, builder, out)
+        width = cgutils.unpack_tuple(builder, target.shape)[1]
+        half = ir.VectorType(ir.DoubleType(), STRETCH)
+        with cgutils.for_range_slice(builder, int64(0), frames, int64(STRETCH)) as (t, _):
+            begin = builder.add(first, builder.mul(t, int64(2 * LANES)))
+            places = [builder.add(begin, int64(n * LANES)) for n in range(2 * STRETCH)]
+            pointers = [pointer_to(context, builder, signature.args[2], totals, at) for at in places]
+            sums = sums_of(builder, [builder.load(each, align=8) for each in pointers])
+            for channel in range(2):
+                pick = ir.Constant(ir.VectorType(ir.IntType(32), STRETCH), list(range(channel, 2 * STRETCH, 2)))
+                at = builder.add(builder.add(start, t), builder.mul(width, int64(channel)))
+                place = builder.bitcast(builder.gep(target.data, [at]), half.as_pointer())
+                added = builder.shuffle_vector(sums, sums, pick)
+                total = builder.fadd(builder.load(place, align=8), added, flags=REASSOCIATE)
+                builder.store(total, place, align=8)
+        return context.get_dummy_value()
+
+    return types.void(out, types.intp, totals, types.intp, types.intp), codegen
+
+
+@intrinsic
 def put_answers(
     typingctx: object, work: View[float], phi: tuple[float, ...], table: View[float], row: int, a1: View[float],
     a2: View[float], first: int,
