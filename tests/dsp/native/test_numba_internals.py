@@ -3,10 +3,12 @@
 import ast
 import re
 from collections.abc import Iterator
-from ctypes import c_double
+from ctypes import c_double, c_int64
 from pathlib import Path
 
+import llvmlite.binding as llvm
 import numba
+import numpy as np
 import platformdirs
 import pytest
 
@@ -125,3 +127,22 @@ def test_the_numba_that_is_installed_has_all_that_is_taken(tmp_path, monkeypatch
         pytest.fail(f"numba {numba.__version__} has moved what numba_internals.py takes: {error!r}")
     assert len(units) == 3  # `apart` for each way to call it
     assert within(2.0) == 2.0 + 2.0 + 2.0 + 3.0  # as a function of its own
+
+
+TABLE = np.array([1.0, 2.0, 4.0])
+
+
+@c_function(c_double, c_int64)
+def value_of(n):
+    return TABLE[n]
+
+
+def test_an_index_counts_from_the_beginning(tmp_path, monkeypatch):
+    """Code that looks whether it is negative took a tenth of the time of contacts."""
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
+    from carom.dsp.native.translation import translate_units
+
+    found = []
+    translate_units([value_of], lambda unit: found.append(unit.source()), lambda: None)
+    code = str(llvm.parse_bitcode(found[0]))
+    assert "getelementptr" in code and "icmp slt" not in code
