@@ -136,50 +136,39 @@ class BodyMaker:
         density, mass, inertia, wall = (about.pop(key, None) for key in ("density", "mass", "inertia", "wall"))
         made_of = self._presets.material(str(material))
         wall = None if wall is None else _positive("wall", wall)
-        surfaced = kind == "mesh" and _has_faces(size)
-        if surfaced:
-            surfaced = bool(rings) and not preset
-            shape = self._surface(name, size, made_of if surfaced else None, wall)
+        alone = bool(rings) and not preset
+        if own and (kind not in _SOLID or held or wall is not None or not alone):
+            raise ValueError(f"surface = 1: expected a solid {' or '.join(_SOLID)} that is free, and rings by itself")
+        surfaced = own or (kind == "mesh" and _has_faces(size) and alone)
+        if kind == "mesh" and _has_faces(size):
+            shape = self._surface(name, size, made_of if alone else None, wall)
         else:
             shape = shape_of(kind, size, bool(held), wall)
-        if own and not surfaced:
-            if kind not in _SOLID or held or wall is not None or not rings or preset:
-                raise ValueError(
-                    f"surface = 1: expected a solid {' or '.join(_SOLID)} that is free, and rings by itself"
-                )
+        if own:
             numbers = tuple(float(each) for each in np.ravel(np.asarray(size, np.float64)))
-            shape, surfaced = (
-                replace(shape, ringing=Ringing(self._object(name, Block(kind, numbers), made_of, None), {})),
-                True,
-            )
-        if density is not None and mass is not None:
-            raise ValueError(f"density = {shown(density)}, mass = {shown(mass)}: expected one of the two")
-        density = made_of.density if density is None else _positive("density", density)
-        mass = density * shape.volume if mass is None else _positive("mass", mass)
-        if inertia is None:
-            moments = tuple(mass * each for each in shape.inertia)
-        else:
-            moments = tuple(_positive("inertia", each) for each in np.ravel(np.asarray(inertia, np.float64)))
-            if len(moments) != 3:
-                raise ValueError(f"inertia = {moments}: expected three moments, kg m^2")
-        sound, silence = None, ""
+            shape = replace(shape, ringing=Ringing(self._object(name, Block(kind, numbers), made_of, None), {}))
+        weight, moments = _weighed(shape, made_of, density, mass, inertia)
+        rest = *self._sounding(shape, str(material), bool(rings), str(preset), about), surfaced
+        return Body(name, shape, made_of, weight, moments, bool(held), *rest)
+
+    def _sounding(
+        self, shape: Shape, material: str, rings: bool, preset: str, about: dict[str, Argument]
+    ) -> tuple[dict[str, Argument], NewObject | None, str]:
+        """Return the keys of the object that rings as a body does, how it sounds, and why it does not."""
         keys: dict[str, Argument] = {**_CALIBRATED, **about}
         if preset:
-            sound = self._sound(str(preset), keys)
-        elif not rings:
-            silence = "rings = 0"
-        elif shape.ringing is None:
-            silence = "no object can be so large, or so small"
-        else:
-            keys = {**_CALIBRATED, **shape.ringing.keys, "material": material, **about}
-            try:
-                sound = self._sound(shape.ringing.preset, keys)
-            except ValueError as error:
-                if not isinstance(error.__context__, Silent):
-                    raise
-                silence = f"it is held, and {error}"  # what moves clicks all the same
-        rest = keys, sound, silence, surfaced
-        return Body(name, shape, made_of, mass, moments, bool(held), *rest)  # type: ignore[arg-type]
+            return keys, self._sound(preset, keys), ""
+        if not rings:
+            return keys, None, "rings = 0"
+        if shape.ringing is None:
+            return keys, None, "no object can be so large, or so small"
+        keys = {**_CALIBRATED, **shape.ringing.keys, "material": material, **about}
+        try:
+            return keys, self._sound(shape.ringing.preset, keys), ""
+        except ValueError as error:
+            if not isinstance(error.__context__, Silent):
+                raise
+            return keys, None, f"it is held, and {error}"  # what moves clicks all the same
 
     def _surface(self, name: str, size: Any, material: Material | None, wall: float | None) -> Shape:
         """Return the shape of a mesh, its vertices and faces in the axes of the body; with the object that rings as it
@@ -232,6 +221,21 @@ _SOLID = ("box", "cylinder")
 def _has_faces(size: Any) -> bool:
     """True if the size of a mesh is its vertices and its faces."""
     return isinstance(size, tuple | list) and len(size) == 2 and np.ndim(size[0]) == 2
+
+
+def _weighed(shape: Shape, material: Material, density: Any, mass: Any, inertia: Any) -> tuple[float, Vector]:
+    """Return a body's mass (kg) and its moments of inertia (kg m^2), as they are given or by its shape."""
+    if density is not None and mass is not None:
+        raise ValueError(f"density = {shown(density)}, mass = {shown(mass)}: expected one of the two")
+    density = material.density if density is None else _positive("density", density)
+    mass = density * shape.volume if mass is None else _positive("mass", mass)
+    if inertia is None:
+        x, y, z = shape.inertia
+        return mass, (mass * x, mass * y, mass * z)
+    moments = tuple(_positive("inertia", each) for each in np.ravel(np.asarray(inertia, np.float64)))
+    if len(moments) != 3:
+        raise ValueError(f"inertia = {moments}: expected three moments, kg m^2")
+    return mass, moments
 
 
 def _positive(name: str, value: Argument) -> float:
