@@ -21,6 +21,8 @@ from .transaction import Sent, Transaction, is_off_path
 
 _REST = "/object/NAME/rest"
 _LAW = ("stiffness", "dissipation", "exponent")
+_HARDEST = 1e9
+"""N per kg: a mass that is pressed harder moves too far in a sample for its energy to be kept."""
 
 
 def rest(to: ObjectCall) -> None:
@@ -76,6 +78,8 @@ def _lay(
     command = Command(NOW, "rest", gesture=gesture)
     load, numbers = _load(to, support, len(feet)), to.values.numbers
     mass = numbers.get("mass", _mass(to, support, load))
+    if load > _HARDEST * mass:
+        raise Refused(f"load = {load:g}, mass = {mass:g}: expected at most {_HARDEST:g} N per kg")
     values = {**_law(to, other, support), "mass": mass, "load": load, "gain": 1.0}
     resistance = numbers.get("resistance", support.resistance if support else 0.0)
     if other and resistance:

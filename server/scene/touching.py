@@ -29,6 +29,9 @@ def place_values(to: ObjectCall, by: PlayedObject | None) -> dict[str, float]:
         if "by_point" in to.values.vectors:
             shown = _shown(to.values.vectors["by_point"])
             raise Refused(f"by_point = {shown}: expected it beside an object that touches")
+        if "by_position" in to.values.numbers:
+            position = to.values.numbers["by_position"]
+            raise Refused(f"by_position = {position:g}: expected it beside an object that touches")
         return {**found, "by_position": 0.0}
     position, point, on_surface = _place(to, "by_position", "by_point", (_other(to), by))
     return {**found, "by_position": position, "by_on_surface": on_surface, **_named(BY_POINT, point)}

@@ -99,7 +99,7 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
         count, driven = _drivers(state, obj, frame, end)
         if obj.sensors > 0:
             _push_sensed(state, obj, count, driven, frame)
-        if count == 0:  # swarms between their blows
+        if count == 0:  # swarms between their blows, presses that have ended
             ring(modes_of(state, obj, 0, obj.live), voice, frame, end)
             frame = end
             continue
@@ -231,7 +231,7 @@ def _drivers(state: State, obj: Object, frame: int, end: int) -> tuple[int, int]
         point = contact.point[entry % 2]
         if contact.trait.swarms > 0:
             count = _list_swarm(state, obj, contact, count)
-        else:
+        elif contact.roll >= 0:  # else it was a press that has ended in this quantum
             _drive(state, obj, state.scratch.drivers[count], contact, entry % 2, frame, end)
             count += 1
         driven = point.modes

@@ -69,6 +69,8 @@ EXPECTED = "expected another object, felt, foam, finger, palm, table or none"
         (("cup",), f"what = cup: {EXPECTED}"),
         (("pane", "resistance", 5), "resistance = 5: expected none, as pane is an object"),
         (("felt", "load", 0), "load = 0: expected a number from 1e-06 to 100000 N"),
+        (("felt", "load", 1e5, "mass", 1e-7), "load = 100000, mass = 1e-07: expected at most 1e+09 N per kg"),
+        (("felt", "by_position", 0.5), "by_position = 0.5: expected it beside an object that touches"),
         (("felt", "striker", "steel"), "striker: no such key"),
         ((), "what is missing: expected /object/NAME/rest what [position] [key value ...]"),
         ((3,), "what = 3: expected a name"),

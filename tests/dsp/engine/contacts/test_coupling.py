@@ -191,6 +191,23 @@ def test_a_pressed_striker_rests_where_it_must_and_leaves_when_let_go():
     assert np.abs(np.diff(sound[:, 0])).max() > 10 * before  # heard
 
 
+def test_a_press_that_has_ended_has_no_force():
+    """Not that of the place behind the last one, where a roll on another object may be."""
+
+    def sound(elsewhere):
+        engine = Engine(RATE)
+        press(engine, engine.add(body(modal_mass=10.0), 0.05), (0.02, 1e7, 5.0, 1.5), 4.0)
+        engine.process(RATE // 2)
+        engine.send([stop(3)])
+        made = []
+        while engine.stats.contacts_active:
+            engine.state["feeds"][0][-1] = elsewhere
+            made.append(engine.process(QUANTUM))
+        return np.concatenate(made)
+
+    np.testing.assert_array_equal(sound(1.0), sound(0.0))
+
+
 def test_a_hand_damps():
     """A soft and lossy striker that is pressed on: what is struck then dies away sooner."""
 
