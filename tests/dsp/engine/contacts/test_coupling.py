@@ -192,7 +192,7 @@ def test_a_pressed_striker_rests_where_it_must_and_leaves_when_let_go():
 
 
 def test_a_press_that_has_ended_has_no_force():
-    """Not that of the place behind the last one, where a roll on another object may be."""
+    """The place behind the last one may be that of a roll on another object."""
 
     def sound(elsewhere):
         engine = Engine(RATE)
