@@ -60,7 +60,7 @@ class Reader:
             (self.folder / name).write_text(text)
 
     def toml(self, text: str) -> None:
-        (self.folder / "objects").mkdir()
+        (self.folder / "objects").mkdir(exist_ok=True)
         (self.folder / "objects" / "mine.toml").write_text(text)
 
     def recipe(self, text: str) -> None:

@@ -59,7 +59,7 @@ def test_what_is_no_note_is_refused(session):
         )
     assert "expected one of the two" in refused(session, "/object/new", "b", "tom", "note", 60, "pitch", 200)
     far = refused(session, "/object/new", "b", "glockenspiel-bar", "note", 0)
-    assert far.startswith("note: its lowest mode is at 2092") and "tune = " in far
+    assert far.startswith("note: its lowest mode is at 2093") and "tune = " in far
 
 
 def test_a_note_plays_a_copy_that_is_set_and_made_as_the_object_is(session):
