@@ -149,7 +149,8 @@ def _sleeps(dome: float) -> tuple[float, int]:
         for _ in range(900):
             engine.process(QUANTUM)
             now = whole(engine, handle)
-            most = max(most, now / before - 1)
+            if now > 0.0:
+                most = max(most, now / before - 1)
             turns += is_coupled(engine, handle) != awake
             before, awake = now, is_coupled(engine, handle)
     return most, turns
