@@ -30,7 +30,7 @@ class GestureId:
     running: list[tuple[str, Any]] = field(default_factory=list)
     """Address and source of the message for each gesture that was sent and whose end is not known, the oldest first."""
     under: str = ""
-    """Name of the object on which that lies which was laid down last; "" if it is none."""
+    """Name of the object under its last rest; "" if that lies on a support, or there is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class GestureIds:
         return self._last
 
     def lay_on(self, name: str, under: str) -> None:
-        """Remember on which object that lies which an id that was started stands for; "": on none."""
+        """Remember the object under the rest that an id names; "": it lies on a support."""
         self._known.names[name].under = under
 
     def take_back(self, id: GestureId) -> None:

@@ -138,7 +138,7 @@ def value_of(n):
 
 
 def test_an_index_counts_from_the_beginning(tmp_path, monkeypatch):
-    """Code that looks whether it is negative took a tenth of the time of contacts."""
+    """Code that looks whether it is negative took 8 % of the time of rolls."""
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
     from carom.dsp.native.translation import translate_units
 
