@@ -9,7 +9,7 @@ for grains of mass m and restitution e. Where k is out of bounds the impulse and
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -140,10 +140,26 @@ class Grains:
         self._state["sounds"][kind] = -1
         del self._kinds[name]
 
+    @property
+    def some(self) -> bool:
+        """True if there is a kind."""
+        return bool(self._kinds)
+
     def restart(self) -> None:
         """Forget what goes on."""
         self._running.clear()
         self._state["piled"], self._state["told_at"] = 0, math.nan
+
+    def poured(self) -> Callable[[], None]:
+        """Return what takes back all that is poured from now on up to the end of the step."""
+        state, time, piled = self._state, float(self._state["time"]), int(self._state["piled"])
+        heaps, until, grains = state["heaps"].copy(), state["until"].copy(), int(state["grains"])
+
+        def take_back() -> None:
+            if float(state["time"]) == time:
+                state["heaps"], state["until"], state["grains"], state["piled"] = heaps, until, grains, piled
+
+        return take_back
 
     def pour(self, name: str, on: int, count: float, place: float | None, **told: float | None) -> None:
         """Add to what is told next: so many blows of a kind that is a striker on a body, of the speed (m/s, rms), the

@@ -1,7 +1,8 @@
 """A simulation that is told over OSC: `/world/...`, message by message, and a step at a time."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 from ...presets import Presets
 from ..osc.addresses import VERBS, Call
@@ -15,6 +16,9 @@ from .requests import Request
 from .simulation import Simulation
 from .step import Pose, Touch
 from .telling import tell
+
+Undo: TypeAlias = Callable[[], object]
+"""Takes back what was told, as long as the step in which it was told has not ended."""
 
 
 class TellsWorld:
@@ -45,26 +49,31 @@ class TellsWorld:
     def place_microphones(self, places: Sequence[float]) -> None:
         """Place the microphones, before the first body: three numbers (m) for each channel."""
         channels = len(self._microphones)
-        if self._simulation is not None:
+        if self._simulation is not None and (self._simulation.bodies or self._simulation.grains.some):
             raise WorldError("microphones: expected before the first body")
         if len(places) != 3 * channels:
             raise WorldError(f"{len(places)} places: expected {3 * channels}, three for each of {channels} channels")
         self._microphones = [Microphone((x, y, z)) for x, y, z in zip(*[iter(places)] * 3, strict=True)]
+        self._simulation = None  # one whose bodies were taken back has the microphones of before
 
-    def pose(self, name: str, values: Sequence[float]) -> None:
+    def pose(self, name: str, values: Sequence[float]) -> Undo:
         """Keep a body's pose until the step ends."""
         if len(values) not in (3, 7, 10, 13):
             raise WorldError(f"body {name}: {len(values)} values: expected 3, 7, 10 or 13")
         self.of(name)
         parts = [tuple(values[first:last]) for first, last in ((0, 3), (3, 7), (7, 10), (10, 13))]
-        self._poses[name] = Pose(*(part for part in parts if part))
+        poses, before = self._poses, self._poses.get(name)
+        poses[name] = Pose(*(part for part in parts if part))
+        return lambda: poses.pop(name) if before is None else poses.update({name: before})
 
-    def touch(self, a: str, b: str, numbers: dict[str, float]) -> None:
+    def touch(self, a: str, b: str, numbers: dict[str, float]) -> Undo:
         """Keep a point of contact until the step ends."""
         self.of(a, b)
         point, normal = ([numbers[f"{sign}{axis}"] for axis in "xyz"] for sign in ("", "n"))
         told = {each.name: numbers.get(each.name, math.nan) for each in TOUCHED}
-        self._touches.append(Touch(a, b, point, normal, **told))
+        touches = self._touches
+        touches.append(Touch(a, b, point, normal, **told))
+        return touches.pop
 
     def grains(self, name: str, pattern: str, striker: str) -> float:
         """Make bodies whose names match a pattern grains, or a striker; the exponent of their contacts."""
@@ -74,11 +83,13 @@ class TellsWorld:
             numbers = [simulation.number(pattern)]  # which says that there is none
         return simulation.grains.declare(name, numbers, striker)
 
-    def pour(self, name: str, on: str, told: dict[str, float]) -> None:
+    def pour(self, name: str, on: str, told: dict[str, float]) -> Undo:
         """Add blows of grains on a body to what the next step tells."""
         keys = {key: told.get(key) for key in ("speed", "impulse", "energy")}
         simulation = self.of(on)
+        undo = simulation.grains.poured()
         simulation.grains.pour(name, simulation.number(on), told["count"], told.get("position"), **keys)
+        return undo
 
     def step(self, time: float) -> tuple[float, list[Request]]:
         """End a step: the time of the step before, and what is to be heard of what happened since."""

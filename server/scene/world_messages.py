@@ -46,6 +46,7 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
             carry_out(transaction, each.message, on_grid(begin + max(each.time - before, 0.0) * engine.rate))
 
     def end(transaction: Transaction, call: Call, values: Values) -> None:
+        transaction.tables = None  # as for a step
         for name in transaction.world.end():
             carry_out(transaction, Message(f"/object/{name}/free", (1,)), transaction.time)
 
@@ -53,14 +54,10 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
         BODY: body,
         "/world/pair": _pair,
         "/world/microphones": lambda transaction, call, values: transaction.world.place_microphones(values.many),
-        "/world/pose": lambda transaction, call, values: transaction.world.pose(values.words["name"], values.many),
-        "/world/touch": lambda transaction, call, values: transaction.world.touch(
-            values.words["a"], values.words["b"], values.numbers
-        ),
+        "/world/pose": _pose,
+        "/world/touch": _touch,
         "/world/grains": _grains,
-        "/world/pour": lambda transaction, call, values: transaction.world.pour(
-            values.words["name"], values.words["on"], values.numbers
-        ),
+        "/world/pour": _pour,
         "/world/step": step,
         "/world/end": end,
     }
@@ -69,6 +66,18 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
 def _pair(transaction: Transaction, call: Call, values: Values) -> None:
     a, b = values.words.pop("a"), values.words.pop("b")
     transaction.world.of(a, b).pair(a, b, **values.numbers, **values.words)
+
+
+def _pose(transaction: Transaction, call: Call, values: Values) -> None:
+    transaction.on_undo(transaction.world.pose(values.words["name"], values.many))
+
+
+def _touch(transaction: Transaction, call: Call, values: Values) -> None:
+    transaction.on_undo(transaction.world.touch(values.words["a"], values.words["b"], values.numbers))
+
+
+def _pour(transaction: Transaction, call: Call, values: Values) -> None:
+    transaction.on_undo(transaction.world.pour(values.words["name"], values.words["on"], values.numbers))
 
 
 def _grains(transaction: Transaction, call: Call, values: Values) -> None:

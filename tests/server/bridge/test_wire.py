@@ -12,7 +12,14 @@ from pythonosc.osc_message import OscMessage
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 import carom
+from carom.dsp.runtime.engine import NOW
+from carom.dsp.runtime.engine import Engine as SoundEngine
+from carom.presets import Presets
+from carom.server.osc.addresses import calls
 from carom.server.osc.oscquery import node
+from carom.server.osc.score import parse
+from carom.server.scene.session import Session
+from carom.server.scene.transaction import NotMade
 from tests.support import serving
 
 WORLD = """
@@ -84,6 +91,33 @@ def test_what_cannot_be_said_of_grains_is_refused(render_text, line, reason):
     with pytest.raises(Exception) as refused:
         render_text(POURED + "0.1 " + line, seconds=0.2)
     assert reason in str(refused.value)
+
+
+TOLD = """
+/world/microphones 0 0 0.1 0 0 0.2
+/world/body bowl plate ceramic 0.2 0.2 0.004 held 1 most_modes 32
+/world/body ball sphere glass 0.02 most_modes 8
+/world/grains seeds striker rice
+/world/pour seeds bowl 3 speed 1
+/world/pose ball 0 0 0.02
+/world/touch bowl ball 0 0 0.002 0 0 1 approach 0.5
+"""
+
+
+def test_what_is_put_off_for_a_table_of_pulses_is_told_once():
+    session = Session(SoundEngine(48_000), Presets())
+    lines = f"{TOLD}/object/bowl/shake 5 exponent 2.3".strip().splitlines()
+    messages = [line.message for line in parse("".join(f"0 {line}\n" for line in lines).encode(), "told")]
+    asked = [call for message in messages for call in calls(message)]
+    with pytest.raises(NotMade, match=r"2\.3"):
+        session.perform_calls(asked, NOW, tables={1.5})
+    told = session._told_world()
+    assert told._touches == [] and told._poses == {} and not told.simulation.bodies and not told.simulation.grains.some
+    assert [reply.address for reply in session.perform_calls(asked, NOW, tables={1.5, 2.3})] == ["/done"] * 2
+    assert told.simulation.hearing.microphones[1].position == (0.0, 0.0, 0.2)
+    assert len(told._touches) == 1 and set(told._poses) == {"ball"}
+    heaps, piled = (told.simulation.state[name][0] for name in ("heaps", "piled"))
+    assert piled == 1 and heaps[0]["count"] == 3.0
 
 
 def test_oscquery_has_the_addresses():
