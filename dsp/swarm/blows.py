@@ -15,6 +15,9 @@ them, two: no draw is thrown away.
 An object yields to a pulse by the modes that are not faster than it. With mobility M(s) = sum phi^2/(1 + (0.83 omega
 s)^3), where s is the pulse's rms width, the grain's mass is as if it were m/(1 + m M). The factor on phi^2 is above the
 pulse's |P|^2 at any frequency, so that the modes of an object at rest take at most m v^2/2.
+
+Many blows move a mode together while it goes one way, for 1/omega: r blows a second of mass m are r m/omega then, and
+the momentum of each is less by 1/(1 + STREAM r m sum phi^2/omega), too.
 """
 
 import math
@@ -29,6 +32,8 @@ from .times import MAGNITUDE, OTHER, PLACE, VARIETY, unit
 
 ROLL_OFF = 0.83
 """The roll-off of a pulse's power: |P|^2 <= 1/(1 + (0.83 omega s)^3) for drops, and 1.0 for contacts of w up to 3."""
+STREAM = 2.0
+"""Factor on a stream's share: one mode under a force that begins at once asks for 1.3 or more."""
 NARROWEST = -22.0
 """Octaves of a second: the least width for which mobilities are kept; the others follow octave by octave."""
 

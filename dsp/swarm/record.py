@@ -137,6 +137,7 @@ class Swarm(Record):
     busy: Annotated[View[int], PLACES]  # samples of the grids that hold something
     sounds: Annotated[View[int], PLACES]  # 1: there is a force at the place in this quantum
     mobility: Annotated[View2D[float], PLACES, WIDTHS]  # 1/kg: sum of phi^2 of the modes that a pulse of a width moves
+    slow: Annotated[View[float], PLACES]  # s/kg: sum of phi^2/omega, by which a stream of blows moves a place
     m: float  # kg: of the usual grain
     k: float
     light: float  # ln of m/k
@@ -173,6 +174,7 @@ class Blows(Record):
     number: Annotated[View[int], BATCH]  # for random numbers
     gap: Annotated[View[float], BATCH]  # in the integral of the rate
     time: Annotated[View[float], BATCH]  # s from the swarm's beginning
+    rate: Annotated[View[float], BATCH]  # 1/s: of blows then
     place: Annotated[View[int], BATCH]
     v: Annotated[View[float], BATCH]  # m/s
     mass: Annotated[View[float], BATCH]  # kg

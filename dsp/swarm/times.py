@@ -148,5 +148,5 @@ def _take_blow(swarm: Swarm, blows: Blows, until: float) -> bool:
         swarm.excited = swarm.excited * left + knot.excitation / knot.memory
     swarm.time, swarm.reached, swarm.memory = time, reached, knot.memory
     swarm.index += 1
-    blows.time[n] = time
+    blows.time[n], blows.rate[n] = time, knot.rate + knot.slope * (time - knot.time) + swarm.excited
     return True

@@ -143,7 +143,7 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
     if by and gesture.swarms:
         raise Refused(f"by = {to.values.words['by']}: many small ones hit {to.name}; expected a striker")
     law = law_of(to, by)
-    require_short(_FASTEST.get(gesture.name, _velocity)(values), law)
+    require_short(_FASTEST.get(gesture.name, _velocity)(values) or _APPROACH, law)
     is_named = not gesture.single or "id" in values.words
     number = to.start(to.id(to.transaction.gestures.made_for)) if is_named else 0
     motion = {**_own_values(to, gesture), argument: values.number(argument)}

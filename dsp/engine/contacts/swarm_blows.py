@@ -10,7 +10,7 @@ import numpy as np
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.elementary import exp, log
 from ...schema import DROPS
-from ...swarm.blows import draw_blows, known_of, pulse_of, yielding
+from ...swarm.blows import STREAM, draw_blows, known_of, pulse_of, yielding
 from ...swarm.grid import HALF, LEAST, lay_pulse
 from ...swarm.pieces import BOUNCES, bounce_piece, number_of, piece_beside, size_of
 from ...swarm.record import BACK, BATCH, OCTAVES, SIZES, Blows, Swarm
@@ -60,7 +60,7 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
             loss, width = pulse_of(swarm, table, light, v)
             blows.time[n], blows.number[n], blows.v[n], blows.mass[n] = swarm.next_of[p], number, v, mass
             blows.place[n] = int(uniform(swarm, number, PLACE) * swarm.places)
-            blows.loss[n], blows.width[n] = loss, width
+            blows.loss[n], blows.width[n], blows.rate[n] = loss, width, 0.0
             blows.count += 1
             if blows.count == BATCH:
                 _lay_blows(state, contact, swarm, blows)
@@ -106,6 +106,7 @@ def _weigh_blow(state: State, contact: Contact, swarm: Swarm, blows: Blows, n: i
     ratio, width, asked = 1.0, blows.width[n], 0.0
     if swarm.places > 0:
         ratio, width, asked = yielding(swarm, blows.place[n], mass, width)
+        ratio = ratio / (1.0 + ratio * STREAM * blows.rate[n] * mass * swarm.slow[blows.place[n]])
     width += swarm.log_rate
     blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
     swarm.energy += 0.5 * mass * v * v

@@ -264,13 +264,14 @@ def _spread_out(state: State, swarm: Swarm, contact: Contact, obj: Object) -> No
     for p in range(swarm.places):
         swarm.position[p] = begin + swarm.spread * (p + 0.5) / swarm.places
         put(state, obj, contact, swarm.position[p])
-        _find_mobility(state, obj, contact.point[0], swarm.mobility[p])
+        swarm.slow[p] = _find_mobility(state, obj, contact.point[0], swarm.mobility[p])
 
 
 @kernel
-def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: View[float]) -> None:
-    """Find the mobility of a point for pulses of all widths, by half octaves of the modes, each as its lowest."""
-    bands = state.scratch.power
+def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: View[float]) -> float:
+    """Find the mobility of a point for pulses of all widths, by half octaves of the modes, each as its lowest; return
+    the sum of phi^2/omega (s/kg)."""
+    bands, slow = state.scratch.power, 0.0
     for n in range(BANDS):
         bands[n] = 0.0
     for i in range(obj.size):
@@ -280,12 +281,14 @@ def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: Vie
         if frequency > 0.0:
             phi = shape_at(state, obj, point, i)
             bands[min(max(int(2.0 * math.log2(frequency / _LOWEST)), 0), BANDS - 1)] += phi * phi
+            slow += phi * phi / (2.0 * math.pi * frequency)
     for n in range(WIDTHS):
         width = 2.0 ** (NARROWEST + n)
         mobility[n] = 0.0
         for band in range(BANDS):
             turns = 2.0 * math.pi * _LOWEST * 2.0 ** (0.5 * band) * ROLL_OFF * width if band > 0 else 0.0
             mobility[n] += bands[band] / (1.0 + turns * turns * turns)
+    return slow
 
 
 @kernel

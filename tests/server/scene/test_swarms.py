@@ -49,3 +49,12 @@ def test_cracks_and_pieces_of_an_object_need_their_table_both(played):
     say(played, "/gesture/pieces/stop")
     seconds(played, 0.1)
     assert played.perform(shakes([2.9]), NOW) == []
+
+
+@pytest.mark.parametrize("begun", [("shake", 500.0, "speed", 0.0), ("pour", 500.0, "height", 0.0)])
+def test_grains_that_do_not_move_are_silent_until_they_are_told_to(played, begun):
+    """Grains at rest were a fault of ours, a division by zero."""
+    assert say(played, f"/object/pane/{begun[0]}", *begun[1:], "striker", "rice", "id", "grains") == []
+    assert abs(played.engine.process(4800)).max() < 1e-9
+    assert say(played, f"/gesture/grains/{begun[2]}", 0.5) == []
+    assert abs(played.engine.process(4800)).max() > 1e-6

@@ -139,6 +139,19 @@ def test_modes_get_no_more_energy_than_the_blows_bring(kind, keys, modal_mass):
         assert energy_of(engine) > 0.005 * brought
 
 
+@pytest.mark.parametrize(
+    ("kind", "keys"),
+    [
+        ("shake", {**SHAKE, "rate": 1e6}), ("crumple", {**CRUMPLE, "speed": 100.0, "density": 1e4, "excitation": 0.9}),
+        ("step", {**STEP, "crackles": 400.0}),
+    ],
+)  # fmt: skip
+def test_a_dense_stream_of_heavy_grains_brings_no_more_energy_than_they_have(kind, keys):
+    """Some hundred kilograms a second, before which a plate of half a kilogram moves as a whole: ten times as much."""
+    _, engine = swarmed(kind, keys, seconds=0.02, modes=plate(t60=100.0), law=(1e-3, *GRAIN[1:]))
+    assert 1e-3 * drawn(engine)[3] < energy_of(engine) < drawn(engine)[3]
+
+
 @pytest.mark.parametrize(("modal_mass", "rate"), [(0.1, 22_050.0), (0.1, 192_000.0), (10.0, 44_100.0)])
 def test_blows_that_last_longer_than_the_grid_bring_no_more_energy(modal_mass, rate):
     """Soft grains of 4 g, each of whose blows lasts a tenth of a second: the modes from 150 Hz on hardly hear them."""
