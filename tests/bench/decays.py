@@ -6,7 +6,8 @@ spectrum and what is around it, a sixth of an octave wide, so that the crowded p
 out are partials that fall by less than 8 dB before the recording ends, and those that the preset has no partial near.
 
 Recordings of one kind differ, too: the share of their partials that agree with each other, each note's moved to the
-other's pitch, is what a preset of that kind can hope for.
+other's pitch, is what a preset of that kind can hope for. A preset is as near as they are where its share is no less
+than theirs by more than the standard error of the difference. The last line weighs families by the preset's partials.
 """
 
 import argparse
@@ -44,6 +45,8 @@ MORE: tuple[Pair, ...] = (
     ("Ride2", "cymbal", {"radius": 0.25, "thickness": 0.0013}),
 )
 """Recordings beside those of `PAIRS`: notes within half an octave of the preset, as `tune` leaves the T60 as it is."""
+
+HEADS = "preset", "partials", "within 25 %", "T60, median of ours over real", "real to real", "as near"
 
 Decays = list[tuple[float, float]]
 """Frequencies (Hz) of partials and their T60 (s)."""
@@ -168,6 +171,16 @@ def share(rows: list[tuple[float, float, float]]) -> float:
     return 100 * float(np.mean([abs(ours / real - 1) <= SAME for _, real, ours in rows]))
 
 
+def as_near(rows: list[tuple[float, float, float]], others: list[tuple[float, float, float]]) -> bool:
+    """Return whether a preset agrees with recordings as well as these do with each other, but for chance.
+
+    others: both ways round, so that half of them count.
+    """
+    ours, theirs = share(rows) / 100, share(others) / 100
+    error = np.sqrt(ours * (1 - ours) / len(rows) + theirs * (1 - theirs) / (len(others) / 2))
+    return bool(ours >= theirs - error)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rows", action="store_true", help="print all partials")
@@ -175,9 +188,8 @@ def main() -> None:
     if not SOUNDFONT.exists():
         print(f"nothing to compare with: {SOUNDFONT} is not there (Debian: apt install fluid-soundfont-gm)")
         return
-    everything, alike = [], []
-    heads = "preset", "partials", "within 25 %", "T60, median of ours over real", "real to real"
-    print("{:20} {:>8} {:>12} {:>30} {:>13}".format(*heads))
+    everything, alike, comparable = [], [], []
+    print("{:20} {:>8} {:>12} {:>30} {:>13} {:>8}".format(*HEADS))
     for preset, group in groupby(measured(SoundFont(SOUNDFONT)), lambda each: each.preset):
         recordings = list(group)
         found = [(each.name, beside(each.real, each.ours)) for each in recordings]
@@ -186,11 +198,27 @@ def main() -> None:
             print(f"  {name:18} {at:8.0f} Hz {t60:7.2f} s {ours:7.2f} s {ours / t60:6.2f}")
         others = among(recordings)
         if rows:
+            near = ("yes" if as_near(rows, others) else "no") if others else ""
             ratio = float(np.median([ours / real for _, real, ours in rows]))
-            print(f"{preset:20} {len(rows):8} {share(rows):10.0f} % {ratio:30.2f} {_percent(others):>13}")
+            print(f"{preset:20} {len(rows):8} {share(rows):10.0f} % {ratio:30.2f} {_percent(others):>13} {near:>8}")
+        if rows and others:
+            comparable.append((len(rows), share(rows), share(others), as_near(rows, others)))
         everything += rows
         alike += others
     print(f"{'all':20} {len(everything):8} {share(everything):10.0f} % {'':30} {_percent(alike):>13}")
+    print(summary(comparable))
+
+
+def summary(families: list[tuple[int, float, float, bool]]) -> str:
+    """Return what is to be said of families: partials, share (%) beside recordings and of these among themselves, and
+    whether the first is as near."""
+    counts, ours, theirs, near = zip(*families, strict=True)
+    means = [float(np.average(each, weights=counts)) for each in (ours, theirs)]
+    spread = f"{min(theirs):.0f} to {max(theirs):.0f} % by family"
+    return (
+        f"as near as recordings are to each other: {sum(near)} of {len(near)} families; "
+        f"ours {means[0]:.0f} %, theirs {means[1]:.0f} % ({spread})"
+    )
 
 
 def _percent(rows: list[tuple[float, float, float]]) -> str:

@@ -88,11 +88,11 @@ def measured(pair: Pair, real: Recording, right: Recording | None = None) -> Mea
     return Measures(name, preset, *bright, float(np.log2(bright[1] / bright[0])), slope, gap, len(centers), channels)
 
 
-def strike(preset: str, changes: dict[str, float], seconds: float = SECONDS) -> Recording:
-    """Return the default strike of a preset, some seconds of it, from the left, without a limiter."""
+def strike(preset: str, changes: dict[str, float], seconds: float = SECONDS, **keys: float | str) -> Recording:
+    """Return a preset's strike, its default but for some keys, some seconds of it, from the left, without a limiter."""
     with carom.Scene(RATE, limiter=False) as scene:
         body = scene.new("a", preset, stereo_width=0, **changes)
-        body.impact(carom.Presets().object(preset).velocity, at=0.0)
+        body.impact(carom.Presets().object(preset).velocity, at=0.0, **keys)
         return Recording(preset, scene.render(seconds).samples[:, 0].astype(float), RATE)
 
 

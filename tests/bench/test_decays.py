@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from .decays import Measured, among, beside, decay, decays, share
+from .decays import Measured, among, as_near, beside, decay, decays, share, summary
 from .soundfont import Recording
 
 RATE = 32_000
@@ -47,3 +47,20 @@ def test_recordings_of_one_kind_are_compared_at_one_pitch():
     high = Measured("", "", 12.0, [(200.0, 1.1), (3000.0, 1.0)], [])
     assert among([low, high]) == [(100.0, 1.0, 1.1), (200.0, 1.1, 1.0)]
     assert among([low]) == []
+
+
+def agreeing(count: int, of: int) -> list[tuple[float, float, float]]:
+    """Return partials of which some agree."""
+    return [(100.0, 1.0, 1.0)] * count + [(100.0, 1.0, 2.0)] * (of - count)
+
+
+def test_a_family_is_as_near_as_its_recordings_are_but_for_chance():
+    assert as_near(agreeing(12, 30), agreeing(20, 60))
+    assert as_near(agreeing(12, 30), agreeing(28, 60))  # 40 % beside 47 %: by chance
+    assert not as_near(agreeing(6, 30), agreeing(28, 60))
+    assert not as_near(agreeing(400, 1000), agreeing(940, 2000))
+
+
+def test_families_weigh_by_their_partials():
+    said = summary([(30, 40.0, 30.0, True), (10, 20.0, 50.0, False)])
+    assert said.endswith("1 of 2 families; ours 35 %, theirs 35 % (30 to 50 % by family)")
