@@ -16,8 +16,8 @@ An object yields to a pulse by the modes that are not faster than it. With mobil
 s)^3), where s is the pulse's rms width, the grain's mass is as if it were m/(1 + m M). The factor on phi^2 is above the
 pulse's |P|^2 at any frequency, so that the modes of an object at rest take at most m v^2/2.
 
-Many blows move a mode together while it goes one way, for 1/omega: r blows a second of mass m are r m/omega then, and
-the momentum of each is less by 1/(1 + STREAM r m sum phi^2/omega), too.
+Many blows move a mode together while it goes one way, for 1/omega: r blows a second of the mean mass m are r m/omega
+then, and the momentum of each is less by 1/(1 + STREAM r m sum phi^2/omega), too.
 """
 
 import math
@@ -179,6 +179,25 @@ def _draw_drop(scale: float, u: float, other: float, chosen: float) -> float:
     less = (1.0 - _NEARLY) * (1.0 + _SLOWED * scale)
     beyond = scale / (1.0 + _SLOWED * scale) * log(other) if chosen * (more + less) < more else 0.0
     return min(SMALLEST_DROP - scale * log(u) - beyond, _LARGEST_DROP)
+
+
+@kernel
+def mean_mass(swarm: Swarm) -> float:
+    """Return the mean mass (kg) of a swarm's blows, with the drops' that break up."""
+    if swarm.law == DROPS:
+        scale = swarm.knots[0].scale
+        slower = scale / (1.0 + _SLOWED * scale)
+        less = _NEARLY * slower / scale
+        return _WATER * (_mean_cube(scale) - less * _mean_cube(slower)) / (1.0 - less)
+    v = 3.0 * swarm.knots[0].variety
+    return swarm.m * math.sinh(v) / v if v > 0.0 else swarm.m
+
+
+@kernel
+def _mean_cube(scale: float) -> float:
+    """Return the mean of (SMALLEST_DROP + x)^3 for an exponential x of a mean."""
+    d = SMALLEST_DROP
+    return d * d * d + 3.0 * scale * (d * d + 2.0 * scale * (d + scale))
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Sounds of many small blows, drawn, told in figures and judged: rain, gravel, a can, glass, dice, rice.
+"""Sounds of many small blows, drawn, told in figures and judged: rain, gravel, a can, glass, a pane, dice, rice.
 
     python -m tests.bench.grains [FOLDER] [--recordings ROOT]
 
@@ -6,11 +6,12 @@ writes a sound (WAV, in pascals over 4) and a spectrogram (PNG) of each (to buil
 keeps the figures, the means over SEEDS, in tests/measured/grains.json, from where they come into tests/swarms.md: the
 level in dB SPL at 1 m, the slope of third octaves from 500 Hz to 16 kHz in dB an octave, the kurtosis of the sound, and
 the onsets a second: rises by 6 dB within 2 ms over the last 20 ms. All but the levels are told of recordings, too,
-where Debian's minetest-data and gnubg-data are installed, or unpacked in ROOT; else those are kept that there were.
+where the packages of RECORDINGS are installed, or unpacked in ROOT; else those are kept that there were.
 """
 
 import argparse
 import json
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,8 @@ from scipy.signal import resample_poly
 
 import carom
 
+from .soundfont import SoundFont
+
 RATE, SECONDS = 48_000, 2.0
 SEEDS = 1, 2, 3
 SCORES = {
@@ -29,29 +32,38 @@ SCORES = {
     "gravel": "0 /object/new a gravel-path\n0 /object/a/step 700 seed {}",
     "can": "0 /object/new a drinks-can\n0 /object/a/crumple 0.2 id c seed {}\n1.5 /gesture/c/stop",
     "glass": "0 /object/new a wine-glass\n0 /object/new b ceramic-tile\n0 /object/a/shatter 2 onto b seed {}",
+    "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 seed {}",
     "dice": "0 /object/new a plastic-cup\n0 /object/a/shake 40 speed 0.5 seed {}",
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {}\n0 /object/a/decay 0.03 over 1.5",
 }
 JUDGED = {
-    "rain": "large drops over an even noise, greatest from 0.5 to 3 kHz, without lines: a sheet that is damped",
+    "rain": "large drops over an even noise, greatest from 0.5 to 3 kHz, without lines: a sheet that is damped; the "
+    "recording, which does not say on what it rains, is greatest from 3 to 5 kHz",
     "gravel": "crackles that crowd at the heel and the ball of the foot, from 1 to 8 kHz, without lines, as recorded",
     "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 3 kHz",
-    "glass": "a burst of all frequencies, then showers of short tones of many pitches, as recorded; without the thud "
-    "below 500 Hz that recordings have",
+    "glass": "a burst of all frequencies, then showers of short tones of many pitches, most above 3 kHz",
+    "pane": "the same, lower, from 1 kHz on, as recorded; without the part below 500 Hz that recordings have",
     "dice": "bursts of blows from 0.5 to 10 kHz with pauses between, as recorded; the cup rings on at 1 kHz for 50 ms",
-    "rice": "the bowl's lines at first, which drown in noise as rice covers it; brighter than what else is here",
+    "rice": "the bowl's lines at first, which drown in noise as rice covers it; less bright than shakers are",
 }
 """A sentence on each spectrogram, as it was looked at."""
 _MINETEST = "usr/share/games/minetest/games/minetest_game/mods/default/sounds/default_"
+_FLUID = "usr/share/sounds/sf2/FluidR3_"
 RECORDINGS = {
-    "gravel": _MINETEST + "gravel_footstep.*.ogg",
-    "glass": _MINETEST + "break_glass.*.ogg",
-    "dice": "usr/share/gnubg/sounds/roll.wav",
+    "rain": (_FLUID + "GS.sf2/SeattleRain...(L)", _FLUID + "GS.sf2/SeattleRain...(R)"),
+    "gravel": (_MINETEST + "gravel_footstep.*.ogg",),
+    "pane": (_MINETEST + "break_glass.*.ogg",),
+    "dice": ("usr/share/gnubg/sounds/roll.wav",),
+    "rice": (_FLUID + "GM.sf2/Maracas(L)", _FLUID + "GM.sf2/Small Shaker (L)", _FLUID + "GM.sf2/Cabasa(L)"),
 }
-"""Files of Debian's minetest-data (steps on gravel, panes that break) and gnubg-data (dice that are rolled)."""
-TOPS = {"dice": 8_000.0}
+"""Files, or samples of SoundFonts, of Debian's packages: minetest-data (CC BY-SA 3.0: steps on gravel, panes that
+break), gnubg-data (GPL 3: dice that are rolled), fluid-soundfont-gs and -gm (MIT: rain on what is not said; a maraca, a
+shaker and a cabasa, whose small grains hit a thin shell)."""
+TOPS = {"rain": 8_000.0, "dice": 8_000.0}
 """Hz: up to where the slope is told, where a recording ends sooner."""
 COMPARED = "slope_db_per_octave", "kurtosis", "onsets_per_second", "centroid_hz"
+KIN = {"rice": ("slope_db_per_octave", "centroid_hz")}
+"""Figures that are told of recordings of other things of the kind: a single stroke of a shaker has no rate."""
 MEASURED = Path(__file__).parents[1] / "measured" / "grains.json"
 _LOW, _HIGH = 500.0, 16_000.0  # Hz
 _FRAME = 96  # 2 ms, of which the loudness is looked at for onsets
@@ -109,14 +121,25 @@ def mean(each: list[dict[str, float]]) -> dict[str, float]:
 def recorded(root: Path) -> dict[str, dict[str, float]]:
     """Return the figures of recordings that there are below a folder."""
     found = {}
-    for name, pattern in RECORDINGS.items():
-        told = []
-        for path in sorted(root.glob(pattern)):
-            sound, rate = soundfile.read(path, always_2d=True)
-            told.append(figures(resample_poly(sound.mean(axis=1), RATE, rate), TOPS.get(name, _HIGH)))
-        if told:
-            found[name] = {key: value for key, value in mean(told).items() if key in COMPARED}
+    for name, patterns in RECORDINGS.items():
+        sounds = [sound for pattern in patterns for sound in _sounds(root, pattern)]
+        if sounds:
+            told = mean([figures(sound, TOPS.get(name, _HIGH)) for sound in sounds])
+            found[name] = {key: told[key] for key in KIN.get(name, COMPARED)}
     return found
+
+
+def _sounds(root: Path, pattern: str) -> Iterator[NDArray[np.float64]]:
+    """Yield the recordings of a pattern below a folder, or a SoundFont's sample of that name."""
+    font, found, sample = pattern.partition(".sf2/")
+    if found:
+        if (path := root / f"{font}.sf2").exists():
+            its = SoundFont(path).recording(sample)
+            yield resample_poly(its.samples, RATE, its.rate)
+        return
+    for path in sorted(root.glob(pattern)):
+        sound, rate = soundfile.read(path, always_2d=True)
+        yield resample_poly(sound.mean(axis=1), RATE, rate)
 
 
 def main(folder: Path, root: Path) -> dict[str, Any]:
@@ -134,7 +157,8 @@ def main(folder: Path, root: Path) -> dict[str, Any]:
                 found.save(folder / f"{name}.wav")
                 drawn[name] = sound
         told[name] = mean(each)
-    kept = {"rendered": told, "recorded": before | recorded(root)}
+    known = {name: its for name, its in (before | recorded(root)).items() if name in RECORDINGS}
+    kept = {"rendered": told, "recorded": known}
     MEASURED.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
     draw(drawn, folder)
     return kept

@@ -147,7 +147,7 @@ def swarms() -> str:
         cells = [f"{told[key]:.0f}" for key in ("level_db_spl", "peak_db_spl")]
         for key in grains.COMPARED:
             digits = 1 if key == "slope_db_per_octave" else 0
-            cells.append(f"{told[key]:.{digits}f}" + (f" ({beside[key]:.{digits}f})" if beside else ""))
+            cells.append(f"{told[key]:.{digits}f}" + (f" ({beside[key]:.{digits}f})" if key in beside else ""))
         rows.append((name, *cells))
     lines = [f"- {name.capitalize()}: {text}." for name, text in grains.JUDGED.items()]
     judged = "\n".join(textwrap.fill(line, 118, subsequent_indent="  ") for line in lines)

@@ -189,12 +189,26 @@ static void note(carom *scene, const call *told, const object *of) {
 
 /* --- messages --- */
 
+/* True if one of the gestures of an id has what a message steers. */
+static int has_steered(const carom *scene, const call *told) {
+    for (int n = 0; n < scene->gesture_count; n++) {
+        const running *each = &scene->gestures[n];
+        if (strcmp(each->id, told->target)) continue;
+        const value *steerable = item(item(part(scene, "gestures"), each->action), "steerable");
+        for (const value *name = steerable->first; name; name = name->next)
+            if (!strcmp(name->text, told->action)) return 1;
+    }
+    return 0;
+}
+
 static void steer(carom *scene, const call *told) {
     command made;
     collect(scene);
     const running *found = running_by(scene, told->target);
     if (!found) refuse(scene, "%.80s: no such gesture is running", told->target);
     int stops = !strcmp(told->action, "stop");
+    if (!stops && !has_steered(scene, told))
+        refuse(scene, "%.80s: what goes on (%s) has no %s", told->target, found->action, told->action);
     begin(scene, &made, told, stops ? "STOP" : "STEER");
     set(scene, &made, "gesture", (double)found->number);
     if (stops) {

@@ -10,7 +10,7 @@ import numpy as np
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.elementary import exp, log
 from ...schema import DROPS
-from ...swarm.blows import STREAM, draw_blows, known_of, pulse_of, yielding
+from ...swarm.blows import STREAM, draw_blows, known_of, mean_mass, pulse_of, yielding
 from ...swarm.grid import HALF, LEAST, lay_pulse
 from ...swarm.pieces import BOUNCES, bounce_piece, number_of, piece_beside, size_of
 from ...swarm.record import BACK, BATCH, OCTAVES, SIZES, Blows, Swarm
@@ -76,9 +76,9 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
 @noinline_kernel
 def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> None:
     """Lay blows onto the grids, or make them contacts of their own."""
-    rate, sizes = state.rate, swarm.sized == 1
+    rate, sizes, stream = state.rate, swarm.sized == 1, STREAM * mean_mass(swarm)
     for n in range(blows.count):
-        _weigh_blow(state, contact, swarm, blows, n)
+        _weigh_blow(state, contact, swarm, blows, n, stream)
     origin = contact.origin - state.position + swarm.lead + _EARLY
     for n in range(BATCH):
         blows.at[n] = origin + blows.time[n] * rate + blows.at[n] * exp(blows.width[n])
@@ -99,14 +99,14 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
 
 
 @kernel
-def _weigh_blow(state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int) -> None:
+def _weigh_blow(state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, stream: float) -> None:
     """Find a blow's momentum, its width (ln of samples) and its middle (in that) by how its place yields; the momentum
-    is 0 where it becomes a contact of its own."""
+    is 0 where it becomes a contact of its own. stream: kg, the mean mass as the stream's share has it."""
     table, mass, v, loss = state.pulses.tables[swarm.table], blows.mass[n], blows.v[n], blows.loss[n]
     ratio, width, asked = 1.0, blows.width[n], 0.0
     if swarm.places > 0:
         ratio, width, asked = yielding(swarm, blows.place[n], mass, width)
-        ratio = ratio / (1.0 + ratio * STREAM * blows.rate[n] * mass * swarm.slow[blows.place[n]])
+        ratio = ratio / (1.0 + ratio * stream * blows.rate[n] * swarm.slow[blows.place[n]])
     width += swarm.log_rate
     blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
     swarm.energy += 0.5 * mass * v * v

@@ -152,11 +152,14 @@ def main(folder: Path, seed: int) -> None:
         if len(asked) == MESSAGES:
             break
         first = sent.sent
-        if any(reply.address == "/fail" for reply in session.perform([message], -1.0)):
+        replies = session.perform([message], -1.0)
+        if any(reply.address == "/fail" for reply in replies):
             continue
         if sent.sent == first:  # what steers a gesture of the score that has ended
             continue
         entries = sent.ring.entries[first % RING : sent.sent % RING or RING]
+        if any("so nothing changes" in str(reply.args) for reply in replies):  # an export refuses it
+            entries = entries[:0]
         asked.append({"message": [message.address, *message.args], "commands": [_said(entry) for entry in entries]})
     (folder / "asked.json").write_text(json.dumps(asked))
 

@@ -111,7 +111,10 @@ def test_messages_become_the_commands_of_a_session(page: Any, folder: Path) -> N
     found = page.evaluate(ASK, asked)
     wrong = []
     for each, commands in zip(asked, found, strict=True):
-        if isinstance(commands, str) or len(commands) != len(each["commands"]):
+        if isinstance(commands, str):  # it is refused
+            wrong += [(each["message"], commands)] if each["commands"] else []
+            continue
+        if len(commands) != len(each["commands"]):
             wrong.append((each["message"], commands))
             continue
         for wanted, got in zip(each["commands"], commands, strict=True):

@@ -9,7 +9,7 @@ from scipy.stats import kstest, weibull_min
 
 from carom.dsp.native.typed import dtype_of
 from carom.dsp.schema import DROPS, ENERGIES, SPEEDS
-from carom.dsp.swarm.blows import draw_blows
+from carom.dsp.swarm.blows import draw_blows, mean_mass
 from carom.dsp.swarm.record import FORMS, SWARM, Blows, PulseTable
 from carom.dsp.swarm.times import add_knot, drop_knots, seed_swarm, take_blows
 
@@ -130,7 +130,9 @@ def test_the_exponent_of_energies_is_found_again(b):
 
 
 def test_grains_hit_at_the_speeds_and_of_the_sizes_that_are_asked_for():
-    place, v, mass = drawn(swarm(scale=0.7, variety=math.log(1.5)), 20_000)
+    record = swarm(scale=0.7, variety=math.log(1.5))
+    place, v, mass = drawn(record, 20_000)
+    assert mass.mean() == pytest.approx(mean_mass(record), rel=0.02)
     assert np.sqrt(np.mean(v**2)) == pytest.approx(0.7, rel=0.02)
     assert np.bincount(place.astype(int)).min() > 2300
     size = (mass / 1e-3) ** (1 / 3)
@@ -139,7 +141,9 @@ def test_grains_hit_at_the_speeds_and_of_the_sizes_that_are_asked_for():
 
 
 def test_drops_that_arrive_are_as_many_as_are_there_times_their_speed():
-    _, v, mass = drawn(swarm(DROPS, scale=4e-4), 40_000)
+    record = swarm(DROPS, scale=4e-4)
+    _, v, mass = drawn(record, 40_000)
+    assert mass.mean() == pytest.approx(mean_mass(record), rel=0.02)
     diameter = np.cbrt(6.0 * mass / (1000.0 * np.pi))
     x = np.linspace(0.5e-3, 6e-3, 4001)
     flux = (9.65 - 10.3 * np.exp(-600.0 * x)) * np.exp(-x / 4e-4)
