@@ -40,7 +40,8 @@ JUDGED = {
     "rain": "large drops over an even noise, greatest from 0.5 to 3 kHz, without lines: a sheet that is damped; the "
     "recording, which does not say on what it rains, is greatest from 3 to 5 kHz",
     "gravel": "crackles that crowd at the heel and the ball of the foot, from 1 to 8 kHz, without lines, as recorded",
-    "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 3 kHz",
+    "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 3 kHz; a "
+    "bin that is emptied crackles as much, without lines",
     "glass": "a burst of all frequencies, then showers of short tones of many pitches, most above 3 kHz",
     "pane": "the same, lower, from 1 kHz on, as recorded; without the part below 500 Hz that recordings have",
     "dice": "bursts of blows from 0.5 to 10 kHz with pauses between, as recorded; the cup rings on at 1 kHz for 50 ms",
@@ -52,13 +53,15 @@ _FLUID = "usr/share/sounds/sf2/FluidR3_"
 RECORDINGS = {
     "rain": (_FLUID + "GS.sf2/SeattleRain...(L)", _FLUID + "GS.sf2/SeattleRain...(R)"),
     "gravel": (_MINETEST + "gravel_footstep.*.ogg",),
+    "can": ("usr/share/games/minetest/mods/homedecor/homedecor_trash_cans/sounds/homedecor_trash_all.ogg",),
     "pane": (_MINETEST + "break_glass.*.ogg",),
     "dice": ("usr/share/gnubg/sounds/roll.wav",),
     "rice": (_FLUID + "GM.sf2/Maracas(L)", _FLUID + "GM.sf2/Small Shaker (L)", _FLUID + "GM.sf2/Cabasa(L)"),
 }
 """Files, or samples of SoundFonts, of Debian's packages: minetest-data (CC BY-SA 3.0: steps on gravel, panes that
-break), gnubg-data (GPL 3: dice that are rolled), fluid-soundfont-gs and -gm (MIT: rain on what is not said; a maraca, a
-shaker and a cabasa, whose small grains hit a thin shell)."""
+break), minetest-mod-homedecor (CC BY-SA 4.0: a bin that is emptied), gnubg-data (GPL 3: dice that are rolled),
+fluid-soundfont-gs and -gm (MIT: rain on what is not said; a maraca, a shaker and a cabasa, whose small grains hit a thin
+shell)."""
 TOPS = {"rain": 8_000.0, "dice": 8_000.0}
 """Hz: up to where the slope is told, where a recording ends sooner."""
 COMPARED = "slope_db_per_octave", "kurtosis", "onsets_per_second", "centroid_hz"
