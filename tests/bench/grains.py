@@ -60,8 +60,8 @@ RECORDINGS = {
 }
 """Files, or samples of SoundFonts, of Debian's packages: minetest-data (CC BY-SA 3.0: steps on gravel, panes that
 break), minetest-mod-homedecor (CC BY-SA 4.0: a bin that is emptied), gnubg-data (GPL 3: dice that are rolled),
-fluid-soundfont-gs and -gm (MIT: rain on what is not said; a maraca, a shaker and a cabasa, whose small grains hit a thin
-shell)."""
+fluid-soundfont-gs and -gm (MIT: rain on what is not said; a maraca, a shaker and a cabasa, whose small grains hit a
+thin shell)."""
 TOPS = {"rain": 8_000.0, "dice": 8_000.0}
 """Hz: up to where the slope is told, where a recording ends sooner."""
 COMPARED = "slope_db_per_octave", "kurtosis", "onsets_per_second", "centroid_hz"
