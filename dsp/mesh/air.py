@@ -183,7 +183,8 @@ def radiation(layer: Layer, motion: Array, frequency: Array) -> Radiation:
         end = int(np.searchsorted(frequency, frequency[begin] * (1 + _GROUP), side="right"))
         middle = float(np.sqrt(frequency[begin] * frequency[end - 1]))
         if middle < limit:
-            resistance[begin:end], mass[begin:end] = _solved(layer, static, motion[:, begin:end], middle)
+            group = slice(begin, end)
+            resistance[group], mass[group] = _solved(layer, static, motion[:, group], middle, frequency[group])
         begin = end
     share = np.clip((frequency / limit - 0.7) / 0.3, 0, 1)
     resistance = np.where(share >= 1, flat, (1 - share) * np.where(share >= 1, 0, resistance) + share * flat)
@@ -231,7 +232,8 @@ def _kernel(layer: Layer, point: Indices, sample: Indices) -> Array:
 
 
 def _near(layer: Layer, rest: Array) -> None:
-    """Replace K at rest between near points by its sum over the samples."""
+    """Replace K at rest between near points by its sum over the samples, the mean of both ways: by those of one point
+    at the other, and the other way round. One way alone is some dB too loud where much of the sound cancels."""
     from scipy.spatial import cKDTree
 
     reach = _NEAR * float(np.sqrt(np.median(layer.areas)))
@@ -248,6 +250,8 @@ def _near(layer: Layer, rest: Array) -> None:
     met = np.bincount(key, minlength=count * count).reshape(count, count)
     whole = (met == np.bincount(layer.own, minlength=count)) & (met > 0)
     rest[whole] = value.reshape(count, count)[whole]
+    both = layer.areas[:, None] * rest
+    rest[:] = (both + both.T) / (2 * layer.areas[:, None])
 
 
 def _constant(layer: Layer) -> Array:
@@ -282,8 +286,11 @@ def _beyond_rim() -> tuple[Array, Array]:
     return distance, each.sum(axis=1) * (np.pi / 2 / 400) / (2 * np.pi * distance)
 
 
-def _solved(layer: Layer, static: _Static, motion: Array, frequency: float) -> tuple[Array, Array]:
-    """Return resistances and masses of motions (points, k) at a frequency (Hz)."""
+def _solved(layer: Layer, static: _Static, motion: Array, frequency: float, own: Array) -> tuple[Array, Array]:
+    """Return resistances and masses of motions (points, k) at a frequency (Hz); own (k,): theirs (Hz), which are near.
+
+    The jump of a motion goes with its frequency, all but; what reaches the far field of it is found at its own.
+    """
     from scipy.linalg.lapack import cgesv
 
     omega = 2 * np.pi * frequency
@@ -294,14 +301,19 @@ def _solved(layer: Layer, static: _Static, motion: Array, frequency: float) -> t
     scale = float(np.sqrt(np.median(layer.areas)))
     right = 1j * omega * DENSITY * motion
     jump = cgesv((matrix * scale).astype(np.complex64), (right * scale).astype(np.complex64))[2].astype(np.complex128)
-    directions = _sphere(_DIRECTIONS)
-    source = -1j * k * (directions @ layer.normals.T) + beta
-    far = (np.exp(-1j * k * (directions @ layer.places.T)) * source * layer.areas / (4 * np.pi)) @ jump
-    resistance = (np.abs(far) ** 2).mean(axis=0) * 4 * np.pi / IMPEDANCE
+    resistance = np.array([_far(layer, each, beta.real, jump[:, n] * each / frequency) for n, each in enumerate(own)])
     if layer.closed:
         return resistance, np.zeros(len(resistance))
     impedance = np.einsum("i,im,im->m", layer.areas, motion, jump)
     return resistance, np.maximum(-impedance.imag / omega, 0.0)
+
+
+def _far(layer: Layer, frequency: float, beta: float, jump: Complex) -> float:
+    """Return the resistance (1/s) of a jump (points,) at a frequency (Hz), by its far field."""
+    k, directions = 2 * np.pi * frequency / SPEED, _sphere(_DIRECTIONS)
+    source = -1j * k * (directions @ layer.normals.T) + (beta + 1j * k if beta else 0)
+    far = (np.exp(-1j * k * (directions @ layer.places.T)) * source) @ (layer.areas * jump) / (4 * np.pi)
+    return float((np.abs(far) ** 2).mean() * 4 * np.pi / IMPEDANCE)
 
 
 def _matrix(layer: Layer, static: _Static, k: complex, beta: complex) -> Complex:

@@ -55,18 +55,18 @@ def test_a_disc_moves_its_air():
 @pytest.mark.parametrize("kind", ["sheet", "solid"])
 def test_a_plate_radiates_as_caroms_own_plate_does(kind):
     """The plate is below its critical frequency, where all sound comes from the rim."""
-    size, steps = (0.3, 0.2, 0.002), (24, 16)
+    size, steps = (0.3, 0.2, 0.002), (36, 24)
     own = plate(STEEL, length=size[0], width=size[1], thickness=size[2], top=2000.0)
     known = 2 * (own.decay - STEEL.decay(own.frequency))
     middle = sheet(size[:2], steps)
     modes = shells.solve(middle, size[2], STEEL, 6 + len(known))
-    layer, places = layer_of(middle if kind == "sheet" else forms.box(*size), kind, 300)
+    layer, places = layer_of(middle if kind == "sheet" else forms.box(*size), kind, 400)
     motion = velocities(layer, modes.at(places)[:, :, 6:])
     found = radiation(layer, motion, modes.frequency[6:]).resistance
     apart = decibels(found, known)[known * own.mass > 2e-4 * IMPEDANCE * 2 * size[0] * size[1]]
     assert len(apart) > 15
-    assert np.abs(apart).max() < 2.5
-    assert np.sqrt((apart**2).mean()) < 1.2
+    assert np.abs(apart).max() < 1.4
+    assert np.sqrt((apart**2).mean()) < 0.7
 
 
 def sheet(sides, steps):
