@@ -1,6 +1,6 @@
 """The methods of gestures and objects, with their keys; `make documents` writes this."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, SupportsFloat, TypedDict, TypeVar
 
 from typing_extensions import Unpack
@@ -19,9 +19,9 @@ class Keys(TypedDict, total=False):
     stiffness: SupportsFloat
     dissipation: SupportsFloat
     exponent: SupportsFloat
-    point: str
+    point: Sequence[SupportsFloat]
     by_position: SupportsFloat
-    by_point: str
+    by_point: Sequence[SupportsFloat]
     by_radius: SupportsFloat
     id: str
 
@@ -32,7 +32,8 @@ class ImpactKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
-    direction: str
+    direction: Sequence[SupportsFloat]
+    by_direction: Sequence[SupportsFloat]
 
 class BounceKeys(Keys, total=False):
     """Keys of bounce."""
@@ -108,7 +109,7 @@ class SlideKeys(Keys, total=False):
     travel: SupportsFloat
     surface: str
     press: str
-    direction: str
+    direction: Sequence[SupportsFloat]
 
 class RestKeys(Keys, total=False):
     """Keys of rest."""

@@ -161,6 +161,11 @@ DIRECTION = tuple(
     for axis in "xyz"
 )  # fmt: skip
 """The direction of a blow's force, or of a slide's friction, at a point of a surface, in place of the normal."""
+BY_DIRECTION = tuple(
+    dataclasses.replace(each, name=f"by_{each.name}", help=f"the same of that object's: {each.name[-1]}")
+    for each in DIRECTION
+)
+"""The same of the object that strikes."""
 GAIN = Parameter(
     "gain", -120.0, 40.0, "dB", "of this gesture", default=0.0, useful=(-40.0, 12.0), steerable=True, glide=0.02
 )

@@ -68,6 +68,9 @@ class Values(Record):
     direction_x: float
     direction_y: float
     direction_z: float
+    by_direction_x: float
+    by_direction_y: float
+    by_direction_z: float
     on_surface: float
     by_on_surface: float
     sound: float

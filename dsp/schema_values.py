@@ -2,7 +2,20 @@
 
 import numpy as np
 
-from .schema import BY_POINT, BY_POSITION, CURVE, DIRECTION, GESTURES, OVER, POINT, STRIKE, VELOCITY, Gesture, Parameter
+from .schema import (
+    BY_DIRECTION,
+    BY_POINT,
+    BY_POSITION,
+    CURVE,
+    DIRECTION,
+    GESTURES,
+    OVER,
+    POINT,
+    STRIKE,
+    VELOCITY,
+    Gesture,
+    Parameter,
+)
 
 _SOUND = (
     Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
@@ -26,8 +39,8 @@ _ON_SURFACE = (
 SHARED = {
     each.name: each
     for each in (
-        VELOCITY, *STRIKE, *POINT, BY_POSITION, *BY_POINT, *DIRECTION, *_ON_SURFACE, *_SOUND, _PRESSED, _DELAY, _PULSES,
-        _WHOLE, _STAGE,
+        VELOCITY, *STRIKE, *POINT, BY_POSITION, *BY_POINT, *DIRECTION, *BY_DIRECTION, *_ON_SURFACE, *_SOUND, _PRESSED,
+        _DELAY, _PULSES, _WHOLE, _STAGE,
     )
 }  # fmt: skip
 """Parameters that every gesture has, by name."""

@@ -102,7 +102,9 @@ def _asked(blow: np.void, bodies: Sequence[Body]) -> Blow:
     both = bodies[int(blow["a"])], bodies[int(blow["b"])]
     to, by = both[side], both[1 - side]
     place, by_place = float(blow["place"][side]), float(blow["place"][1 - side])
-    points = to.point(blow["local"][side].tolist()), by.point(blow["local"][1 - side].tolist())
+    points = [
+        body.point(blow[name][n].tolist()) for name in ("local", "facing") for body, n in ((to, side), (by, 1 - side))
+    ]
     met, mass, stiffness, exponent, dissipation, left = (
         float(blow[name]) for name in ("met", "mass", "stiffness", "exponent", "dissipation", "left")
     )

@@ -18,7 +18,8 @@ class Said(NamedTuple):
 
 class Blow(NamedTuple):
     """A blow on an object; by: what strikes and rings too, else empty. A restitution above 0 takes the place of the
-    dissipation. Units as in the contact law; places are 0 to 1 on strike paths, points take their place."""
+    dissipation. Units as in the contact law; places are 0 to 1 on strike paths, points take their place, each with the
+    contact's normal, outward, in the axes of the body."""
 
     time: float
     to: str
@@ -33,13 +34,16 @@ class Blow(NamedTuple):
     restitution: float
     point: Point = ()
     by_point: Point = ()
+    direction: Point = ()
+    by_direction: Point = ()
 
     @property
     def message(self) -> Message:
-        other = _other(self.by, self.by_place, self.by_point)
+        other = _other(self.by, self.by_place, self.by_point, self.by_direction)
         lost = ("restitution", self.restitution) if self.restitution else ("dissipation", self.dissipation)
         law = ("mass", self.mass, "stiffness", self.stiffness, *lost, "exponent", self.exponent)
-        return Message(f"/object/{self.to}/impact", (self.speed, *_at(self.place, self.point), *other, *law))
+        at = _at(self.place, self.point, self.direction)
+        return Message(f"/object/{self.to}/impact", (self.speed, *at, *other, *law))
 
 
 class Gains(NamedTuple):
@@ -153,16 +157,18 @@ Request = Said | Blow | Slide | Lying | Swarm | Gains | Steering | Ending
 """Each has the time (s) of the simulation at which it is heard."""
 
 
-def _at(place: float, point: Point) -> tuple[Argument, ...]:
-    """Return the arguments that say where an object is touched."""
-    return ("point", *point) if point else (place,)
+def _at(place: float, point: Point, direction: Point = ()) -> tuple[Argument, ...]:
+    """Return the arguments that say where an object is touched, and along what, if not along its normal."""
+    way: tuple[Argument, ...] = ("direction", *direction) if direction else ()
+    return ("point", *point, *way) if point else (place,)
 
 
-def _other(by: str, place: float, point: Point) -> tuple[Argument, ...]:
-    """Return the arguments that say what touches, and with which place or point, if it rings."""
+def _other(by: str, place: float, point: Point, direction: Point = ()) -> tuple[Argument, ...]:
+    """Return the arguments that say what touches, with which place or point, and along what, if it rings."""
     if not by:
         return ()
-    return ("by", by, "by_point", *point) if point else ("by", by, "by_position", place)
+    way: tuple[Argument, ...] = ("by_direction", *direction) if direction else ()
+    return ("by", by, "by_point", *point, *way) if point else ("by", by, "by_position", place)
 
 
 def in_order(requests: Iterable[Request]) -> list[Request]:

@@ -225,10 +225,16 @@ def _strike(state: State, command: Event, objects: View2D[int], blow: Blow) -> N
     values = command.values
     command.slot, command.serial = objects[struck, 0], objects[struck, 1]
     _put(state, command, struck, blow.local[blow.side])
+    if state.surfaced[struck] == 1:
+        way = blow.facing[blow.side]
+        values.direction_x, values.direction_y, values.direction_z = way[0], way[1], way[2]
     if state.rings[strikes] == 1:
         command.by_slot, command.by_serial = objects[strikes, 0], objects[strikes, 1]
         values.by_position = blow.place[1 - blow.side]
         _put_by(state, command, strikes, blow.local[1 - blow.side])
+        if state.surfaced[strikes] == 1:
+            way = blow.facing[1 - blow.side]
+            values.by_direction_x, values.by_direction_y, values.by_direction_z = way[0], way[1], way[2]
     values.velocity, values.position, values.mass = blow.met, blow.place[blow.side], blow.mass
     values.stiffness, values.exponent = blow.stiffness, blow.exponent
     values.dissipation, values.restitution = blow.dissipation, blow.left

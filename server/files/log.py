@@ -17,6 +17,7 @@ from ..provenance import computed_by
 from ..scene.transaction import Sent
 from .outfile import OutFile
 
+_OF_OTHER = "by", "by_position", "by_point", "by_direction"
 _LONGEST_STEM = 50  # characters of a name that is made another's
 
 
@@ -115,7 +116,7 @@ class Log:
         elif GESTURES[verb.action].breaks:
             del keys["onto"]
         else:
-            keys = {key: value for key, value in keys.items() if key not in ("by", "by_position", "by_point")}
+            keys = {key: value for key, value in keys.items() if key not in _OF_OTHER}
             keys["mass"] = sent.mass
         return *args[:first], *chain.from_iterable(keys.items())
 

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 from ...dsp.contact.accuracy import LEVELS
 from ...dsp.schema import (
+    BY_DIRECTION,
     BY_POINT,
     BY_POSITION,
     BY_RADIUS,
@@ -52,6 +53,7 @@ BY_ON_SURFACE = Vector("by_point", BY_POINT, "the same of the object that strike
 _DIRECTED = Vector(
     "direction", DIRECTION, "beside a point, in its own frame: that of the push, or of the slip, in place of the normal"
 )
+_BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "beside a by_point, the same of the object that strikes")
 STRIKE: tuple[Number | Word | Vector, ...] = (
     STRIKER,
     *LAW,
@@ -69,12 +71,19 @@ STRIKE: tuple[Number | Word | Vector, ...] = (
 _SURFACE = Word("surface", "a preset; the object's own for such a gesture, or wood, if none is given")
 _PRESS = Word("press", "the id of a press on the object: its friction feels that force, in place of its own")
 _ONTO = Word("onto", "the object on which its pieces fall; nothing that sounds, if it is not given")
+
+
+def _is_pushed(gesture: Gesture) -> bool:
+    """True if a gesture is one blow, which has a direction on both objects."""
+    return gesture.single and not gesture.breaks
+
+
 _WORDS: dict[str, tuple[Word | Vector, ...]] = {
     name: (
         *((_SURFACE,) if gesture.along else ()),
         *((_PRESS,) if gesture.slips else ()),
         *((_ONTO,) if gesture.breaks else ()),
-        *((_DIRECTED,) if gesture.slips or (gesture.single and not gesture.breaks) else ()),
+        *((_DIRECTED,) if gesture.slips else (_DIRECTED, _BY_DIRECTED) if _is_pushed(gesture) else ()),
     )
     for name, gesture in GESTURES.items()
 }

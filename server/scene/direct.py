@@ -134,6 +134,10 @@ class Direct:
         if at.by and at.by_point:
             values["by_on_surface"][n] = 1.0
             values["by_x"][n], values["by_y"][n], values["by_z"][n] = at.by_point
+        if isinstance(at, Blow):
+            for prefix, way in (("", at.direction), ("by_", at.by_direction if at.by else ())):
+                for axis, value in zip("xyz", way, strict=False):
+                    values[f"{prefix}direction_{axis}"][n] = value
 
     def _change(self, number: int, time: float, request: Steering | Ending) -> None:
         """Steer or end a slide, a rest or a swarm."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...dsp.schema import BY_POINT, DIRECTION, POINT, SPREAD, Gesture, Parameter
+from ...dsp.schema import BY_DIRECTION, BY_POINT, DIRECTION, POINT, SPREAD, Gesture, Parameter
 from ..osc.arguments import Refused, Values
 from .object_call import ObjectCall
 from .objects import PlayedObject
@@ -24,16 +24,19 @@ def place_values(to: ObjectCall, by: PlayedObject | None) -> dict[str, float]:
     """
     position, point, on_surface = _place(to, "position", "point", (to.name, to.obj))
     found = {"position": position, "on_surface": on_surface, **_named(POINT, point)}
-    found |= _named(DIRECTION, _direction(to))
+    found |= _named(DIRECTION, _direction(to.values, "direction", "point", (to.name, to.obj)))
     if by is None:
-        if "by_point" in to.values.vectors:
-            shown = _shown(to.values.vectors["by_point"])
-            raise Refused(f"by_point = {shown}: expected it beside an object that touches")
+        for vector in ("by_point", "by_direction"):
+            if vector in to.values.vectors:
+                shown = _shown(to.values.vectors[vector])
+                raise Refused(f"{vector} = {shown}: expected it beside an object that touches")
         if "by_position" in to.values.numbers:
             position = to.values.numbers["by_position"]
             raise Refused(f"by_position = {position:g}: expected it beside an object that touches")
         return {**found, "by_position": 0.0}
-    position, point, on_surface = _place(to, "by_position", "by_point", (_other(to), by))
+    other = _other(to), by
+    position, point, on_surface = _place(to, "by_position", "by_point", other)
+    found |= _named(BY_DIRECTION, _direction(to.values, "by_direction", "by_point", other))
     return {**found, "by_position": position, "by_on_surface": on_surface, **_named(BY_POINT, point)}
 
 
@@ -75,7 +78,9 @@ def sensed_place(name: str, obj: PlayedObject, values: Values) -> dict[str, Any]
         if position is not None:
             raise Refused(f"position = {position:g}, point = {_shown(point)}: expected one of the two")
     found = {"position": obj.preset.position if position is None else position, "on_surface": int(point is not None)}
-    return {**found, "spot": point or _NOWHERE, "direction": _unit(values)}
+    way = _vector(values, "direction", "point")
+    length = math.hypot(*way) or 1.0
+    return {**found, "spot": point or _NOWHERE, "direction": tuple(each / length for each in way)}
 
 
 def require_surface(name: str, obj: PlayedObject, key: str, point: tuple[float, ...]) -> None:
@@ -102,27 +107,26 @@ def _place(to: ObjectCall, key: str, vector: str, touched: tuple[str, PlayedObje
     return position, point, 1.0
 
 
-def _direction(to: ObjectCall) -> _Point:
-    """Return the unit vector along which a gesture pushes its object; zeros where that is the normal."""
-    modes = to.obj.modes
+def _direction(values: Values, key: str, beside: str, touched: tuple[str, PlayedObject]) -> _Point:
+    """Return the vector along which a gesture pushes an object; zeros where that is the normal."""
+    name, modes = touched[0], touched[1].modes
     count = len(modes.frequency) + (len(modes.unheard.frequency) if modes.unheard else 0)
-    unit = _unit(to.values)
-    if unit != _NOWHERE and count > MOST_DIRECTED:
-        raise Refused(f"direction: {to.name} has {count} modes: expected at most {MOST_DIRECTED}")
-    return unit
+    way = _vector(values, key, beside)
+    if way != _NOWHERE and count > MOST_DIRECTED:
+        raise Refused(f"{key}: {name} has {count} modes: expected at most {MOST_DIRECTED}")
+    return way
 
 
-def _unit(values: Values) -> _Point:
-    """Return the direction that a message gives, of length 1; zeros if it gives none."""
-    given = values.vectors.get("direction")
+def _vector(values: Values, key: str, beside: str) -> _Point:
+    """Return the direction that a message gives, of any length; zeros if it gives none."""
+    given = values.vectors.get(key)
     if given is None:
         return _NOWHERE
-    length = math.hypot(*given)
-    if not length:
-        raise Refused("direction = 0 0 0: expected a vector of some length")
-    if "point" not in values.vectors:
-        raise Refused(f"direction = {_shown(given)}: expected it beside a point")
-    return tuple(each / length for each in given)
+    if not math.hypot(*given):
+        raise Refused(f"{key} = 0 0 0: expected a vector of some length")
+    if beside not in values.vectors:
+        raise Refused(f"{key} = {_shown(given)}: expected it beside a {beside}")
+    return given
 
 
 def _on_path(obj: PlayedObject, position: float) -> tuple[float, ...]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, cast
 
 from ...dsp.engine.memory.commands import Command
 from ...dsp.runtime.engine import Engine
-from ...dsp.schema import DIRECTION
+from ...dsp.schema import BY_DIRECTION, DIRECTION
 from ...dsp.wording import suggestion
 from ...presets import NoPreset, Presets
 from ..new_object import NewObject
@@ -53,7 +53,7 @@ class Sent(NamedTuple):
     off_path: bool = False
 
 
-_OFF_PATH = ("on_surface", "by_on_surface", *(each.name for each in DIRECTION))
+_OFF_PATH = ("on_surface", "by_on_surface", *(each.name for each in (*DIRECTION, *BY_DIRECTION)))
 
 
 def is_off_path(command: Command) -> bool:

@@ -12,14 +12,14 @@ from carom.clients.actions import Actions
 from carom.clients.gesture_methods import Gestures, ObjectMethods
 from carom.dsp.schema import GESTURES, Gesture, Parameter
 from carom.server.osc.addresses import VERBS
-from carom.server.osc.arguments import Key
+from carom.server.osc.arguments import Key, Vector
 
 STUB = Path(__file__).parents[2] / "clients" / "gesture_methods.pyi"
 
 _HEAD = '''\
 """The methods of gestures and objects, with their keys; `make documents` writes this."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, SupportsFloat, TypedDict, TypeVar
 
 from typing_extensions import Unpack
@@ -51,8 +51,15 @@ def stub() -> str:
 
 
 def _record(name: str, bases: str, doc: str, keys: Iterable[Key]) -> str:
-    fields = (f"    {key.name}: {'SupportsFloat' if isinstance(key, Parameter) else 'str'}\n" for key in keys)
+    fields = (f"    {key.name}: {_kind(key)}\n" for key in keys)
     return f'class {name}({bases}):\n    """{doc}"""\n\n' + "".join(fields)
+
+
+def _kind(key: Key) -> str:
+    """Return the type of a key's values."""
+    if isinstance(key, Vector):
+        return "Sequence[SupportsFloat]"
+    return "SupportsFloat" if isinstance(key, Parameter) else "str"
 
 
 def _class(cls: type, methods: Iterable[str]) -> str:

@@ -168,7 +168,7 @@ def point_of(state: State, obj: Object, point: ContactPoint) -> Point:
 
 @kernel
 def shapes_at(state: State, obj: Object, row: int, weights: View[float], directed: int) -> Point:
-    """Return the point of an object at four rows, or with the shapes of the contact that has a direction."""
+    """Return the point of an object at four rows, or with the shapes of a contact that has a direction there."""
     if directed > 0:
         return Point(state.directed[(directed - 1) * DIRECTED : directed * DIRECTED], 0, 0, weights)
     return Point(shapes_of(state, obj), obj.size, row, weights)

@@ -20,7 +20,7 @@ def put(state: State, obj: Object, contact: Contact, position: float) -> None:
     if point.on_surface == 1 and obj.faces > 0:
         put_at(state, obj, point, contact.now.x, contact.now.y, contact.now.z)
         if contact.trait.along == 0:
-            direct(state, obj, contact)
+            direct(state, obj, contact, 0)
     else:
         place(point, position, obj.rows)
 
@@ -39,15 +39,16 @@ def put_other(state: State, contact: Contact) -> None:
 
 
 @noinline_kernel
-def direct(state: State, obj: Object, contact: Contact) -> None:
+def direct(state: State, obj: Object, contact: Contact, side: int) -> None:
     """Find the shapes in the direction of a contact that was put at a point of a surface, if it has one.
 
-    Clicks are moved alike by a force in any direction.
+    side: 0 of the object that is touched, 1 of the one that touches it. Clicks are moved alike by a force in any
+    direction.
     """
-    point, way = contact.point[0], contact.direction
+    point, way, row = contact.point[side], contact.direction[side], 2 * contact.index + side
     if (way[0] == 0.0 and way[1] == 0.0 and way[2] == 0.0) or obj.block == 0 or obj.size > DIRECTED:
         return
-    shape, here = state.bank.shape, contact.index * DIRECTED
+    shape, here = state.bank.shape, row * DIRECTED
     for i in range(obj.size):
         phi = 0.0
         at = obj.table + point.row * obj.size + i
@@ -59,7 +60,7 @@ def direct(state: State, obj: Object, contact: Contact) -> None:
             for n in range(3):
                 phi += share * point.weights[n] * shape[at + n * obj.size]
         state.directed[here + i] = phi
-    point.directed = 1 + contact.index
+    point.directed = 1 + row
     point.weights[0], point.weights[1], point.weights[2], point.weights[3] = 1.0, 0.0, 0.0, 0.0
 
 

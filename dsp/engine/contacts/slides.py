@@ -165,7 +165,7 @@ def _settle(state: State, contact: Contact) -> None:
         if side == 0:
             put(state, obj, contact, position_of(contact, 0.5 * QUANTUM))
             if point.on_surface == 1 and obj.faces > 0:
-                direct(state, obj, contact)
+                direct(state, obj, contact, 0)
             slide.directed = point.directed
         slide.modes[side] = min(point.modes, SLID)
         slide.row[side] = point.row

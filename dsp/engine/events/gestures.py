@@ -7,13 +7,14 @@ import numpy as np
 from ...contact.loss import loss_of
 from ...native.jit import kernel
 from ...native.records import field, set_field
+from ...native.typed import View
 from ...rolling.body import begin_roll
 from ...rolling.surface import begin_surface
 from ...schema import GESTURES
 from ...schema_records import VALUES, Values
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
-from ..bodies.surface import put_at
+from ..bodies.surface import direct, put_at
 from ..contacts.contact_list import append_contact, has_place, places_left, refuse_gesture, schedule_contact
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
@@ -140,19 +141,29 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
     touched.on_surface = int(event.values.on_surface)
     touched.directed = other.directed = 0
     values = event.values
-    contact.direction[0], contact.direction[1], contact.direction[2] = (
-        values.direction_x, values.direction_y, values.direction_z,
-    )  # fmt: skip
+    _point_along(contact.direction[0], values.direction_x, values.direction_y, values.direction_z)
+    _point_along(contact.direction[1], values.by_direction_x, values.by_direction_y, values.by_direction_z)
     other.slot, other.serial = event.by_slot, event.by_serial
     partner = state.objects[other.slot]
     if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:
         other.on_surface = int(event.values.by_on_surface)
         if other.on_surface == 1 and partner.faces > 0:
             put_at(state, partner, other, event.values.by_x, event.values.by_y, event.values.by_z)
+            direct(state, partner, contact, 1)
         else:
             place(other, event.values.by_position, partner.rows)
     else:
         other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
+
+
+@kernel
+def _point_along(way: View[float], x: float, y: float, z: float) -> None:
+    """Make a vector one of length 1, or zeros."""
+    length = math.hypot(math.hypot(x, y), z)
+    for k in range(3):
+        way[k] = 0.0
+    if length > 0.0:
+        way[0], way[1], way[2] = x / length, y / length, z / length
 
 
 @kernel

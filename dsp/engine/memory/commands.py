@@ -11,6 +11,7 @@ import numpy as np
 from ...native.typed import Record, dtype_of
 from ...rolling.surface import Profile
 from ...schema import (
+    BY_DIRECTION,
     BY_POINT,
     BY_POSITION,
     DIRECTION,
@@ -176,7 +177,8 @@ def _defaults(parameters: Iterable[Parameter]) -> dict[str, float]:
     return {each.name: each.in_engine(each.default) for each in parameters if each.default is not None}
 
 
-_ALWAYS = {each.name: 0.0 for each in (BY_POSITION, VELOCITY, RESTITUTION, *POINT, *BY_POINT, *DIRECTION)}
+_PLACED = (*POINT, *BY_POINT, *DIRECTION, *BY_DIRECTION)
+_ALWAYS = {each.name: 0.0 for each in (BY_POSITION, VELOCITY, RESTITUTION, *_PLACED)}
 
 
 def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:

@@ -25,7 +25,7 @@ class ContactPoint(Record):
     row: int  # of the shape table, the first of four
     weights: Annotated[View[float], 4]
     on_surface: int  # 1: at a point of the surface, 0: at a position on the strike path
-    directed: int  # 1 + the contact whose direction its shapes there are along; 0: the normal
+    directed: int  # 1 + the row of `directed` that has its shapes there, along a direction; 0: along the normal
     give: float  # 1/kg: sum of phi^2 where a striker began to touch
     compliance: float  # m/N: the same of phi^2/omega^2, untuned
     next_roll: int  # of the list of rolls on the object
@@ -43,7 +43,7 @@ class Contact(Record):
     point: Annotated[View[ContactPoint], 2]  # on the object touched, and on the object that touches it, if one does
     kind: int  # of the gesture: its place in schema.GESTURES
     trait: Traits  # of the gesture
-    direction: Annotated[View[float], 3]  # in which it pushes the object, of length 1; zeros: along the normal
+    direction: Annotated[View2D[float], 2, 3]  # in which it pushes either object, length 1; zeros: along the normal
     index: int  # its own place
     gesture: int  # its number, 0: none
     command: int  # number of the command that brought the striker

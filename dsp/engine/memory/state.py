@@ -370,7 +370,7 @@ class State(Record):
     to_look_at: int  # modes that are to be looked at now, below 0: more than that were
     tails: Tails
     contacts: Annotated[View[Contact], CONTACTS]
-    directed: Annotated[View[f32], CONTACTS * DIRECTED]  # shapes where each acts, if it has a direction
+    directed: Annotated[View[f32], 2 * CONTACTS * DIRECTED]  # shapes where each acts on either object, in a direction
     free_contact: Annotated[View[int], CONTACTS]  # stack
     last_command: Annotated[
         View[int], CONTACTS

@@ -14,6 +14,7 @@ from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.native.typed import View2D
 from .grains import is_of_grains, pile_up
 from .microphones import MicrophoneState
+from .points import along
 from .skins import curvature_of
 from .state import EVENTS, HIT, OCTAVES, Blow, State
 from .strips import place_on
@@ -95,6 +96,9 @@ def find_blows(state: State) -> None:
             for k in range(3):
                 blow.point[k], blow.normal[k] = event.point[k], event.normal[k]
                 blow.local[0, k], blow.local[1, k] = event.local[0, k], event.local[1, k]
+            for k in range(3):
+                blow.facing[0, k] = along(state, blow.a, blow.normal, k)
+                blow.facing[1, k] = 0.0 - along(state, blow.b, blow.normal, k)
             _find_law(state, blow, event.local)
             for side in range(2):
                 body = event.b if side == 1 else event.a

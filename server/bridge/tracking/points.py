@@ -238,6 +238,15 @@ def into(state: State, body: int, point: View[float], k: int) -> float:
 
 
 @kernel
+def along(state: State, body: int, way: View[float], k: int) -> float:
+    """Return component k of a direction in the world in the axes of a body."""
+    total = 0.0
+    for i in range(3):
+        total += state.turn[body, 3 * i + k] * way[i]
+    return total
+
+
+@kernel
 def _apart(state: State, a: int, b: int) -> float:
     """Return the speed of one body against another, but for their turning (m/s)."""
     total = 0.0

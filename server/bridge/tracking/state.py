@@ -188,6 +188,7 @@ class Blow(Record):
     point: Annotated[View[float], 3]  # m, in the world
     normal: Annotated[View[float], 3]  # from a to b
     local: Annotated[View2D[float], 2, 3]  # the point in the axes of each body
+    facing: Annotated[View2D[float], 2, 3]  # the normal in the axes of each body, outward of it
     speed: float  # m/s: of the approach
     mass: float  # kg: effective, along the normal
     restitution: float

@@ -14,6 +14,7 @@ from carom.dsp.bodies.material import CONTACT_RADIUS
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.surface import Surface
 from carom.server.bridge.bodies import NoModel, WorldError
+from carom.server.telling import mode_levels
 
 pytestmark = pytest.mark.slow
 
@@ -30,9 +31,9 @@ def own_cache(tmp_path, monkeypatch):
     return tmp_path / "kept"
 
 
-def touch(point, approach=1.0):
+def touch(point, normal=(0, 0, 1), mass=0.05):
     """Return a touch of the floor and the bar, from below."""
-    return carom.Touch("floor", "bar", point=point, normal=(0, 0, 1), approach=approach, mass=0.05)
+    return carom.Touch("floor", "bar", point=point, normal=normal, approach=1.0, mass=mass)
 
 
 def heard(kept, *places):
@@ -65,7 +66,7 @@ def test_straight_and_as_messages_it_sounds_alike():
     straight, _ = heard(False, *places)
     sound, score = heard(True, *places)
     np.testing.assert_array_equal(straight, sound)
-    assert "/object/bar/impact 1.0 point 0.09 0.01 -0.004 mass" in score
+    assert "/object/bar/impact 1.0 point 0.09 0.01 -0.004 direction 0.0 0.0 -1.0 mass" in score
     again = carom.render(score, calibrated=True, seconds=len(sound) / 48e3).samples[:, 0]
     np.testing.assert_array_equal(again, sound)
 
@@ -90,21 +91,63 @@ def test_what_was_made_is_found_again_by_its_name(own_cache):
 def test_a_solid_box_rings_by_its_surface_where_it_is_asked_for():
     """The same blow on the face below, at the edge beside, and on the end: points are told, and all three differ."""
     bend, twist, laws = [], [], []
-    for place in (0.03, 0, -0.004), (0.03, 0.015, -0.004), (0.1, 0, 0.0):
+    for place, normal in (
+        ((0.03, 0, -0.004), (0, 0, 1)),
+        ((0.03, 0.015, -0.004), (0, -0.6, 0.8)),
+        ((0.1, 0, 0.0), (-1, 0, 0)),
+    ):
         with carom.World(keep=True) as world:
             world.body("floor", "box", (1, 1, 0.1), "steel", held=True, rings=False)
             world.body("bar", "box", SIZE, "steel", carom.Pose((0, 0, 0)), surface=True)
             body = world.simulation.bodies[1]
-            sound = np.concatenate([world.step(0.01, [touch(place)]), world.step(0.2)])[:9000, 0]
+            sound = np.concatenate([world.step(0.01, [touch(place, normal)]), world.step(0.2)])[:9000, 0]
             (blow,) = (line for line in world.score().splitlines() if "/impact" in line)
         assert body.surfaced and body.mass == pytest.approx(np.prod(SIZE) * body.material.density)
-        assert f"/object/bar/impact 1.0 point {place[0]} {float(place[1])} {place[2]} mass" in blow
+        assert f"/object/bar/impact 1.0 point {place[0]} {float(place[1])} {place[2]} direction" in blow
         laws.append(float(blow.split("stiffness ")[1].split()[0]))
         for heard, mode in (bend, 0), (twist, 2):
             turn = np.exp(-2j * np.pi * body.modes.frequency[mode] * np.arange(len(sound)) / 48e3)
             heard.append(np.abs(np.sum(sound * turn)))
     assert laws[1] < 0.7 * laws[0]  # the edge is softer
-    assert bend[0] > 10 * bend[2] and twist[1] > 50 * max(twist[0], twist[2])
+    assert bend[0] > 10 * bend[2] and twist[1] > 15 * max(twist[0], twist[2])
+
+
+TURN = (0.5, 0.5, 0.5, 0.5)
+"""A turn of a body by which its x is the world's y, y is z, and z is x."""
+
+
+def levels(normal, other=False):
+    """Return modes' amplitudes after a light blow on a bar's edge along a normal, in its axes, and its table; of the
+    bar that is struck, or of one that strikes it so."""
+    edge = np.array([0.06, 0.015, -0.004])
+    with carom.World() as world:
+        world.body("floor", "box", (1, 1, 0.1), "steel", held=True, rings=False)
+        for name in ("bar", "hammer"):
+            world.body(name, "mesh", (BAR.points, BAR.faces), "steel", carom.Pose((0, 0, 0), TURN))
+        x, y, z = edge
+        blow = carom.Touch("bar", "hammer" if other else "floor", (z, x, y), np.roll(normal, 1), 5.0, mass=2e-5)
+        world.step(0.01, [blow])
+        world.step(0.03)
+        name = "hammer" if other else "bar"
+        table = world.simulation.bodies[1].sound.preset.geometry["table"]
+        engine, slot = world._scene._open.engine, world._scene._open.scene.objects[name].handle.slot
+        found, first = np.sqrt(mode_levels(engine, slot)), int(engine.objects[slot]["first"])
+        pitch = engine.state["bank"][0]["frequency"][first : first + len(found)]
+        at = [np.abs(pitch - each).argmin() for each in table.frequency[:6]]
+        return found[at], table.near(edge[None])[2][0, :, :6]
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_a_blow_on_an_edge_pushes_along_the_contact(other):
+    """Each mode gets the impulse times its shape along the normal of the contact, not of a side: at 45 degrees to both
+    sides of the edge, and aslant, as in the normals of the sides themselves, on what is struck and what strikes."""
+    below, shapes = levels((0, 0, -1), other)
+    for normal in (0, 0.7071067811865476, -0.7071067811865476), (0, 1, 0), (0.6, 0.48, -0.64):
+        heard, _ = levels(normal, other)
+        expected = np.abs(np.array(normal) @ shapes) / np.abs(shapes[2])
+        told = np.abs(shapes[2]) > 0.05 * np.abs(shapes[2]).max()
+        assert told.sum() > 3
+        np.testing.assert_allclose((heard / below)[told], expected[told], rtol=0.02, atol=0.02)
 
 
 @pytest.mark.parametrize("keys", [{"held": True}, {"rings": False}, {"wall": 0.001}, {"object": "mug"}])
@@ -187,6 +230,7 @@ def test_a_mesh_of_mujoco_rings_as_itself_where_it_touches():
 
     model, data = model_of()
     bridge = carom.mujoco.Bridge(model, data, materials={"bar": "steel", "floor": "wood"}, keep=True)
+    turned = data.ximat[1].reshape(3, 3).copy()  # it falls without turning
     body = bridge.world.simulation.bodies[0]
     assert body.surfaced and body.mass == pytest.approx(0.3768, rel=1e-3)
     closed = bar(carom.Presets().material("steel"), length=0.2, width=0.03, thickness=0.008, top=9e3)
@@ -200,6 +244,8 @@ def test_a_mesh_of_mujoco_rings_as_itself_where_it_touches():
     assert len(points) > 1 and (np.sort(np.abs(points)) < np.sort(SIZE) / 2 + 1e-3).all()
     ends = np.sort(np.abs(points[0]))
     assert ends[2] == pytest.approx(SIZE[0] / 2, abs=2e-3)  # it is tilted: an end touches first
+    way = [float(each) for each in blows[0][blows[0].index("by_direction") + 1 :][:3]]
+    assert way == pytest.approx(turned.T @ (0, 0, -1))  # out of the bar, against the floor's
     bridge.world.close()
 
 
