@@ -139,13 +139,18 @@ def solve(block: Block, material: Material, count: int, fine: bool = False) -> S
     return Solution(frequency, mass, block.volume, energy, degrees, section, half, tuple(parts), lowest)
 
 
+def require_stout(block: Block) -> None:
+    """Raise MeshError if a block is too slender for polynomials."""
+    if max(block.edges) > _SLENDER * min(block.edges):
+        shown = " x ".join(f"{1e3 * each:.3g}" for each in block.edges)
+        raise MeshError(f"a {block.kind} of {shown} mm: expected edges of which none is {_SLENDER:g} times another")
+
+
 def degrees_of(block: Block, terms: int) -> tuple[int, int, int]:
     """Return degrees along x, y and z for about so many terms, whose waves are about as short along all sides; a round
     section has one degree for both. MeshError if the block is too slender for these."""
+    require_stout(block)
     edges = np.array(block.edges)
-    if edges.max() > _SLENDER * edges.min():
-        shown = " x ".join(f"{1e3 * each:.3g}" for each in edges)
-        raise MeshError(f"a {block.kind} of {shown} mm: expected edges of which none is {_SLENDER:g} times another")
     low = np.full(3, _LEAST if block.kind == BOX else _LEAST_ROUND)
     high = np.array([_MOST] * 3 if block.kind == BOX else [_MOST_ROUND, _MOST_ROUND, _MOST])
     if np.min(edges) < _FLAT * np.sort(edges)[1]:

@@ -34,6 +34,8 @@ _ABOUT = 2  # modes to each side: one that changes little by chance is as far of
 _LEAST_ERROR = 1e-3  # of a frequency: the quadrature's
 _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
+_DIGITS = 12  # to which proportions are alike
+_MOST_UNITS = 16
 _TRIANGLES, _FINE_TRIANGLES = 2600, 8000  # of a shell, about
 _MOST_TRIANGLES = 20_000
 
@@ -84,6 +86,10 @@ class Model:
     of: Indices
 
 
+_UNITS: dict[tuple[blocks.Block, Material, Wanted], Model] = {}
+"""Models of boxes and cylinders whose longest edge is 1 m, of late."""
+
+
 class _Body(NamedTuple):
     """A body: its surface, the number of the material (m,) of each of its faces, and its parts by material."""
 
@@ -118,14 +124,45 @@ def model_of(
 
 
 def model_of_block(block: blocks.Block, material: Material, wanted: Wanted, say: Say | None = None) -> Model:
-    """Return the model of a solid box or cylinder; MeshError as `model_of`."""
+    """Return the model of a solid box or cylinder; MeshError as `model_of`. Of one proportion it is made once: another
+    size is the same body nearer by or farther off."""
     _require(wanted)
     if wanted.wall is not None:
         raise MeshError(f"wall = {wanted.wall:g}: expected none of a solid {block.kind}")
-    surface, count = block.surface, wanted.modes + _RIGID + _SPARE
     low, high = SIZES
-    if not low <= max(block.edges) <= high:
-        raise MeshError(f"size = {max(block.edges):.3g} m: expected {low:g} to {high:g} m")
+    size = max(block.edges)
+    if not low <= size <= high:
+        raise MeshError(f"size = {size:.3g} m: expected {low:g} to {high:g} m")
+    blocks.require_stout(block)
+    unit = blocks.Block(block.kind, tuple(round(each / size, _DIGITS) for each in block.size))
+    known = unit, material, wanted
+    if known not in _UNITS:
+        made = _unit_model(unit, material, wanted, say or _silent)
+        if len(_UNITS) == _MOST_UNITS:
+            _UNITS.pop(next(iter(_UNITS)))
+        _UNITS[known] = made
+    return _sized(_UNITS[known], size)
+
+
+def _sized(model: Model, size: float) -> Model:
+    """Return the model of a body that is so many times as large, of the same material: it rings as much lower, and its
+    sound is as long beside it as before, so that it radiates the same share."""
+    return replace(
+        model,
+        frequency=model.frequency / size,
+        resistance=model.resistance / size,
+        shapes=model.shapes / size**1.5,
+        points=model.points * size,
+        areas=model.areas * size**2,
+        curvature=model.curvature / size,
+        mass=model.mass * size**3,
+        volume=model.volume * size**3,
+    )
+
+
+def _unit_model(block: blocks.Block, material: Material, wanted: Wanted, say: Say) -> Model:
+    """Return the model of a block of edges of 1 m at most."""
+    surface, count = block.surface, wanted.modes + _RIGID + _SPARE
     body = _Body(surface, np.zeros(len(surface.faces), np.int64), Parts((surface,), (material,)))
 
     def solved(fine: bool) -> tuple[Solution, str, tuple[str, ...]]:
@@ -133,7 +170,7 @@ def model_of_block(block: blocks.Block, material: Material, wanted: Wanted, say:
         degrees = ", ".join(map(str, found.degrees))
         return found, "polynomials", (f"a solid {block.kind}, by polynomials of degrees {degrees} along x, y and z",)
 
-    return _made(body, wanted, say or _silent, (), solved)
+    return _made(body, wanted, say, (), solved)
 
 
 Solution = blocks.Solution | cells.Solution | shells.Solution

@@ -138,6 +138,24 @@ def test_a_box_rings_on_its_edge_less_than_on_its_face_and_more_than_on_its_end(
     assert model.volume == pytest.approx(block.volume)
 
 
+def test_another_size_of_the_same_proportions_is_the_same_body(monkeypatch):
+    """Twice as large it rings an octave lower, and all shapes are of unit mass; nothing is computed again."""
+    wanted, size = Wanted(modes=5, points=60), (0.06, 0.05, 0.04)
+    small = model_of_block(Block(BOX, size), STEEL, wanted)
+    alone = solve(Block(BOX, size), STEEL, 5 + RIGID + 4)
+    np.testing.assert_allclose(small.frequency, alone.frequency[RIGID : RIGID + 5], rtol=1e-9)
+    shapes = np.abs(alone.at(small.points)[:, :, RIGID : RIGID + 5])
+    np.testing.assert_allclose(np.abs(small.shapes), shapes, atol=1e-6 * shapes.max())
+    monkeypatch.setattr("carom.dsp.mesh.blocks.solve", None)
+    large = model_of_block(Block(BOX, tuple(2 * each for each in size)), STEEL, wanted)
+    np.testing.assert_allclose(large.frequency, small.frequency / 2)
+    np.testing.assert_allclose(large.resistance, small.resistance / 2)
+    np.testing.assert_allclose(large.shapes * 8**0.5, small.shapes)
+    assert large.mass == pytest.approx(8 * small.mass) and large.points.max() == pytest.approx(0.06)
+    with pytest.raises(MeshError, match="a box of 500 x 10 x 10 mm: expected edges"):
+        model_of_block(Block(BOX, (0.5, 0.01, 0.01)), STEEL, wanted)
+
+
 def test_what_is_too_slender_is_said():
     with pytest.raises(MeshError, match="a box of 500 x 10 x 10 mm: expected edges"):
         degrees_of(Block(BOX, (0.5, 0.01, 0.01)), 700)
