@@ -215,6 +215,9 @@ SIZED: Fields = {"size": Quantity(1e-3, 1e3, "times")}
 """The key of an object that is like its preset, in another size."""
 
 TUNING = (frozenset({"tension"}), frozenset({"fundamental"}))
+_RECTANGULAR = frozenset(
+    ("width", "thickness", "undercut", "undercut_span", "across", "tilt", "tube_diameter", "tube_gap", "tube_detuning")
+)
 
 SHAPES: Mapping[str, Shape] = {
     "bar": Shape(
@@ -235,13 +238,12 @@ SHAPES: Mapping[str, Shape] = {
             "tube_diameter": Quantity(1e-3, 1, "m"),
             "tube_length": LENGTH,
             "tube_gap": Quantity(1e-3, 1, "m"),
+            "tube_detuning": Quantity(-0.1, 0.1),
             "fan": Quantity(0, 20, "1/s"),
             "fan_depth": FRACTION,
         },
         (
-            frozenset(
-                ("width", "thickness", "undercut", "undercut_span", "across", "tilt", "tube_diameter", "tube_gap")
-            ),
+            _RECTANGULAR,
             frozenset({"diameter", "wall", *ROUND}),
         ),
     ),

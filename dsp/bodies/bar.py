@@ -53,6 +53,7 @@ def bar(
     tube_diameter: float | None = None,
     tube_length: float | None = None,
     tube_gap: float = GAP,
+    tube_detuning: float = 0.0,
     fan: float = 0.0,
     fan_depth: float = FAN_DEPTH,
 ) -> Modes:
@@ -83,7 +84,9 @@ def bar(
         require_choice("board", board, tuple(BOARDS))
         if ends != "cantilever":
             raise ValueError(f"board = {board}, ends = {ends}: expected a cantilever, clamped in the board")
-    tube = None if tube_diameter is None else tube_of(tube_diameter, tube_length, tube_gap, fan, fan_depth)
+    tube = (
+        None if tube_diameter is None else tube_of(tube_diameter, tube_length, tube_gap, fan, fan_depth, tube_detuning)
+    )
     if tube and (ends != "free" or diameter is not None):
         raise ValueError(f"tube_diameter = {tube_diameter}: expected a bar with width and thickness and free ends")
     if not 0 <= undercut < 1 or not 0 < undercut_span <= 1:
@@ -128,10 +131,10 @@ def bar(
 
 def tube_of(
     tube_diameter: float, tube_length: float | None = None, tube_gap: float = GAP, fan: float = 0.0,
-    fan_depth: float = FAN_DEPTH,
+    fan_depth: float = FAN_DEPTH, tube_detuning: float = 0.0,
 ) -> Tube:  # fmt: skip
     """Return the tube that stands under a bar; arguments as of `bar`."""
-    return Tube(tube_diameter, tube_length, tube_gap, fan, fan_depth)
+    return Tube(tube_diameter, tube_length, tube_gap, fan, fan_depth, tube_detuning)
 
 
 def over_tube(

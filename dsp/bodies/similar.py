@@ -41,10 +41,10 @@ _CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
 _HELD = ("felt", "nonlinear_modes")
 """Arguments by which a body has to do with something else than the air, or is not linear."""
 
-_ASIDE = ("board", "tube_diameter", "tube_length", "tube_gap", "fan", "fan_depth")
+_ASIDE = ("board", "tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
 """Arguments of a bar that say what it is heard by besides, and does not change its shapes."""
 
-_UNDER = ("tube_diameter", "tube_length", "tube_gap", "fan", "fan_depth")
+_UNDER = ("tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
 """Arguments of a bar that say what stands under it, and changes its modes."""
 
 _RUNGS = 2  # highest frequencies of tables in an octave

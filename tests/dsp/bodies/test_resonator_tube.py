@@ -139,13 +139,14 @@ def envelope(modes, position: float, low: float, high: float, times):
 
 @pytest.mark.parametrize("diameter", [0.02, 0.035, 0.05])
 @pytest.mark.parametrize("material", [METAL, LIGHT])
-def test_a_tube_in_tune_swells_and_dies_as_the_coupled_equations_say(material, diameter):
+@pytest.mark.parametrize("detuning", [0.0, 0.006, -0.006])
+def test_a_tube_swells_and_dies_as_the_coupled_equations_say(material, diameter, detuning):
     """The sound of the lowest mode, against the complex modes; the bar alone is faint beside it."""
     alone = bodies.bar(material, **BAR)
-    over = bodies.bar(material, **BAR, tube_diameter=diameter)
+    over = bodies.bar(material, **BAR, tube_diameter=diameter, tube_detuning=detuning)
     low, high = alone.frequency[0] * 0.8, alone.frequency[0] * 1.2
     times = np.linspace(0, 1.5 / alone.decay[0], 400)
-    tube = Tube(diameter).tuned(float(alone.frequency[0]))
+    tube = Tube(diameter, detuning=detuning).tuned(float(alone.frequency[0]))
     along, across = tube.mouth
     middle, path = alone.strike[len(alone.strike) // 2, 0], np.linspace(0, 1, len(alone.strike))
     over_mouth = np.interp(0.5 + along / BAR["length"], path, alone.strike[:, 0])
@@ -203,6 +204,7 @@ def test_a_fan_beats_twice_a_turn_as_deep_as_it_closes():
         ({"tube_diameter": 0.04, "tube_length": -1.0}, "tube_length = -1.0"),
         ({"tube_diameter": 0.04, "tube_gap": math.nan}, "tube_gap = nan"),
         ({"tube_diameter": 0.04, "fan_depth": 2.0}, "fan_depth = 2.0"),
+        ({"tube_diameter": 0.04, "tube_detuning": 0.5}, "tube_detuning = 0.5"),
         ({"tube_diameter": 0.04, "ends": "cantilever"}, "tube_diameter = 0.04: expected a bar"),
     ],
 )
