@@ -23,6 +23,8 @@ class SupportPreset:
     """kg: what moves with the flesh of a hand, which presses from outside; 0: the object lies on it by its weight."""
     load: float = 0.0
     """N: with which such a hand presses, where nothing is said."""
+    most: float = math.inf
+    """N: the greatest load that may be said, an estimate: under more, neither flesh nor a pad is as its law has it."""
     resistance: float = 0.0
     """N s/m: of the ground; 0: it is rigid."""
     wavelength: float = 0.0
@@ -51,26 +53,26 @@ SUPPORTS = {
         "stiffness over load: that of felt of an inch, on which any mass swings at some 20 Hz (Tyzzer and Hardy, J. "
         "Acoust. Soc. Am. 19, 1947, abstract), times 25.4/5; exponent: 2.2-3.5 of piano hammers (Hall and Askenfelt "
         "1988); dissipation: for a loss factor of 0.2 at 500 Hz, an estimate",
-        stiffness=2e10, dissipation=0.5, exponent=3.0,
+        stiffness=2e10, dissipation=0.5, exponent=3.0, most=10_000.0,
     ),
     "foam": SupportPreset(
         "A block of soft polyurethane foam of 4 x 4 x 2 cm, on rigid ground",
         "Young's modulus 0.1 MPa and loss factor 0.3 at 500 Hz and 1 N: estimates, within what is measured of such "
         "foams (0.05-0.3 MPa, 0.1-0.5, as recalled)",
-        stiffness=8e3, dissipation=0.75, exponent=1.0,
+        stiffness=8e3, dissipation=0.75, exponent=1.0, most=10_000.0,
     ),
     "finger": SupportPreset(
         "A fingertip that touches lightly",
         "at 1 N: stiffness 1 kN/m and resistance 1.5 N s/m of the pulp (Wiertlewski and Hayward, J. Biomech. 45, 2012, "
         "along the skin, as recalled), and 6 g behind it (Hajian and Howe, J. Biomech. Eng. 119, 1997, as recalled); "
         "stiffening with load: an estimate",
-        stiffness=2.5e5, dissipation=1.5, exponent=2.0, mass=0.006, load=1.0,
+        stiffness=2.5e5, dissipation=1.5, exponent=2.0, mass=0.006, load=1.0, most=200.0,
     ),
     "palm": SupportPreset(
         "The flat of a hand that is laid on",
         "at 50 N: 50 kN/m and 100 N s/m, as models of the palm have it (ISO 10068, as recalled); stiffening with load "
         "and the mass of the flesh that moves with it: estimates",
-        stiffness=1.3e7, dissipation=2.0, exponent=2.0, mass=0.1, load=5.0,
+        stiffness=1.3e7, dissipation=2.0, exponent=2.0, mass=0.1, load=5.0, most=2_000.0,
     ),
     "table": SupportPreset(
         "A large table top of chipboard, 25 mm thick",

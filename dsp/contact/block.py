@@ -80,7 +80,7 @@ def _stiffness(contact: Coupled) -> float:
 @kernel
 def renew_block(block: Block) -> None:
     """Begin with a contact anew."""
-    block.settled = block.parts = 0
+    block.settled = block.parts = block.linear.settled = block.linear.calm = 0
     block.gained = block.scale = 0.0
 
 

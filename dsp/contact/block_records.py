@@ -6,7 +6,8 @@ from ..native.jit import kernel
 from ..native.typed import Record, View
 from ..numerics.legendre import AHEAD
 from ..numerics.sums import AT_ONCE, BEYOND, line_of
-from .block_sizes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
+from .block_sizes import FORCES, LINE, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
+from .linear import Linear
 
 TOGETHER = 4
 """Contacts that are solved together, at most."""
@@ -55,6 +56,7 @@ class Block(Record):
     settled: int  # number of the receptance that the tables are of, 0: none
     parts: int  # of a sample that they are for, 0: the contact is too stiff
     tables: Annotated[View[Tables], TOGETHER]  # for the force of each member of the net, its own among them
+    linear: Linear  # a rest alone that swings little
     # While a block lasts:
     gained: float  # J: by how much the energy is above the least so far
     scale: float  # J: the greatest V so far
@@ -98,7 +100,13 @@ def forces_of(block: Block) -> int:
 @kernel
 def rows_of(block: Block) -> int:
     """Return the number of rows that a block has."""
-    return 5 * block.parts - 1
+    return rows_for(block.parts)
+
+
+@kernel
+def rows_for(parts: int) -> int:
+    """Return the number of rows for so many parts of a sample, or for LINE."""
+    return 2 if parts == LINE else 5 * parts - 1
 
 
 @kernel

@@ -14,7 +14,7 @@ from ..contact.block_tables import feel, settle_tables, take_answers, take_rows
 from ..contact.collocation import elastic
 from ..contact.coupled import ContactLaw, begin_coupled, respond_with
 from ..contact.coupled_records import COUPLED_GROUP, Coupled
-from ..engine.contacts.blocks import lay_motion
+from ..engine.contacts.block_motion import lay_motion
 from ..native.jit import kernel
 from ..native.typed import View, dtype_of
 from ..numerics.legendre import AHEAD, KEPT

@@ -71,3 +71,48 @@ def add_tables(
         return context.get_dummy_value()
 
     return types.void(sums, types.intp, tables, types.intp, factors, types.intp), codegen
+
+
+@intrinsic
+def put_convolved(
+    typingctx: object, sums: View[float], causes: View[float], answers: View[float], frames: int
+) -> Lowered[None]:  # fmt: skip
+    """Set sums[k frames + n] = sum_i sum_(m <= n) answers_ki[n - m] causes[i frames + m] for k and i of 0 and 1, and n
+    below `frames`, a multiple of AT_ONCE.
+
+    answers_ki[n] lies at answers[(2 k + i) (frames + AT_ONCE) + AT_ONCE + n], behind AT_ONCE zeros.
+    """
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        sums, causes, answers, frames = args
+        whole, vector = ir.IntType(64), ir.VectorType(ir.DoubleType(), AT_ONCE)
+        data = context.make_array(signature.args[1])(context, builder, causes).data
+        step = builder.add(frames, whole(AT_ONCE))
+        with cgutils.for_range_slice(builder, whole(0), frames, whole(AT_ONCE)) as (first, _):
+            totals = [cgutils.alloca_once_value(builder, ir.Constant(vector, None)) for _ in range(4)]
+            for total in totals:
+                builder.store(ir.Constant(vector, None), total)
+            with cgutils.for_range_slice(builder, whole(0), builder.add(first, whole(1)), whole(AT_ONCE)) as (m, _):
+                known = [builder.load(total) for total in totals]
+                for n in range(AT_ONCE):
+                    here = builder.add(m, whole(n))
+                    lag = builder.add(builder.sub(first, here), whole(AT_ONCE))
+                    for i in range(2):
+                        cause = builder.load(builder.gep(data, [builder.add(here, builder.mul(frames, whole(i)))]))
+                        spread = ir.Constant(vector, ir.Undefined)
+                        for lane in range(AT_ONCE):
+                            spread = builder.insert_element(spread, cause, ir.IntType(32)(lane))
+                        for k in range(2):
+                            at = builder.add(lag, builder.mul(step, whole(2 * k + i)))
+                            values = builder.load(_pointer(context, builder, signature.args[2], answers, at), align=8)
+                            product = builder.fmul(spread, values, flags=_REASSOCIATE)
+                            known[2 * k + i] = builder.fadd(known[2 * k + i], product, flags=_REASSOCIATE)
+                for each, total in zip(known, totals, strict=True):
+                    builder.store(each, total)
+            for k in range(2):
+                at = builder.add(first, builder.mul(frames, whole(k)))
+                both = builder.fadd(builder.load(totals[2 * k]), builder.load(totals[2 * k + 1]), flags=_REASSOCIATE)
+                builder.store(both, _pointer(context, builder, signature.args[0], sums, at), align=8)
+        return context.get_dummy_value()
+
+    return types.void(sums, causes, answers, types.intp), codegen

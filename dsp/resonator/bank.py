@@ -22,7 +22,17 @@ from ..native.jit import kernel, simd_kernel
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
 from .simd import HALF, LANES, STRETCH, add_product, dot, put_product, put_projections
-from .simd_ring import ANSWERS, add_totals, push, put_answers, ring_answering, ring_middle_once, ring_moved, ring_pushed
+from .simd_ring import (
+    ANSWERS,
+    AT_ONCE,
+    add_totals,
+    push,
+    put_answers,
+    ring_answering,
+    ring_middle_once,
+    ring_moved,
+    ring_pushed,
+)
 
 MOBILITY = 2 * FINE * LANES
 """First of the rows that `observe`, `receptance` and velocity.py need."""
@@ -189,23 +199,35 @@ def ring_under(
     """Ring modes from frame `start` to `stop`, a multiple of STRETCH later, under a force that stays at a point.
 
     Its moments are moments[begin + frame], (frames, KEPT) in N s. The sound is added to out[0], out[1]. `work`
-    (float64) has ANSWERS + 2 LANES (stop - start) values.
+    (float64) has AT_ONCE ANSWERS + 2 LANES (stop - start) values.
     """
-    w = _four(point.weights)
-    frames = stop - start
+    frames, size = stop - start, len(modes.y1)
     for i in range(2 * frames * LANES):
-        work[ANSWERS + i] = 0.0
+        work[AT_ONCE * ANSWERS + i] = 0.0
     bends = 0.0
     for n in range(begin + start, begin + stop):
         bends += abs(moments[n, 2]) + abs(moments[n, 3])
-    for first in range(0, len(modes.y1), LANES):
-        phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
-        put_answers(work, phi, modes.response, first // LANES * RESPONSES, modes.a1, modes.a2, first)
+    for first in range(0, size - LANES, 2 * LANES):
+        _put_answers(modes, point, work, 0, first)
+        _put_answers(modes, point, work, ANSWERS, first + LANES)
         if bends == 0.0:
-            ring_answering(modes, first, work, moments, begin + start, frames, _LINE)
+            ring_answering(modes, (first, first + LANES), work, moments, begin + start, frames, _LINE)
         else:
-            ring_answering(modes, first, work, moments, begin + start, frames, _ALL)
-    add_totals(out, start, work, ANSWERS, frames)
+            ring_answering(modes, (first, first + LANES), work, moments, begin + start, frames, _ALL)
+    if size % (2 * LANES) > 0:
+        _put_answers(modes, point, work, 0, size - LANES)
+        if bends == 0.0:
+            ring_answering(modes, (size - LANES,), work, moments, begin + start, frames, _LINE)
+        else:
+            ring_answering(modes, (size - LANES,), work, moments, begin + start, frames, _ALL)
+    add_totals(out, start, work, AT_ONCE * ANSWERS, frames)
+
+
+@simd_kernel
+def _put_answers(modes: Modes, point: Point, work: View[float], at: int, first: int) -> None:
+    """Write what a force does to LANES modes from `first` on into `work`, from a place on."""
+    phi = dot(point.shape, point.row * point.stride + first, point.stride, _four(point.weights))
+    put_answers(work, at, phi, modes.response, first // LANES * RESPONSES, (modes.a1, modes.a2), first)
 
 
 @simd_kernel

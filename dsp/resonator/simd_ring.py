@@ -10,6 +10,9 @@ from .simd import LANES, REASSOCIATE, STRETCH, int32, int64, lanes_type, pointer
 ANSWERS = 3 * KEPT * LANES
 """Values that `put_answers` writes."""
 
+AT_ONCE = 2
+"""Groups of modes that `ring_answering` rings at once, at most."""
+
 _CONTRACT = ("contract",)  # not reordered: LLVM would have more operations wait for the last sample's result
 
 
@@ -138,98 +141,118 @@ def add_totals(
 
 @intrinsic
 def put_answers(
-    typingctx: object, work: View[float], phi: tuple[float, ...], table: View[float], row: int, a1: View[float],
-    a2: View[float], first: int,
+    typingctx: object, work: View[float], at: int, phi: tuple[float, ...], table: View[float], row: int,
+    turns: tuple[View[float], ...], first: int,
 ) -> Lowered[None]:  # fmt: skip
-    """Write what a force at one place does to LANES modes from `first` on, by its moments, for `ring_answering`.
+    """Write what a force at one place does to LANES modes from `first` on, by its moments, for `ring_answering`, into
+    `work` from a place on.
 
     That is, of each moment, what it adds to y in the sample that it acts in, in the next one, and to the last sample as
     the modes keep it.
 
-    phi: the modes' shapes at the place; what moments do to them begins at table[row].
+    phi: the modes' shapes at the place; what moments do to them begins at table[row]. turns: the modes' a1 and a2.
     """
 
     def codegen(context, builder, signature, args):
         def load(n, at):
             return builder.load(pointer_to(context, builder, signature.args[n], args[n], at), align=8)
 
-        phi = vector_of(builder, cgutils.unpack_tuple(builder, args[1]))
-        p, q = load(4, args[6]), load(5, args[6])
+        phi = vector_of(builder, cgutils.unpack_tuple(builder, args[2]))
+        p, q = (
+            builder.load(pointer_to(context, builder, kind, array, args[6]), align=8)
+            for kind, array in zip(signature.args[5], cgutils.unpack_tuple(builder, args[5]), strict=True)
+        )
         for k in range(KEPT):
-            rows = [load(2, builder.add(args[3], int64((2 * k + s) * LANES))) for s in range(2)]
+            rows = [load(3, builder.add(args[4], int64((2 * k + s) * LANES))) for s in range(2)]
             last, before = (builder.fmul(phi, each, flags=REASSOCIATE) for each in rows)
             later = builder.fmul(q, last, flags=REASSOCIATE)
             here = builder.fadd(builder.fmul(p, last, flags=REASSOCIATE), builder.fmul(q, before, flags=REASSOCIATE))
             for n, each in enumerate((here, later, last)):
-                at = int64((n * KEPT + k) * LANES)
+                at = builder.add(args[1], int64((n * KEPT + k) * LANES))
                 builder.store(each, pointer_to(context, builder, signature.args[0], args[0], at), align=8)
         return context.get_dummy_value()
 
-    return types.void(work, lanes_type(), table, types.intp, a1, a2, types.intp), codegen
+    return types.void(work, types.intp, lanes_type(), table, types.intp, turns, types.intp), codegen
+
+
+def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
+    return builder.fadd(builder.fmul(a, b, flags=_CONTRACT), c, flags=_CONTRACT)
+
+
+def _sum_of(builder: Any, total: Any, answers: list[Any], moments: list[Any]) -> Any:
+    """Add answers times moments to a total, if there is one, in their order."""
+    for each, moment in zip(answers, moments, strict=True):
+        total = (
+            _fused(builder, each, moment, total) if total is not None else builder.fmul(each, moment, flags=_CONTRACT)
+        )
+    return total
 
 
 @intrinsic
 def ring_answering(
-    typingctx: object, modes: tuple[View[float], ...], first: int, work: View[float], moments: View2D[float],
-    begin: int, frames: int, kept: tuple[int, ...],
+    typingctx: object, modes: tuple[View[float], ...], firsts: tuple[int, ...], work: View[float],
+    moments: View2D[float], begin: int, frames: int, kept: tuple[int, ...],
 ) -> Lowered[None]:  # fmt: skip
-    """Ring LANES modes from `first` on under the force that `put_answers` wrote to `work`, for `frames` samples, a
-    multiple of STRETCH.
+    """Ring groups of LANES modes, from `firsts` on, under the force that `put_answers` wrote to `work`, one group's
+    answers after the other's, for `frames` samples, a multiple of STRETCH.
 
     Its moments are in moments[begin + t], (frames, KEPT), of which as many count as `kept` has numbers. For each lane
-    i, y and balance y are added to work[ANSWERS + 2 t LANES + i] and work[ANSWERS + (2 t + 1) LANES + i].
+    i, y and balance y are added to work[AT_ONCE ANSWERS + 2 t LANES + i] and work[AT_ONCE ANSWERS + (2 t + 1) LANES +
+    i].
     """
 
     def codegen(context, builder, signature, args):
-        arrays = cgutils.unpack_tuple(builder, args[0])
-        array = signature.args[0][0]
-        first, work, moments, begin, frames = args[1:6]
+        arrays, array = cgutils.unpack_tuple(builder, args[0]), signature.args[0][0]
+        work, moments, begin, frames = args[2:6]
         counted = len(signature.args[6])
         forces = context.make_array(signature.args[3])(context, builder, moments).data
         start = builder.mul(begin, int64(KEPT))
 
-        def fused(a, b, c):
-            return builder.fadd(builder.fmul(a, b, flags=_CONTRACT), c, flags=_CONTRACT)
-
         def at_work(at):
             return pointer_to(context, builder, signature.args[2], work, at)
 
-        places = [pointer_to(context, builder, array, each, first) for each in arrays[:5]]
-        u, v, p, q, balance = (builder.load(each, align=8) for each in places)
-        here, before = (cgutils.alloca_once_value(builder, each) for each in (u, v))
+        groups = []
+        for first in cgutils.unpack_tuple(builder, args[1]):
+            places = [pointer_to(context, builder, array, each, first) for each in arrays[:5]]
+            u, v, *fixed = (builder.load(each, align=8) for each in places)
+            groups.append(([cgutils.alloca_once_value(builder, each) for each in (u, v)], fixed, places))
         with cgutils.for_range_slice(builder, int64(0), frames, int64(STRETCH)) as (n, _):
-            answers = [
-                [builder.load(at_work(int64((s * KEPT + k) * LANES)), align=8) for k in range(counted)]
-                for s in range(3)
-            ]
-            first_moment = builder.add(start, builder.mul(n, int64(KEPT)))
-            known = []
+            answers = []
+            for g in range(len(groups)):
+                at = [[g * ANSWERS + (s * KEPT + k) * LANES for k in range(counted)] for s in range(3)]
+                answers.append([[builder.load(at_work(int64(each)), align=8) for each in row] for row in at])
+            known, here = [], builder.add(start, builder.mul(n, int64(KEPT)))
             for t in range(STRETCH):
-                at = [builder.add(first_moment, int64(t * KEPT + k)) for k in range(counted)]
+                at = [builder.add(here, int64(t * KEPT + k)) for k in range(counted)]
                 known.append([vector_of(builder, [builder.load(builder.gep(forces, [each]))] * LANES) for each in at])
-            u, v = builder.load(here), builder.load(before)
+            states = [[builder.load(each) for each in kept] for kept, *_ in groups]
             for t in range(STRETCH):
-                pushed = builder.fmul(answers[0][0], known[t][0], flags=_CONTRACT)
-                for k in range(1, counted):
-                    pushed = fused(answers[0][k], known[t][k], pushed)
-                for k in range(counted if t > 0 else 0):
-                    pushed = fused(answers[1][k], known[t - 1][k], pushed)
-                u, v = fused(p, u, fused(q, v, pushed)), u  # all else is known before the last sample is
-                at = builder.add(builder.mul(n, int64(2 * LANES)), int64(ANSWERS + 2 * t * LANES))
+                at = builder.add(builder.mul(n, int64(2 * LANES)), int64(AT_ONCE * ANSWERS + 2 * t * LANES))
                 left, right = at_work(at), at_work(builder.add(at, int64(LANES)))
-                builder.store(builder.fadd(builder.load(left, align=8), u, flags=_CONTRACT), left, align=8)
-                builder.store(fused(balance, u, builder.load(right, align=8)), right, align=8)
-            pushed = builder.fmul(answers[2][0], known[-1][0], flags=_CONTRACT)
-            for k in range(1, counted):
-                pushed = fused(answers[2][k], known[-1][k], pushed)
-            v = builder.fadd(v, pushed, flags=_CONTRACT)
-            builder.store(u, here)
-            builder.store(v, before)
-        for each, place in zip((here, before), places, strict=False):
-            builder.store(builder.load(each), place, align=8)
+                sounds = [builder.load(each, align=8) for each in (left, right)]
+                for g, (_, (p, q, balance), _) in enumerate(groups):
+                    u, v = states[g]
+                    pushed = _sum_of(builder, None, answers[g][0], known[t])
+                    pushed = _sum_of(builder, pushed, answers[g][1], known[t - 1]) if t > 0 else pushed
+                    # All else is known before the last sample is.
+                    u, v = _fused(builder, p, u, _fused(builder, q, v, pushed)), u
+                    states[g] = [u, v]
+                    sounds[0] = builder.fadd(sounds[0], u, flags=_CONTRACT)
+                    sounds[1] = _fused(builder, balance, u, sounds[1])
+                builder.store(sounds[0], left, align=8)
+                builder.store(sounds[1], right, align=8)
+            for g, (kept, *_) in enumerate(groups):
+                u, v = states[g]
+                builder.store(u, kept[0])
+                builder.store(
+                    builder.fadd(v, _sum_of(builder, None, answers[g][2], known[-1]), flags=_CONTRACT), kept[1]
+                )
+        for kept, _, places in groups:
+            for each, place in zip(kept, places, strict=False):
+                builder.store(builder.load(each), place, align=8)
         return context.get_dummy_value()
 
-    return types.void(modes, types.intp, work, moments, types.intp, types.intp, kept), codegen
+    return types.void(modes, firsts, work, moments, types.intp, types.intp, kept), codegen
 
 
 @intrinsic

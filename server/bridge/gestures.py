@@ -1,9 +1,11 @@
 """Standing contacts: those that slip or sweep, as slides, of which a roll is one without slip; those that lie, as
 rests."""
 
+import math
 from collections.abc import Mapping
 
 from ...dsp.bodies.material import contact_between
+from ...dsp.schema import HARDEST_REST
 from ...presets.supports import SUPPORTS
 from .bodies import Body
 from .pairs import law_of
@@ -46,12 +48,14 @@ class Gestures:
         if support:
             mass, behind = min(mass, SUPPORTS[support].mass or mass), SUPPORTS[support].resistance
         keys = {**law, "mass": min(max(mass, _LIGHTEST), _HEAVIEST)}
+        most = min(HARDEST_REST * keys["mass"], SUPPORTS[support].most if support else math.inf)
         if not ground.rings:
             keys["resistance"] = behind
         elif not its_point:
             keys["by_position"] = its_place
         what = ground.name if ground.rings else support or _GROUND
-        return Lying(event.time, lies.name, what, id, place, event.motion[2], tuple(keys.items()), point, its_point)
+        load = min(event.motion[2], most)
+        return Lying(event.time, lies.name, what, id, place, load, tuple(keys.items()), point, its_point)
 
     def rest(self, event: Event) -> list[Ending]:
         """End a slide or a rest, if it goes on."""

@@ -61,12 +61,12 @@ class Listener(NamedTuple):
 class Hearing:
     """Settings of what is computed of a simulation, and where it is heard.
 
-    microphones: one for each channel. faintest: dB over 20 µPa, below which a contact is left out. masked: dB by which
-    it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that slip or sweep at
-    once; the loudest are taken. rests: the most that lie on each other at once, so that they mute each other; those
-    whose bodies sound come first; 0: bodies that lie ring as if they hung. seed: of the surfaces on which bodies slide
-    and roll. accuracy: of blows, as `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a server keeps its
-    own.
+    microphones: one for each channel, or its place (m). faintest: dB over 20 µPa, below which a contact is left out.
+    masked: dB by which it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that
+    slip or sweep at once; the loudest are taken. rests: the most that lie on each other at once, so that they mute each
+    other; those whose bodies sound come first; 0: bodies that lie ring as if they hung. seed: of the surfaces on which
+    bodies slide and roll. accuracy: of blows, as `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a
+    server keeps its own.
     """
 
     microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)
@@ -79,6 +79,7 @@ class Hearing:
     accuracy: str | int = LEVELS[DEFAULT]
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "microphones", microphones_of(self.microphones))
         if not 1 <= len(self.microphones) <= 64:
             raise WorldError(f"microphones: {len(self.microphones)} of them: expected 1 to 64")
         for name in ("faintest", "masked"):

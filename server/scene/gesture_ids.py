@@ -4,6 +4,7 @@ An id stands for a number in the engine, which decides what it means when the ti
 gestures may share an id. The engine reports the end of each that was sent once.
 """
 
+import math
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -31,6 +32,8 @@ class GestureId:
     """Address and source of the message for each gesture that was sent and whose end is not known, the oldest first."""
     under: str = ""
     """Name of the object under its last rest; "" if that lies on a support, or there is none."""
+    most_load: float = math.inf
+    """N: up to which the load of its last rest may be steered."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +93,9 @@ class GestureIds:
         self._last += 1
         return self._last
 
-    def lay_on(self, name: str, under: str) -> None:
-        """Remember the object under the rest that an id names; "": it lies on a support."""
-        self._known.names[name].under = under
+    def lay_on(self, name: str, under: str, most_load: float) -> None:
+        """Remember what is under the rest that an id names, "" if that is a support, and its greatest load (N)."""
+        self._known.names[name].under, self._known.names[name].most_load = under, most_load
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""

@@ -1,12 +1,13 @@
 """Rests: an object that lies on another one, or on a support, on one place of its own or several."""
 
+import math
 from itertools import islice
 
 from ...dsp.bodies.ground import ground, position_of
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import SETTINGS
+from ...dsp.schema import HARDEST_REST, SETTINGS
 from ...dsp.wording import MOST_COMPARED
 from ...presets.schema import NO_REST
 from ...presets.supports import SUPPORTS, SupportPreset
@@ -21,8 +22,6 @@ from .transaction import Sent, Transaction, is_off_path
 
 _REST = "/object/NAME/rest"
 _LAW = ("stiffness", "dissipation", "exponent")
-_HARDEST = 1e9
-"""N per kg: light masses on felt that were pressed a thousand times harder rang up to 43 dB too loud."""
 
 
 def rest(to: ObjectCall) -> None:
@@ -42,9 +41,9 @@ def rest(to: ObjectCall) -> None:
     feet = feet_values(to, other)
     id = to.id(to.transaction.gestures.made_for)
     gesture = {to.start(id) for _ in feet}.pop()  # one number
-    to.transaction.gestures.lay_on(id, what if other else "")
     message = to.canonical
-    _lay(to, message, other, support, gesture, feet)
+    most = _lay(to, message, other, support, gesture, feet)
+    to.transaction.gestures.lay_on(id, what if other else "", most)
     if not (support and support.mass):  # it lies there by its weight, and so no longer where it stood
         _lift(to, message)
 
@@ -73,13 +72,17 @@ def _lift(to: ObjectCall, message: Message) -> None:
 def _lay(
     to: ObjectCall, message: Message, other: PlayedObject | None, support: SupportPreset | None, gesture: int,
     feet: list[dict[str, float]],
-) -> None:  # fmt: skip
-    """Lay an object on another one or on a support, as a gesture of a number; `message` stands for all commands."""
+) -> float:  # fmt: skip
+    """Lay an object on another one or on a support, as a gesture of a number; `message` stands for all commands. Return
+    the greatest load (N) that it takes."""
     command = Command(NOW, "rest", gesture=gesture)
     load, numbers = _load(to, support, len(feet)), to.values.numbers
     mass = numbers.get("mass", _mass(to, support, load))
-    if load > _HARDEST * mass:
-        raise Refused(f"load = {load:g}, mass = {mass:g}: expected at most {_HARDEST:g} N per kg")
+    if load > HARDEST_REST * mass:
+        raise Refused(f"load = {load:g}, mass = {mass:g}: expected at most {HARDEST_REST:g} N per kg")
+    if support and "load" in numbers and load > support.most:
+        raise Refused(f"load = {load:g}: expected at most {support.most:g} N on {to.values.words['what']}")
+    most = min(HARDEST_REST * mass, max(support.most, load) if support else math.inf)
     values = {**_law(to, other, support), "mass": mass, "load": load, "gain": 1.0}
     resistance = numbers.get("resistance", support.resistance if support else 0.0)
     if other and resistance:
@@ -89,7 +92,7 @@ def _lay(
         command = command._replace(time=time, by=other.handle if other else None)
         for foot in feet:
             _add(to, message, command._replace(values=values | foot), other)
-        return
+        return most
     engine = to.transaction.engine
     places = tuple((foot["x"], foot["y"], foot["z"]) for foot in feet)
     wavelength = support.wavelength if support and feet[0]["on_surface"] else 0.0  # else the path's length is not known
@@ -103,6 +106,7 @@ def _lay(
     _add(to, message, Command(time, Kind.FREE, handle))  # it goes once nothing rests on it
     engine.leave(handle)
     to.transaction.on_undo(lambda: engine.stay(handle))
+    return most
 
 
 def _meant(to: ObjectCall, what: str) -> str:

@@ -5,7 +5,7 @@ from itertools import islice
 
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, POINT
+from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT
 from ...dsp.wording import MOST_COMPARED, expected, some_of, suggestion
 from ..osc.addresses import Call
 from ..osc.arguments import GestureEnded, Refused, Values
@@ -46,6 +46,8 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
     elif action != "stop":
         assert isinstance(call.verb, Change)
         commands = [each._replace(parameter=action) for each in changes(Kind.STEER, call.verb.number, values)]
+    if action == LOAD.name:
+        _require_borne(ids, max(each.value for each in commands))
     transaction.selection.charge(CHANGE_WORK * (len(ids) * len(commands) - 1), call.target)
     for id in ids:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
@@ -62,6 +64,13 @@ def _warn_of_nothing(transaction: Transaction, call: Call, ids: list[GestureId])
         known = dict.fromkeys(name for kind in kinds for name in GESTURES[kind].steerable)
         reason = f"what goes on ({', '.join(kinds)}) has no {action}, so nothing changes: {expected(action, known)}"
         transaction.replies.append(Message("/warning", (f"{call.message.address}: {reason}",)))
+
+
+def _require_borne(ids: list[GestureId], load: float) -> None:
+    """Refuse a load (N) that is too much for one of the gestures."""
+    for id in ids:
+        if load > id.most_load:
+            raise Refused(f"load = {load:g}: expected at most {id.most_load:g} N of {id.name}")
 
 
 def _require_surfaces(transaction: Transaction, ids: list[GestureId], action: str, values: Values) -> None:

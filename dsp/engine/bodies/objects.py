@@ -103,13 +103,14 @@ def least_heard(state: State, obj: Object) -> float:
 @kernel
 def is_heard(state: State, obj: Object, begin: int, end: int, threshold: float) -> bool:
     """True if one of the bank's modes from `begin` up to `end`, all an object's, is louder than a threshold."""
-    bank, heard = state.bank, False
+    bank = state.bank
     for i in range(begin, end):
         if bank.a2[i] != 0.0:
             re, im = state_of(bank.y1[i], bank.y2[i], bank.a1[i], bank.a2[i])
             weight = max(1.0, abs(bank.balance[i])) * max(1.0, obj.place.loudest)
-            heard |= weight * weight * (re * re + im * im) > threshold * threshold
-    return heard
+            if weight * weight * (re * re + im * im) > threshold * threshold:
+                return True
+    return False
 
 
 @kernel

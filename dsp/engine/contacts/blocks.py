@@ -10,18 +10,12 @@ force moves on meanwhile.
 
 from ...contact.accuracy import PARTS
 from ...contact.block import begin_block, end_block, parts_for, renew_block, step_blocks
-from ...contact.block_nodes import TILT, nodes_of
-from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, rows_of
-from ...contact.block_sizes import MOMENTS_AHEAD, MOST_PARTS
+from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of
+from ...contact.block_sizes import MOMENTS_AHEAD
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows
 from ...native.jit import kernel, noinline_kernel
-from ...native.typed import View
-from ...numerics.legendre import AHEAD, KEPT
-from ...resonator.bank import Modes, Point, inject_kept
-from ...resonator.mode import settle_under
-from ...resonator.rows import course_weights, lay_rows, row_weights
+from ...numerics.legendre import KEPT
 from ...resonator.simd import LANES
-from ...resonator.simd_rows import AT_ONCE
 from ...rolling.block_path import begin_evenly, project_path, roll_back, roll_evenly
 from ...rolling.body import share_of
 from ...rolling.coupled_roll import lead_coupled_roll
@@ -29,33 +23,18 @@ from ..bodies.objects import modes_of, point_of
 from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker, press_striker
 from ..bodies.surface import put
-from ..memory.records import Contact, ContactPoint
+from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, State
 from ..output.fade import note_force
+from .block_motion import BENT, clear_rows, lay_answers, lay_point
 from .contact_force import find_transfer, observe_points
 from .contact_list import take_place, take_room_again
 from .coupled_rolls import position_of
+from .linear_rests import may_be_linear, note_calm, run_linear
 from .rolls import feed_of, register_roll
 from .trace import trace_press, trace_roll
 
-
-def _weights_of(parts: int) -> tuple[tuple[float, ...], ...]:
-    """Return the weights of all rows of a sample of so many parts (block_records.py)."""
-    spans = [(part / parts, (part + 1) / parts) for part in range(parts)]
-    rows = [row_weights(float(time)) for time in nodes_of(parts)]
-    rows += [TILT * course_weights(1, *span) for span in spans]
-    rows += [row_weights(end) for _, end in spans[:-1]]
-    rows += [course_weights(moment, 0.0, 1.0) for moment in range(2, parts + 1)]
-    return tuple(tuple(row.tolist()) for row in [*rows, row_weights(1.0)])
-
-
-_WEIGHTS = [_weights_of(parts) for parts in range(1, MOST_PARTS + 1)]
-_OF_ONE, _OF_TWO, _OF_THREE = ([rows[i : i + AT_ONCE] for i in range(0, len(rows), AT_ONCE)] for rows in _WEIGHTS)
-(_ONE_A,), (_TWO_A, _TWO_B), (_THREE_A, _THREE_B, _THREE_C) = _OF_ONE, _OF_TWO, _OF_THREE
-_SECOND, _THIRD = AT_ONCE * AHEAD, 2 * AT_ONCE * AHEAD  # where their rows begin
-
 _FEWEST = 8  # frames that are worth a block
-_BENT = -1  # in the place of a moment: a force that lasts
 
 
 @noinline_kernel
@@ -69,14 +48,16 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
     parts = _look(state, net)
     if parts == 0:
         return
-    for i in range(net.size):
-        _begin(state, net, i, parts, frame)
-    net.end = -1
-    if net.size == 1:
-        run_alone(state, frame)
-    if net.end < 0:
-        net.end = _run(state, net, net.size, frame)
-    _leave(state, net, frame, net.end)
+    if not (may_be_linear(state, net, parts, frame) and run_linear(state, net)):
+        for i in range(net.size):
+            _begin(state, net, i, parts, frame)
+        net.end = -1
+        if net.size == 1:
+            run_alone(state, frame)
+        if net.end < 0:
+            net.end = _run(state, net, net.size, frame)
+        _leave(state, net, frame, net.end)
+        note_calm(state, net, frame)
     for i in range(net.size):
         _hand_on(state, state.contacts[net.contact[i]], frame)
     _resume(state, net, frame, net.end)
@@ -248,13 +229,13 @@ def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
             _settle(state, contact, other, block, tables)
     scale, place = 1.0 / contact.now.gain, 0.0
     samples = QUANTUM - frame // LANES * LANES
-    _clear_rows(state, block)
+    clear_rows(state, block.parts)
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
             modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
-            place += scale * _lay(state, block, samples, modes, where)
+            place += scale * lay_point(state, block.parts, samples, modes, where)
     take_rows(block, state.scratch.rows, scale)
     begin_block(block, contact.coupled, place)
     if contact.trait.rolls == 1:
@@ -274,10 +255,10 @@ def _settle(state: State, contact: Contact, other: Contact, block: Block, tables
         answer_of(state.scratch.receptance, 1.0 / state.rate, state.scratch.fine)
         settle_tables(tables, state.scratch.fine, block.parts)
     for moment in range(moments_of(block)):
-        _lay_answers(state, block, contact, other, moment)
+        lay_answers(state, block.parts, contact, other, moment)
         take_answers(block, tables, moment, state.scratch.rows)
     if other.trait.held == 1:
-        place = _lay_answers(state, block, contact, other, _BENT)
+        place = lay_answers(state, block.parts, contact, other, BENT)
         take_missed(block, tables, state.scratch.rows, place, contact.coupled.period**2 / contact.m if own else 0.0)
 
 
@@ -357,72 +338,8 @@ def _hand_on(state: State, contact: Contact, frame: int) -> None:
         trace_press(state, contact, fed, (frame, contact.ahead))
     else:
         trace_roll(state, contact, fed, (frame, contact.ahead), 0)
-    for n in range(frame, contact.ahead):
+    for n in range(max(frame, contact.ahead - len(contact.forces)), contact.ahead):
         note_force(contact.forces, fed[n, 0] * state.rate)
+    for n in range(frame, contact.ahead):
         for k in range(KEPT):
             fed[n, k] *= contact.now.gain
-
-
-@kernel
-def _clear_rows(state: State, block: Block) -> None:
-    """Empty the rows in which motions are laid out."""
-    for i in range(AHEAD * rows_of(block)):
-        state.scratch.rows[i] = 0.0
-
-
-@noinline_kernel
-def lay_motion(parts: int, samples: int, modes: Modes, point: Point, room: View[float], rows: View[float]) -> float:
-    """Add the motion of a point without a force over so many samples, a multiple of LANES, to `rows`, those of so many
-    parts of a sample, one row after the other; return where it is now (m). `room` has ROOM values
-    (resonator/rows.py)."""
-    if parts == 1:
-        return lay_rows(modes, point, _ONE_A, samples, room, rows)
-    if parts == 2:
-        lay_rows(modes, point, _TWO_A, samples, room, rows)
-        return lay_rows(modes, point, _TWO_B, samples, room, rows[_SECOND:])
-    lay_rows(modes, point, _THREE_A, samples, room, rows)
-    lay_rows(modes, point, _THREE_B, samples, room, rows[_SECOND:])
-    return lay_rows(modes, point, _THREE_C, samples, room, rows[_THIRD:])
-
-
-@kernel
-def _lay(state: State, block: Block, samples: int, modes: Modes, where: Point) -> float:
-    """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
-    return lay_motion(block.parts, samples, modes, where, state.scratch.room, state.scratch.rows)
-
-
-@kernel
-def _lay_answers(state: State, block: Block, contact: Contact, other: Contact, moment: int) -> float:
-    """Lay out how a contact's points move after a sample in which one moment of another's force is 1, or its own; or,
-    for _BENT, if 1 N that bent them is gone. Return where they begin (m)."""
-    place = 0.0
-    _clear_rows(state, block)
-    for side in range(2):
-        for other_side in range(2):
-            point, struck = contact.point[side], other.point[other_side]
-            meet = point.slot >= 0 and point.slot == struck.slot
-            if meet and (side == other_side or contact.index != other.index):
-                place += _lay_answer(state, block, point, struck, moment)
-    return place
-
-
-@kernel
-def _lay_answer(state: State, block: Block, point: ContactPoint, struck: ContactPoint, moment: int) -> float:
-    """Add how a point of an object moves after a force on another one to `rows`."""
-    obj, work, moments = state.objects[point.slot], state.scratch.work, state.scratch.fine
-    modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
-    size = len(modes.y1)
-    moved = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
-    for i in range(2 * size):
-        work[i] = 0.0
-    for j in range(KEPT):
-        moments[j] = 1.0 if j == moment else 0.0
-    if moment == _BENT:
-        moments[0] = 1.0 / state.rate
-    inject_kept(moved, point_of(state, obj, struck), moments)
-    if moment == _BENT:
-        settle_under(moved)
-    else:
-        for i in range(size):
-            moved.y1[i], moved.y2[i] = modes.a1[i] * moved.y1[i] + modes.a2[i] * moved.y2[i], moved.y1[i]
-    return _lay(state, block, AHEAD, moved, point_of(state, obj, point))

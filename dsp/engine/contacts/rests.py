@@ -18,6 +18,7 @@ import math
 
 from ...contact.coupled import begin_within
 from ...native.jit import kernel, noinline_kernel
+from ...schema import HARDEST_REST
 from ..bodies.objects import is_heard, least_heard
 from ..bodies.sheets import is_coupled
 from ..bodies.surface import put_other
@@ -42,18 +43,24 @@ def begin_rest(state: State, contact: Contact) -> bool:
         return False
     contact.solver = COUPLING
     couple(state, contact)
-    _press(contact)
+    _press(contact, _load_of(contact))
     begin_within(coupled, coupled.rest_compression, 0.0, 0.0, _FIRST / (coupled.swing * coupled.period))
     return True
 
 
 @kernel
-def _press(contact: Contact) -> None:
-    """Put the load on a contact."""
-    coupled, load = contact.coupled, contact.now.load
+def _press(contact: Contact, load: float) -> None:
+    """Put a load (N) on a contact."""
+    coupled = contact.coupled
     coupled.push = coupled.rest_force = load
     coupled.rest_compression = (load / contact.k) ** (1.0 / contact.a)
     coupled.swing = math.sqrt(contact.a * load / (contact.m * coupled.rest_compression))
+
+
+@kernel
+def _load_of(contact: Contact) -> float:
+    """Return the load (N) on a rest: as it is steered, as far as its mass bears that."""
+    return min(contact.now.load, HARDEST_REST * contact.m)
 
 
 @kernel
@@ -65,9 +72,10 @@ def keep_resting(state: State, contact: Contact) -> bool:
     state.resting = 1
     if update_mode_count(state, contact):
         contact.unsettled = 1
-    if coupled.rest_force != contact.now.load:
+    load = _load_of(contact)
+    if coupled.rest_force != load:
         before = coupled.rest_compression
-        _press(contact)
+        _press(contact, load)
         shift = coupled.rest_compression - before
         coupled.position += shift
         coupled.motion[0] += shift

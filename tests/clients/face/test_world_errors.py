@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from carom import Pose, Touch, World, WorldError
+from carom import Hearing, Microphone, Pose, Touch, World, WorldError
 from tests.clients.face.test_world import furnished
 
 ONE = {"pair": [[0, 1]], "point": [[0, 0, 0]], "normal": [[0, 0, 1]]}
@@ -108,3 +108,9 @@ def test_a_world_that_cannot_be_is_refused(text, options):
     with pytest.raises(WorldError) as found:
         World(**options)
     assert str(found.value).startswith(text)
+
+
+def test_microphones_of_a_hearing_may_be_places():
+    assert Hearing([(0, 0, 1)]).microphones == (Microphone((0.0, 0.0, 1.0)),)
+    with pytest.raises(WorldError, match="expected a Microphone or a place"):
+        Hearing([(0, 0)])

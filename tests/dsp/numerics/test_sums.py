@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from carom.dsp.numerics.sums import AT_ONCE, BEYOND, add_tables, line_of
+from carom.dsp.numerics.sums import AT_ONCE, BEYOND, add_tables, line_of, put_convolved
 
 pytestmark = pytest.mark.slow  # numba compiles the loops around the intrinsics
 
@@ -33,3 +33,17 @@ def test_tables_are_added_as_numpy_does():
         expected[3 : 3 + count] += (0.5 * tables[:, 0] - 2.0 * tables[:, 1]).ravel()[:count]
         add(sums, 3, room, 0.5, -2.0, count)
         np.testing.assert_allclose(sums[: 3 + count], expected[: 3 + count], atol=1e-15)
+
+
+def test_answers_are_two_by_two_convolutions():
+    from numba import njit
+
+    random, answer = np.random.default_rng(1), njit(lambda a, b, c, n: put_convolved(a, b, c, n))
+    frames = 5 * AT_ONCE
+    causes, answers = random.normal(size=2 * frames), np.zeros((4, frames + AT_ONCE))
+    answers[:, AT_ONCE:] = random.normal(size=(4, frames))
+    sums = np.full(2 * frames, np.nan)
+    answer(sums, causes, answers.ravel(), frames)
+    for k in range(2):
+        parts = [np.convolve(answers[2 * k + i, AT_ONCE:], causes[i * frames :][:frames])[:frames] for i in range(2)]
+        np.testing.assert_allclose(sums[k * frames :][:frames], parts[0] + parts[1], rtol=1e-12, atol=1e-12)

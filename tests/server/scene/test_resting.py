@@ -70,6 +70,9 @@ EXPECTED = "expected another object, felt, foam, finger, palm, table or none"
         (("pane", "resistance", 5), "resistance = 5: expected none, as pane is an object"),
         (("felt", "load", 0), "load = 0: expected a number from 1e-06 to 100000 N"),
         (("felt", "load", 1e5, "mass", 1e-7), "load = 100000, mass = 1e-07: expected at most 1e+09 N per kg"),
+        (("felt", "load", 2e4), "load = 20000: expected at most 10000 N on felt"),
+        (("finger", "load", 300), "load = 300: expected at most 200 N on finger"),
+        (("palm", "load", 3000), "load = 3000: expected at most 2000 N on palm"),
         (("felt", "by_position", 0.5), "by_position = 0.5: expected it beside an object that touches"),
         (("felt", "striker", "steel"), "striker: no such key"),
         ((), "what is missing: expected /object/NAME/rest what [position] [key value ...]"),
@@ -118,3 +121,13 @@ def test_a_scene_an_object_and_a_score_rest_alike():
         scene.stop("x", at=0.2)
         sound = scene.render(seconds=0.3).samples
     assert np.array_equal(sound, carom.render(lines, seconds=0.3).samples) and sound.any()
+
+
+def test_a_load_is_steered_as_far_as_one_may_begin(played):
+    for id, what, *keys in (("tip", "finger"), ("pad", "felt", "mass", 1e-6), ("foot", "pane", 0.2)):
+        assert say(played, "/object/cup/rest", what, *keys, "id", id) == []
+    refused = refusal(played, "/gesture/tip/load", 300.0)
+    assert refused.startswith("load = 300: expected at most 200 N of tip")
+    assert refusal(played, "/gesture/pad/load", 2_000.0, "over", 1.0).startswith("load = 2000: expected at most 1000 N")
+    assert refusal(played, "/gesture/*/load", 300.0).startswith("load = 300: expected at most 200 N of tip")
+    assert say(played, "/gesture/tip/load", 200.0) == say(played, "/gesture/foot/load", 1e5) == []

@@ -1,0 +1,102 @@
+"""The motion of points by modes alone, over a quantum: rows for contacts that are solved in blocks."""
+
+from ...contact.block_nodes import TILT, nodes_of
+from ...contact.block_records import rows_for
+from ...contact.block_sizes import LINE, MOST_PARTS
+from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View
+from ...numerics.legendre import AHEAD, KEPT
+from ...resonator.bank import Modes, Point, inject_kept
+from ...resonator.mode import settle_under
+from ...resonator.rows import course_weights, lay_rows, row_weights
+from ...resonator.simd_rows import AT_ONCE
+from ..bodies.objects import modes_of, point_of
+from ..memory.records import Contact, ContactPoint
+from ..memory.state import State
+
+
+def _weights_of(parts: int) -> tuple[tuple[float, ...], ...]:
+    """Return the weights of all rows of a sample of so many parts (block_records.py)."""
+    spans = [(part / parts, (part + 1) / parts) for part in range(parts)]
+    rows = [row_weights(float(time)) for time in nodes_of(parts)]
+    rows += [TILT * course_weights(1, *span) for span in spans]
+    rows += [row_weights(end) for _, end in spans[:-1]]
+    rows += [course_weights(moment, 0.0, 1.0) for moment in range(2, parts + 1)]
+    return tuple(tuple(row.tolist()) for row in [*rows, row_weights(1.0)])
+
+
+_WEIGHTS = [_weights_of(parts) for parts in range(1, MOST_PARTS + 1)]
+_OF_ONE, _OF_TWO, _OF_THREE = ([rows[i : i + AT_ONCE] for i in range(0, len(rows), AT_ONCE)] for rows in _WEIGHTS)
+(_ONE_A,), (_TWO_A, _TWO_B), (_THREE_A, _THREE_B, _THREE_C) = _OF_ONE, _OF_TWO, _OF_THREE
+_LINE = tuple(tuple(row.tolist()) for row in (course_weights(1, 0.0, 1.0), row_weights(1.0)))
+_SECOND, _THIRD = AT_ONCE * AHEAD, 2 * AT_ONCE * AHEAD  # where their rows begin
+
+BENT = -1
+"""Number in the place of a moment for a force that lasts."""
+
+
+@kernel
+def clear_rows(state: State, parts: int) -> None:
+    """Empty the rows in which motions are laid out."""
+    for i in range(AHEAD * rows_for(parts)):
+        state.scratch.rows[i] = 0.0
+
+
+@noinline_kernel
+def lay_motion(parts: int, samples: int, modes: Modes, point: Point, room: View[float], rows: View[float]) -> float:
+    """Add the motion of a point without a force over so many samples, a multiple of LANES, to `rows`, those of so many
+    parts of a sample, or of LINE, one row after the other; return where it is now (m). `room` has ROOM values
+    (resonator/rows.py)."""
+    if parts == LINE:
+        return lay_rows(modes, point, _LINE, samples, room, rows)
+    if parts == 1:
+        return lay_rows(modes, point, _ONE_A, samples, room, rows)
+    if parts == 2:
+        lay_rows(modes, point, _TWO_A, samples, room, rows)
+        return lay_rows(modes, point, _TWO_B, samples, room, rows[_SECOND:])
+    lay_rows(modes, point, _THREE_A, samples, room, rows)
+    lay_rows(modes, point, _THREE_B, samples, room, rows[_SECOND:])
+    return lay_rows(modes, point, _THREE_C, samples, room, rows[_THIRD:])
+
+
+@kernel
+def lay_point(state: State, parts: int, samples: int, modes: Modes, where: Point) -> float:
+    """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
+    return lay_motion(parts, samples, modes, where, state.scratch.room, state.scratch.rows)
+
+
+@kernel
+def lay_answers(state: State, parts: int, contact: Contact, other: Contact, moment: int) -> float:
+    """Lay out how a contact's points move after a sample in which one moment of another's force is 1, or its own; or,
+    for BENT, if 1 N that bent them is gone. Return where they begin (m)."""
+    place = 0.0
+    clear_rows(state, parts)
+    for side in range(2):
+        for other_side in range(2):
+            point, struck = contact.point[side], other.point[other_side]
+            meet = point.slot >= 0 and point.slot == struck.slot
+            if meet and (side == other_side or contact.index != other.index):
+                place += _lay_answer(state, parts, point, struck, moment)
+    return place
+
+
+@kernel
+def _lay_answer(state: State, parts: int, point: ContactPoint, struck: ContactPoint, moment: int) -> float:
+    """Add how a point of an object moves after a force on another one to `rows`."""
+    obj, work, moments = state.objects[point.slot], state.scratch.work, state.scratch.fine
+    modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
+    size = len(modes.y1)
+    moved = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
+    for i in range(2 * size):
+        work[i] = 0.0
+    for j in range(KEPT):
+        moments[j] = 1.0 if j == moment else 0.0
+    if moment == BENT:
+        moments[0] = 1.0 / state.rate
+    inject_kept(moved, point_of(state, obj, struck), moments)
+    if moment == BENT:
+        settle_under(moved)
+    else:
+        for i in range(size):
+            moved.y1[i], moved.y2[i] = modes.a1[i] * moved.y1[i] + modes.a2[i] * moved.y2[i], moved.y1[i]
+    return lay_point(state, parts, AHEAD, moved, point_of(state, obj, point))
