@@ -174,9 +174,6 @@ LOAD = Parameter(
     "load", 1e-6, 1e5, "N", "that presses it on: its weight, or a hand's usual force, if not given",
     useful=(0.1, 50.0), steerable=True, glide=0.1,
 )  # fmt: skip
-HARDEST_REST = 1e9
-"""N per kg that a load of a rest may be: light masses on felt that were pressed a thousand times harder rang up to 43
-dB too loud."""
 RESISTANCE = Parameter(
     "resistance", 0.0, 1e9, "N s/m", "of the ground under a support; 0: it is rigid; the support's if not given",
     useful=(0.0, 1e5),

@@ -10,3 +10,7 @@ over 20 µPa. Strikes of most things, at a metre, come out at a usual loudness t
 GRID = 256.0
 """Places between two samples where an event that is played live may fall: few enough that a score's seconds can name
 each exactly."""
+
+HARDEST_REST = 1e9
+"""N per kg that the load of a rest may be: light masses on felt that were pressed a thousand times harder rang up to 43
+dB too loud."""

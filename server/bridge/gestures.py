@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 
 from ...dsp.bodies.material import contact_between
-from ...dsp.schema import HARDEST_REST
+from ...dsp.numerics.constants import HARDEST_REST
 from ...presets.supports import SUPPORTS
 from .bodies import Body
 from .pairs import law_of

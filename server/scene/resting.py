@@ -5,9 +5,9 @@ from itertools import islice
 
 from ...dsp.bodies.ground import ground, position_of
 from ...dsp.engine.memory.commands import Command, Kind
-from ...dsp.numerics.constants import STANDARD_GRAVITY
+from ...dsp.numerics.constants import HARDEST_REST, STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import HARDEST_REST, SETTINGS
+from ...dsp.schema import SETTINGS
 from ...dsp.wording import MOST_COMPARED
 from ...presets.schema import NO_REST
 from ...presets.supports import SUPPORTS, SupportPreset

@@ -18,7 +18,7 @@ import math
 
 from ...contact.coupled import begin_within
 from ...native.jit import kernel, noinline_kernel
-from ...schema import HARDEST_REST
+from ...numerics.constants import HARDEST_REST
 from ..bodies.objects import is_heard, least_heard
 from ..bodies.sheets import is_coupled
 from ..bodies.surface import put_other
