@@ -21,8 +21,9 @@ from scipy.special import spherical_in
 from ..dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ..dsp.errors import CaromError
 from ..dsp.numerics.legendre import KEPT
-from ..dsp.resonator.click import CLICK_MODES, click_mode
-from ..dsp.resonator.fed import HALF, LINE, REACH, WINDOW, feed_tap
+from ..dsp.resonator.click import click_mode
+from ..dsp.resonator.fed import LINE, WINDOW, feed_tap
+from ..dsp.resonator.sizes import CLICK_MODES, HALF, REACH
 
 Array = NDArray[Any]
 Row = Mapping[str, Any]

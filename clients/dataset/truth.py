@@ -14,8 +14,8 @@ from ...dsp.engine.memory.records import SLID
 from ...dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ...dsp.kept import Kept
 from ...dsp.resonator.bank import top_of
-from ...dsp.resonator.click import CLICK_MODES
 from ...dsp.resonator.simd import LANES
+from ...dsp.resonator.sizes import CLICK_MODES
 from ...dsp.schema import GESTURES
 from ..contacts import Contact, Drive
 from ..modes import Click, Places, mode_table, places_of

@@ -31,8 +31,9 @@ from ..native.typed import Items, View
 from .block_nodes import AT, FORCE_MOMENTS, SHARES, TIMES_OF_ONE, TIMES_OF_THREE, TIMES_OF_TWO
 from .block_records import Block, Net, Tables, forces_of, motion_of, ratio_of, rows_of
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
-from .collocation import NODES, elastic, raised
+from .collocation import elastic, raised
 from .coupled_records import Coupled, Member
+from .step_record import NODES
 
 STIFFEST = np.array([0.0, 0.6, 1.5, 1.5])
 """rad of a contact's swing in a sample, of body and object together, up to which so many parts of it follow."""

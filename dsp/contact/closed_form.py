@@ -18,68 +18,41 @@ Eight nodes are computed at once (numerics/elementary.py): LLVM turns all loops 
 """
 
 import math
-from typing import Annotated
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from ..native.jit import kernel, simd_kernel
-from ..native.typed import Record, View, View2D, dtype_of
+from ..native.typed import View
 from ..numerics.elementary import exp, expm1, log
 from ..numerics.legendre import FALL, MOMENTS, RISE
 from .law import potential, restitution_of, time_scale
+from .pulse_record import DEGREE, NODES, ROOM, Pulse
 
-_NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(12))
-_PIECE_NODES, _PIECE_WEIGHTS = (g.copy() for g in legendre.leggauss(8))
+_NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(DEGREE))
+_PIECE_NODES, _PIECE_WEIGHTS = (g.copy() for g in legendre.leggauss(NODES))
 _WIDE = 0.4  # of zeta: a piece that is as long is taken in two halves, as are contacts of some samples
-_DEGREE = len(_NODES)
-_ROOM = 16  # for as many coefficients
 _LOG_NODES = np.tile(np.log(0.5 + 0.5 * _NODES), 2)  # of both phases
 
 _PHASE_NODES = 0.5 + 0.5 * _PIECE_NODES  # zeta, of a whole phase
 _PHASE_LOGS = np.log(_PHASE_NODES)
 
-NODES = len(_PIECE_NODES)
-"""Gauss nodes of a phase of a pulse."""
-
 
 def _antiderivative() -> NDArray[np.float64]:
     """Return the matrix from a function's values at _NODES to the power series (in x = 2 zeta - 1) of its integral over
     zeta."""
-    degrees = np.arange(_DEGREE)
+    degrees = np.arange(DEGREE)
     # Legendre coefficients of the polynomials that are 1 at one node and 0 at the others.
-    cardinal = (degrees + 0.5)[:, None] * legendre.legvander(_NODES, _DEGREE - 1).T * _WEIGHTS
+    cardinal = (degrees + 0.5)[:, None] * legendre.legvander(_NODES, DEGREE - 1).T * _WEIGHTS
     integrals = legendre.legint(cardinal, lbnd=-1) / 2
     return np.column_stack([legendre.leg2poly(column) for column in integrals.T])
 
 
-_ANTIDERIVATIVE = np.zeros((_DEGREE, _ROOM))
-_ANTIDERIVATIVE[:, : _DEGREE + 1] = _antiderivative().T
+_ANTIDERIVATIVE = np.zeros((DEGREE, ROOM))
+_ANTIDERIVATIVE[:, : DEGREE + 1] = _antiderivative().T
 
 _LEAST = 1e-300  # what a logarithm is taken of, at least
-
-
-class Pulse(Record):
-    """State of one contact: phase 0 compresses, phase 1 releases."""
-
-    time_series: Annotated[View2D[float], 2, _ROOM]  # samples from the phase's contact end, over x = 2 zeta - 1
-    slowness: Annotated[View[float], 2 * _DEGREE]  # samples per zeta at _NODES
-    node_time: Annotated[View[float], 2 * NODES]  # samples: see `find_nodes`
-    node_impulse: Annotated[View[float], 2 * NODES]  # N s
-    span: Annotated[View[float], 2]  # |U| at the contact end
-    phase_time: Annotated[View[float], 2]  # samples
-    w: Annotated[View[float], 2]  # mu v_in, negative in the release
-    exponent: float
-    momentum: float  # m v_in, N s
-    restitution: float
-    duration: float  # samples
-    time: float  # samples since the beginning: how far the moments have been taken
-    zeta: float
-    u: float
-
-
-PULSE = dtype_of(Pulse)
 
 
 @kernel
@@ -133,9 +106,9 @@ def _find_slowness(pulse: Pulse, unit: float) -> None:
     a, compressing, releasing = pulse.exponent, pulse.span[0], pulse.span[1]
     dissipation, slowness = pulse.w[0], pulse.slowness
     power, share = a + 1.0, a / (a + 1.0)
-    for i in range(2 * _DEGREE):
-        w = dissipation if i < _DEGREE else -dissipation
-        span = compressing if i < _DEGREE else releasing
+    for i in range(2 * DEGREE):
+        w = dissipation if i < DEGREE else -dissipation
+        span = compressing if i < DEGREE else releasing
         Z = exp(power * _LOG_NODES[i])
         along, left = w * span * Z, w * span * (1.0 - Z)
         distance = span * Z if w == 0.0 else expm1(along) / w
@@ -148,11 +121,11 @@ def _find_slowness(pulse: Pulse, unit: float) -> None:
 def _integrate(pulse: Pulse) -> None:
     """Find the time series from the slowness."""
     for phase in range(2):
-        series, slowness = pulse.time_series[phase], pulse.slowness[phase * _DEGREE : (phase + 1) * _DEGREE]
-        for i in range(_ROOM):
+        series, slowness = pulse.time_series[phase], pulse.slowness[phase * DEGREE : (phase + 1) * DEGREE]
+        for i in range(ROOM):
             series[i] = 0.0
-        for j in range(_DEGREE):
-            for i in range(_ROOM):
+        for j in range(DEGREE):
+            for i in range(ROOM):
                 series[i] += _ANTIDERIVATIVE[j, i] * slowness[j]
 
 
@@ -181,9 +154,9 @@ def _zeta(series: View[float], duration: float, t: float) -> float:
     zeta = t / duration
     for _ in range(8):
         x = 2.0 * zeta - 1.0
-        value = series[_DEGREE]
+        value = series[DEGREE]
         slope = 0.0
-        for i in range(_DEGREE - 1, -1, -1):
+        for i in range(DEGREE - 1, -1, -1):
             slope = slope * x + value
             value = value * x + series[i]
         step = (value - t) / (2.0 * slope)

@@ -12,15 +12,13 @@ energy can't grow, whatever the step, and the root is unique.
 """
 
 import math
-from typing import Annotated
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from ..native.jit import kernel
-from ..native.typed import Record, View, View2D, dtype_of
-
-NODES = 3
+from ..native.typed import View, View2D
+from .step_record import NODES, Step
 
 GAUSS = (legendre.leggauss(NODES)[0] + 1.0) / 2.0
 """The nodes, in [0, 1] of a step."""
@@ -56,24 +54,6 @@ _GRADIENT_STEPS = 200
 _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
 _SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
-
-
-class Step(Record):
-    """One step: x_i = free_x_i - sum_j give_x_ij f_j, v_i = free_v_i - sum_j give_v_ij f_j."""
-
-    # Given: the motion without the force, and how far the nodes' forces (N) change it.
-    free_x: Annotated[View[float], NODES]  # m
-    free_v: Annotated[View[float], NODES]  # m/s
-    give_x: Annotated[View2D[float], NODES, NODES]  # m/N
-    give_v: Annotated[View2D[float], NODES, NODES]  # m/(s N)
-    # Found; `f` also says where to start.
-    f: Annotated[View[float], NODES]  # N
-    x: Annotated[View[float], NODES]
-    v: Annotated[View[float], NODES]
-    linear: Annotated[View2D[float], NODES, NODES + 1]
-
-
-STEP = dtype_of(Step)
 
 
 @kernel

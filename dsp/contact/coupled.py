@@ -27,7 +27,7 @@ from typing import NamedTuple
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
-from .collocation import NODES, law
+from .collocation import law
 from .coupled_records import Coupled
 from .coupled_step import set_powers
 from .power_series import (
@@ -39,6 +39,7 @@ from .power_series import (
     QUADRATURE_WEIGHTS,
     TO_END,
 )
+from .step_record import NODES
 from .touches import begin_touch, end_touch, look_at_touches
 
 _ON_KINK = 1e-12  # samples from a kink that are none

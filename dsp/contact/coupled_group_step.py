@@ -12,7 +12,6 @@ from .collocation import (
     GAUSS,
     INTEGRAL,
     NEWTON_STEPS,
-    NODES,
     SOLVED,
     WEIGHTS,
     WITHIN,
@@ -46,6 +45,7 @@ from .coupled_step import (
     work_of,
 )
 from .power_series import ANSWER_AT
+from .step_record import NODES
 
 NOTHING, MEETS, LEAVES = 0, 1, 2
 """The events that end a step for a contact."""

@@ -4,7 +4,7 @@ from typing import Annotated, Protocol
 
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
-from .collocation import NODES, Step
+from .step_record import NODES, Step
 
 TOUCHES = 16
 """Touches in a sample that are told apart; those beyond count with the last of them."""

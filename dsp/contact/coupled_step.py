@@ -5,19 +5,10 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View, View2D
 from ..numerics.legendre import FINE
-from .collocation import (
-    INTEGRAL,
-    NODES,
-    Step,
-    discrete_gradient,
-    elastic,
-    end_of,
-    law,
-    solve,
-    step_within,
-)
+from .collocation import INTEGRAL, discrete_gradient, elastic, end_of, law, solve, step_within
 from .coupled_records import Coupled
 from .power_series import ANSWER_AT, ANSWER_TO_END, AT_NODES, MISSED, TAKEN, WORK, value_at
+from .step_record import NODES, Step
 
 HELD = math.inf
 """Tolerance of one held step a sample: the cheapest, for when there is no time."""

@@ -12,7 +12,8 @@ from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
-from .collocation import CARDINAL, GAUSS, INTEGRAL, NODES
+from .collocation import CARDINAL, GAUSS, INTEGRAL
+from .step_record import NODES
 
 _nodes, _weights = legendre.leggauss(FINE // 2 + 1)
 QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights

@@ -19,7 +19,7 @@ from ..native.jit import kernel
 from ..native.typed import View, dtype_of
 from ..numerics.legendre import AHEAD, KEPT
 from ..resonator.bank import Modes, Point, inject_fine, inject_kept, observe, receptance
-from ..resonator.rows import ROOM
+from ..resonator.sizes import ROOM_FOR_ROWS
 from .coupled import MEMBER, NOT_KEPT, Bank, Case, Run, bank_of, motion_and_energy, restart, ring_on, step_alone
 
 _TOLERANCE = 1e-3  # of samples that no block follows
@@ -106,7 +106,7 @@ def _simulation(case: Case, parts: int) -> tuple[NDArray[np.void], Callable[...,
     contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
     blocks, net = np.zeros(1, dtype_of(Block)), np.zeros(1, dtype_of(Net))[0]
     net["size"], net["gain"], net["share"] = 1, 1.0, 1.0
-    room = np.zeros(ROOM), np.zeros(AHEAD * ROWS)
+    room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS)
     law = tuple(map(float, (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.rate)))
     return contacts, partial(_simulate, (contacts, group, blocks, net), bank_of(case), room, law, parts)
 

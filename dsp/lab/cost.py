@@ -10,8 +10,9 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-from ..contact.closed_form import PULSE, advance_pulse, begin_pulse
+from ..contact.closed_form import advance_pulse, begin_pulse
 from ..contact.law import paper_release_of, restitution_of
+from ..contact.pulse_record import PULSE
 from ..native.jit import kernel
 from ..numerics.legendre import MOMENTS
 from .wall import Law, floats, most_steps, new_contact, numbers, run

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from ..contact.collocation import CARDINAL, NODES, WEIGHTS
+from ..contact.collocation import CARDINAL, WEIGHTS
+from ..contact.step_record import NODES
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.constants import STANDARD_GRAVITY
 from ..numerics.legendre import KEPT

@@ -19,7 +19,8 @@ from ..numerics.legendre import FINE
 from ..resonator.bank import RESPONSES, Modes, Point, inject_fine, inject_line, ring, state_of
 from ..resonator.coefficients import set_mode
 from ..resonator.simd import LANES
-from ..resonator.velocity import ROWS, observe_velocity, sense, set_rows, set_shapes, velocity_response
+from ..resonator.sizes import ROWS
+from ..resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 
 _nodes, _weights = np.polynomial.legendre.leggauss(12)
 _NODES, _WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights

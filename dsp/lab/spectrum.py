@@ -8,7 +8,8 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.special import spherical_jn
 
-from ..contact.closed_form import PULSE, advance_pulse, begin_pulse
+from ..contact.closed_form import advance_pulse, begin_pulse
+from ..contact.pulse_record import PULSE
 from ..numerics.checks import Array
 from ..numerics.legendre import MOMENTS
 from .reference import force_spectrum

@@ -13,7 +13,7 @@ Editors and mypy read the class; nothing of it is there when a kernel runs.
 import inspect
 from collections.abc import Iterator
 from functools import cache
-from typing import Annotated, Any, Protocol, TypeAlias, TypeVar, get_args, get_origin, get_type_hints, overload
+from typing import Annotated, Any, Protocol, TypeAlias, TypeVar, get_args, get_origin, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,8 +113,7 @@ def dtype_of(record: type[Record]) -> np.dtype[np.void]:
 
     TypeError if a field has none.
     """
-    known = get_type_hints(record, include_extras=True)
-    hints = {name: known[name] for each in record.__mro__ for name in inspect.get_annotations(each)}
+    hints = {name: hint for each in record.__mro__ for name, hint in inspect.get_annotations(each).items()}
     return np.dtype([(name, *_kind_and_shape(record, name, hint)) for name, hint in hints.items()], align=True)
 
 

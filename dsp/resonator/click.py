@@ -23,9 +23,7 @@ import math
 from ..native.jit import kernel
 from .bank import Modes
 from .coefficients import set_mode
-
-CLICK_MODES = 4
-"""Modes of the bank that a click takes, one after the other: together they make one sound."""
+from .sizes import CLICK_MODES
 
 FROM = 44_100.0  # Hz: of the rate
 DIRECT, PASS, FASTEST = 12_000.0, 20_000.0, 49_000.0  # Hz, at rates from FROM on

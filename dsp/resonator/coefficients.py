@@ -6,9 +6,10 @@ from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
 from .bank import FED, MOBILITY, RESPONSES, Modes
-from .fed import REACH, feed_tap
+from .fed import feed_tap
 from .mode import ring_at
 from .simd import LANES
+from .sizes import REACH
 
 _BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 3.5 needs 22
 

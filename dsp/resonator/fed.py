@@ -25,15 +25,9 @@ from ..native.jit import kernel, simd_kernel
 from ..native.typed import View, View2D
 from ..numerics.legendre import KEPT
 from .bank import FED, RESPONSES, Modes, Point
-from .simd import FACTORS, LANES, STRETCH, add_product, dot, inner_products, put_product
+from .simd import LANES, STRETCH, add_product, dot, inner_products, put_product
 from .simd_ring import ring_blown, ring_blown_still
-
-HALF = FACTORS // KEPT // 2
-"""Samples ahead and behind that a band-limited sample of a force is made of: so many that the window's FACTORS weights
-stay in registers."""
-
-REACH = 2
-"""Samples ahead and behind whose forces are heard in a sample: taps 0 to REACH on either side."""
+from .sizes import HALF, REACH
 
 LINE = 16
 """Samples for which the shapes under a force that moves go as lines; a multiple of STRETCH."""

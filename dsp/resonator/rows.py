@@ -11,7 +11,7 @@ from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import line_of
 from .bank import MOBILITY, RESPONSES, Modes, Point
 from .simd import LANES, dot, put_product
-from .simd_rows import AT_ONCE, add_courses, add_lanes, put_factors
+from .simd_rows import add_courses, add_lanes, put_factors
 
 _SERIES = [Legendre.basis(k, domain=[0, 1]) for k in range(FINE)]
 
@@ -30,10 +30,6 @@ def course_weights(degree: int, begin: float, end: float) -> Array:
     return np.array([(-1.0) ** k * (shares @ each.deriv()(times)) for k, each in enumerate(_SERIES)])
 
 
-ROOM = (4 * AT_ONCE + AHEAD * AT_ONCE + 2) * LANES
-"""Values that `lay_rows` needs room for."""
-
-
 @simd_kernel
 def lay_rows(
     modes: Modes, point: Point, weights: tuple[tuple[float, ...], ...], samples: int, room: View[float],
@@ -44,7 +40,7 @@ def lay_rows(
 
     Return the last row's value a sample before its first: the point's displacement now (m), if that row is the
     displacement at the sample's end. weights: a tuple for each row, AT_ONCE of them at most, by `row_weights` or
-    `course_weights`. Displacements are in m, rates in m per sample. `room` (float64) has ROOM values.
+    `course_weights`. Displacements are in m, rates in m per sample. `room` (float64) has ROOM_FOR_ROWS values.
     """
     room = room[line_of(room) :]
     begin, size = AHEAD * len(weights) * LANES, len(modes.y1)

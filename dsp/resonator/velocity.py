@@ -16,17 +16,14 @@ from ..native.typed import View
 from ..numerics.legendre import FINE
 from .bank import MOBILITY, RESPONSES, Modes, Point, project
 from .simd import LANES
-
-SENSED = 4
-"""Velocities (m/s) that `sense` finds: after a third of the sample, at its end; its mean, and int v t dt."""
+from .sizes import ROWS, SENSED
 
 SHAPE = 0
 _WEIGHTS = 1  # of y1 and y2 for those
 _SUMS = _WEIGHTS + 2 * SENSED  # of y1 and y2 in the two sums of `bank.project`
 _ANSWER = _SUMS + 4  # those sums after a unit impulse, over the shape's square
 
-ROWS = _ANSWER + 2
-"""Values for each mode: its shape at the point (row SHAPE), and what `set_rows` finds."""
+assert ROWS == _ANSWER + 2
 
 THIRD = 1.0 / 3.0
 

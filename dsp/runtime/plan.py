@@ -2,23 +2,25 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bodies.karman import Laid
 from ..bodies.material import Array
 from ..bodies.modes import Faces, Modes
 from ..engine.memory.capacity import FACE, MODES_PER_OBJECT
 from ..kept import Kept
 from ..native.targets import PORTABLE, processors
-from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
+from ..resonator.sizes import CLICK_MODES
 from .arena import EngineFull
 from .relief import Relief, relief
 from .series import rounded
 from .unheard import settled
+
+if TYPE_CHECKING:
+    from ..bodies.karman import Laid
 
 _QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
 _FAINT = 1e-6  # weight at the left of what is heard at the right alone: -120 dB
@@ -26,8 +28,7 @@ _LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
 COLUMNS = ("frequency", "sigma", "weight", "balance")
 
 
-@dataclass(frozen=True)
-class Plan:
+class Plan(NamedTuple):
     """An object's modes as they lie in the bank.
 
     columns: (4, size) of COLUMNS; shape: (R, size) float32, of which the first `rows` lie along the strike path;
@@ -46,7 +47,7 @@ class Plan:
     bent: int
     heard: int
     relief: Relief
-    laid: Laid | None
+    laid: "Laid | None"
 
     @property
     def bytes(self) -> int:

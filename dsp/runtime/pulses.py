@@ -3,15 +3,17 @@
 from collections import OrderedDict
 from collections.abc import Collection, Iterable
 from contextlib import suppress
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..engine.memory.commands import Command
 from ..native.atomics import observe
 from ..swarm.record import PULSES, TABLE
-from ..swarm.tables import Table, is_made, pulse_table
 from .arena import Arena, EngineFull
+
+if TYPE_CHECKING:
+    from ..swarm.tables import Table
 
 DROPS = 0.0
 """The place of drops among exponents, which are 1 at least."""
@@ -43,6 +45,8 @@ class PulseTables:
         """Return the value `pulses` for a contact law's exponent, or DROPS. EngineFull if there is no room, though the
         tables of all exponents but those in `kept` may go."""
         if exponent not in self._places:
+            from ..swarm.tables import pulse_table  # slow to load
+
             if not self._has_room(kept):
                 raise self._full(exponent)
             table = pulse_table(exponent)
@@ -65,6 +69,8 @@ class PulseTables:
 
     def lacks(self, exponent: float) -> bool:
         """True if there is room for the table of an exponent, which is not made."""
+        from ..swarm.tables import is_made  # slow to load
+
         return exponent not in self._places and not is_made(exponent) and self._has_room(())
 
     def count(self, commands: Iterable[Command]) -> None:
@@ -105,7 +111,7 @@ class PulseTables:
             return EngineFull(f"no room for {what}: an engine of {TABLE} values has none")
         return EngineFull(f"no room for {what}: others, {others}, go on or wait for their time")
 
-    def _write(self, place: _Place, table: Table) -> None:
+    def _write(self, place: _Place, table: "Table") -> None:
         entry = self._record["tables"]
         entry[place.number : place.number + 1] = table.record
         entry[place.number]["first"] += place.first

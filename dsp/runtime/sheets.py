@@ -1,11 +1,17 @@
 """Room for plates whose modes can be coupled: their records, and the tables of their grids."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ..bodies.karman import Laid, Tables
 from ..karman.layout import LEVELS, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
 from ..sizes import MOST_COUPLED
 from .arena import Arena, EngineFull
+
+if TYPE_CHECKING:
+    from ..bodies.karman import Laid, Tables
 
 
 class Sheets:

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ..bodies.striker import Snap, StrikerSound
 from ..engine.memory.striker_state import STRIKER_MODES, STRIKERS
-from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
+from ..resonator.sizes import CLICK_MODES
 
 
 class Strikers:

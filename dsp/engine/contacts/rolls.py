@@ -9,8 +9,9 @@ from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View, View2D
 from ...numerics.legendre import KEPT
 from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_middle, ring_under
-from ...resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
+from ...resonator.fed import LINE, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
+from ...resonator.sizes import REACH
 from ...rolling.body import fill_roll
 from ..bodies.objects import modes_of, shapes_of, weigh
 from ..bodies.sensing import push_sensed

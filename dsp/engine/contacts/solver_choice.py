@@ -7,8 +7,9 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 import math
 
 from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
-from ...contact.closed_form import Pulse, find_nodes, find_power
+from ...contact.closed_form import find_nodes, find_power
 from ...contact.coupled_step import HELD
+from ...contact.pulse_record import Pulse
 from ...native.jit import kernel
 from ..bodies.objects import is_felt, pitch_of, reach_of, shape_at
 from ..memory.quality import holds_steps

@@ -13,7 +13,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.constants import STANDARD_GRAVITY
 from ...numerics.elementary import log
-from ...resonator.fed import REACH
+from ...resonator.sizes import REACH
 from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
 from ...schema_records import Steered
 from ...swarm.blows import NARROWEST, ROLL_OFF

@@ -1,7 +1,6 @@
 """Commands on their way into the engine: their kinds, and the record that carries their values."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -141,8 +140,7 @@ class Event(Record):
 COMMAND = dtype_of(Event)
 
 
-@dataclass(frozen=True, slots=True)
-class Handle:
+class Handle(NamedTuple):
     """An object in the engine; commands to one that is gone are ignored."""
 
     slot: int

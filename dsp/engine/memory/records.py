@@ -4,14 +4,13 @@ from typing import Annotated
 
 import numpy as np
 
-from ...contact.closed_form import Pulse
 from ...contact.coupled_records import Coupled
+from ...contact.pulse_record import Pulse
 from ...contact.sampled import Sampled
 from ...friction.record import Friction
 from ...native.typed import Record, View, View2D, View3D, dtype_of
 from ...numerics.legendre import FINE
-from ...resonator.fed import REACH
-from ...resonator.velocity import ROWS
+from ...resonator.sizes import REACH, ROWS
 from ...schema_records import Steered, Traits
 from .capacity import MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, RAMPS
 

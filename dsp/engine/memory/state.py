@@ -15,9 +15,8 @@ from ...native.pages import own_zeros
 from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32, i16, i32
 from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
 from ...resonator.bank import RESPONSES, Driver
-from ...resonator.fed import HALF, REACH
-from ...resonator.rows import ROOM as ROOM_FOR_ROWS
 from ...resonator.simd import LANES
+from ...resonator.sizes import HALF, REACH, ROOM_FOR_ROWS
 from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from carom.dsp.contact.collocation import (
     GAUSS,
     INTEGRAL,
-    NODES,
-    STEP,
     WEIGHTS,
     WITHIN,
     allowance,
@@ -27,6 +25,7 @@ from carom.dsp.contact.collocation import (
     step_within,
     until_release,
 )
+from carom.dsp.contact.step_record import NODES, STEP
 from carom.dsp.native.jit import kernel
 from carom.dsp.numerics.checks import checked
 

@@ -32,7 +32,7 @@ from carom.dsp.lab.coupled import (
 from carom.dsp.native.typed import dtype_of
 from carom.dsp.numerics.legendre import AHEAD, KEPT
 from carom.dsp.resonator.bank import inject_fine, inject_kept, observe, receptance
-from carom.dsp.resonator.rows import ROOM
+from carom.dsp.resonator.sizes import ROOM_FOR_ROWS
 from carom.dsp.rolling.block_path import project_path
 
 pytestmark = pytest.mark.slow  # numba compiles the loops around the kernels
@@ -114,7 +114,7 @@ def run(case, v, path, least=2):
     net["size"], net["gain"], net["share"] = 1, 1.0, 1.0
     out = np.empty((len(path), 4))
     law = case.m, case.k, case.mu, case.a
-    room = np.zeros(ROOM), np.zeros(AHEAD * ROWS)
+    room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS)
     _run((contacts, group, blocks, net), bank, (law, v, least), path, room, out)
     return out, int(contacts[0]["coupled"]["steps"]) - len(path)
 

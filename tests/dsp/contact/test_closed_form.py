@@ -12,6 +12,7 @@ from scipy.special import spherical_jn
 from carom.dsp import contact
 from carom.dsp.contact import closed_form
 from carom.dsp.contact.law import length_scale, potential
+from carom.dsp.contact.pulse_record import PULSE
 from tests import accuracy
 from tests.dsp.contact.wall_reference import LAWS, solution
 
@@ -37,7 +38,7 @@ def _force(state, t, v_in, m, k, force):
 @pytest.mark.parametrize("a", [1.0, 1.2, 1.5, 2.5, 4.0])
 def test_twelve_nodes_are_as_exact_as_the_module_says(a):
     v_in, m, k = 2.0, 0.01, 1e6
-    state = np.zeros(1, closed_form.PULSE)[0]
+    state = np.zeros(1, PULSE)[0]
     for w in (0.0, 1e-9, 0.1, 1.0, 5.0, 23.0, 40.0, 50.0, 1e3, 1e6):
         law = (v_in, m, k, w / v_in, a)
         closed_form.begin_pulse(state, *law, 1.0)
@@ -69,7 +70,7 @@ def _power(state, period, frequency, power):
 @pytest.mark.slow
 @pytest.mark.parametrize("w", [0.0, 1.0, 50.0])
 def test_the_power_spectrum_is_that_of_the_nodes(w):
-    state = np.zeros(1, closed_form.PULSE)[0]
+    state = np.zeros(1, PULSE)[0]
     closed_form.begin_pulse(state, 1.0, 1.0, 1.0, w, 1.5, 1.0)
     frequency = np.linspace(0.0, 28.0 / (2 * np.pi * state["duration"]), 50)
     power = np.empty(50)
@@ -81,7 +82,7 @@ def test_the_power_spectrum_is_that_of_the_nodes(w):
 @pytest.mark.slow
 @pytest.mark.parametrize(("w", "bound"), [(0.0, 1e-5), (1.0, 1e-5), (5.0, 2e-4), (50.0, 1.8e-2), (1e3, 1.8e-2)])
 def test_eight_nodes_a_phase_are_as_exact_as_the_kernel_says(w, bound):
-    state = np.zeros(1, closed_form.PULSE)[0]
+    state = np.zeros(1, PULSE)[0]
     for a in (1.0, 1.5, 2.5, 4.0):
         closed_form.begin_pulse(state, 1.0, 1.0, 1.0, w, a, 1.0)
         t, impulse = contact.force_nodes(1.0, 1.0, 1.0, w, a)
@@ -105,7 +106,7 @@ def test_momentum_is_exact_over_any_sampling(a, w, samples):
 
 def taken(v_in, m, k, mu, a, rate, fraction):
     """Yield the moments of every sample of a contact that begins `fraction` of a sample after one."""
-    state = np.zeros(1, closed_form.PULSE)[0]
+    state = np.zeros(1, PULSE)[0]
     closed_form.begin_pulse(state, v_in, m, k, mu, a, rate)
     moments = np.zeros(closed_form.MOMENTS)
     age = 1.0 - fraction

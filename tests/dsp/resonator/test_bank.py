@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.contact import closed_form
+from carom.dsp.contact.pulse_record import PULSE
 from carom.dsp.numerics.legendre import KEPT
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.resonator.bank import state_of
@@ -100,7 +101,7 @@ def test_a_contact_drives_a_mode_within_94_db(samples, frequency):
     k = 1e6 * (contact.contact_time(v_in, m, 1e6, mu, a) / (samples / rate)) ** (a + 1)
     exact = driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames=int(samples) + 12)
     modes = Bank(np.full(LANES, frequency), np.full(LANES, decay), rate)
-    state = np.zeros(1, closed_form.PULSE)[0]
+    state = np.zeros(1, PULSE)[0]
     closed_form.begin_pulse(state, v_in, m, k, mu, a, rate)
     moments = np.zeros(closed_form.MOMENTS)
     got = []

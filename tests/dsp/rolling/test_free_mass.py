@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from carom.dsp.contact.collocation import INTEGRAL, NODES, STEP, solve
+from carom.dsp.contact.collocation import INTEGRAL, solve
+from carom.dsp.contact.step_record import NODES, STEP
 from carom.dsp.rolling.free_mass import solve_free_mass
 
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from carom.dsp.runtime import pulses
 from carom.dsp.runtime.engine import NOW
 from carom.dsp.swarm.record import PULSES
 from carom.dsp.swarm.tables import pulse_table
@@ -13,7 +12,7 @@ from tests.server.scene.support import say, seconds
 @pytest.fixture(autouse=True)
 def tables(monkeypatch):
     """Tables of pulses that are made at once: all are those of drops."""
-    monkeypatch.setattr(pulses, "pulse_table", lambda exponent: pulse_table(0.0))
+    monkeypatch.setattr("carom.dsp.swarm.tables.pulse_table", lambda exponent: pulse_table(0.0))
 
 
 def shakes(exponents):

@@ -1,0 +1,25 @@
+"""Sizes of what forces and modes take, apart from kernels: records are laid out without loading these."""
+
+from ..numerics.legendre import AHEAD, KEPT
+from .simd import FACTORS, LANES
+from .simd_rows import AT_ONCE
+
+CLICK_MODES = 4
+"""Modes of the bank that a click takes, one after the other: together they make one sound (`click.py`)."""
+
+HALF = FACTORS // KEPT // 2
+"""Samples ahead and behind that a band-limited sample of a force is made of: so many that the window's FACTORS weights
+stay in registers (`fed.py`)."""
+
+REACH = 2
+"""Samples ahead and behind whose forces are heard in a sample: taps 0 to REACH on either side (`fed.py`)."""
+
+SENSED = 4
+"""Velocities (m/s) that `sense` finds: after a third of the sample, at its end; its mean, and int v t dt
+(`velocity.py`)."""
+
+ROWS = 1 + 2 * SENSED + 4 + 2
+"""Values for each mode that slides at a point: its shape there, and what `set_rows` finds (`velocity.py`)."""
+
+ROOM_FOR_ROWS = (4 * AT_ONCE + AHEAD * AT_ONCE + 2) * LANES
+"""Values that `lay_rows` needs room for (`rows.py`)."""
