@@ -7,13 +7,10 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from ..dsp import bodies as shapes
-from ..dsp.bodies.added import Added, Complete
-from ..dsp.bodies.cavity import POWERS
 from ..dsp.bodies.material import CONTACT_RADIUS, HERTZ_EXPONENT, Material, contact_between, hertz
-from ..dsp.bodies.similar import Sized, has_similar
+from ..dsp.bodies.modes import Modes
 from ..dsp.bodies.striker import StrikerSound
 from ..dsp.wording import expected
 from .gestures import Usual
@@ -44,6 +41,9 @@ from .schema import (
 )
 from .sounding import sound_of
 from .values import Many, Row, shown
+
+if TYPE_CHECKING:
+    from ..dsp.bodies.added import Added
 
 STAND_IN = "steel"
 """The material of an object that has none, where it strikes another one or is struck by it."""
@@ -124,8 +124,7 @@ class StrikerPreset:
         return self.mass, stiffness, self.dissipation, self.exponent
 
 
-@dataclass(frozen=True)
-class SurfacePreset:
+class SurfacePreset(NamedTuple):
     """A surface that bodies roll and slide on.
 
     It has an rms roughness (m), a correlation length (m), the slope of its power spectrum above that, the dissipation
@@ -157,8 +156,7 @@ class SurfacePreset:
         return *shape, self.variation, self.variation_length
 
 
-@dataclass(frozen=True)
-class Standing:
+class Standing(NamedTuple):
     """The support on which an object rests by itself, by its weight, and its feet: positions on its strike path, or
     points of its surface (m)."""
 
@@ -250,7 +248,7 @@ class ObjectPreset:
             **strike,
         )
 
-    def modes(self, top: float) -> shapes.Modes:
+    def modes(self, top: float) -> Modes:
         """Return its modes up to `top` (Hz), in arrays that are read-only, as equal objects share them.
 
         PresetError if the geometry gives none or contradicts itself.
@@ -258,12 +256,17 @@ class ObjectPreset:
         shape = SHAPES[self.shape]
         arguments, make = dict(self.geometry), shape.make
         if self._of_one_size is not None:
+            from ..dsp.bodies.similar import Sized  # with all shapes
+
             size, arguments = self._of_one_size[0], dict(self._of_one_size[1])
             make = Sized(make, size, shape.lengths)
         if shape.has_material:
             arguments["material"] = self.material
+        if self.added:
+            from ..dsp.bodies.added import Complete  # with what adds
+
+            make = Complete(make, self.added, self.written)
         try:
-            make = Complete(make, self.added, self.written) if self.added else make
             modes = made(make, top, arguments, self.stereo_width, self.most_modes, on_disk=not self._is_replaced)
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
@@ -333,6 +336,9 @@ class ObjectPreset:
 
     def in_size(self, size: object, given: Collection[str]) -> ObjectPreset:
         """Return the preset with all lengths times a size, but for those that were given. PresetError as `replace`."""
+        from ..dsp.bodies.cavity import POWERS
+        from ..dsp.bodies.similar import has_similar  # with all shapes
+
         shape = SHAPES[self.shape]
         lengths = [key for key in shape.lengths if key in self.geometry]
         if self.shape == "listed" or not lengths:

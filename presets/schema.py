@@ -1,4 +1,7 @@
-"""The schema of presets: the keys of every kind of file, and what the value of each may be."""
+"""The schema of presets: the keys of every kind of file, and what the value of each may be.
+
+What computes the modes of a shape is loaded when the first object needs it.
+"""
 
 from __future__ import annotations
 
@@ -6,25 +9,22 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..dsp import bodies as shapes
-from ..dsp import schema
-from ..dsp.bodies.added import Added
-from ..dsp.bodies.bar import ENDS
-from ..dsp.bodies.disc import EDGES as DISC_EDGES
+from ..dsp import bodies, schema
+from ..dsp.bodies.choices import BOARDS, EDGES, ENDS, MOST_WIRES
 from ..dsp.bodies.heard import BAFFLES
 from ..dsp.bodies.material import LOSSES
-from ..dsp.bodies.mesh import Table
-from ..dsp.bodies.plate import EDGES as PLATE_EDGES
-from ..dsp.bodies.radiation.board import BOARDS
-from ..dsp.bodies.unison import MOST_WIRES
 from ..dsp.errors import CaromError
 from ..dsp.rolling.variation import MOST_VARIATION
 from ..dsp.sizes import MOST_COUPLED
 from ..dsp.wording import expected
 from .supports import SUPPORTS
 from .values import Choice, Domain, Made, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown
+
+if TYPE_CHECKING:
+    from ..dsp.bodies.added import Added
+    from ..dsp.bodies.modes import Modes
 
 Fields = Mapping[str, Domain]
 
@@ -166,10 +166,15 @@ DOUBLETS: Fields = {**ROUND, "split_seed": Whole(0, 1_000_000)}
 
 
 class Addition(NamedTuple):
-    """A class of modes that are added to a shape's, and what its arguments may be."""
+    """A class of modes that are added to a shape's, by its name in `dsp.bodies`, and what its arguments may be."""
 
-    make: Callable[..., Added]
+    name: str
     fields: Fields
+
+    @property
+    def make(self) -> Callable[..., Added]:
+        found: Callable[..., Added] = getattr(bodies, self.name)
+        return found
 
     @property
     def required(self) -> tuple[str, ...]:
@@ -179,14 +184,19 @@ class Addition(NamedTuple):
 
 @dataclass(frozen=True)
 class Shape:
-    """A function that makes modes, and what its arguments may be.
+    """A function that makes modes, by its name in `dsp.bodies`, and what its arguments may be.
 
     A key of one `either` set excludes those of the other: two ways to say one thing.
     """
 
-    make: Callable[..., shapes.Modes]
+    name: str
     fields: Fields
     either: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
+
+    @property
+    def make(self) -> Callable[..., Modes]:
+        found: Callable[..., Modes] = getattr(bodies, self.name)
+        return found
 
     @cached_property
     def parameters(self) -> Mapping[str, inspect.Parameter]:
@@ -221,7 +231,7 @@ _RECTANGULAR = frozenset(
 
 SHAPES: Mapping[str, Shape] = {
     "bar": Shape(
-        shapes.bar,
+        "bar",
         {
             "length": LENGTH,
             "width": THICKNESS,
@@ -234,7 +244,7 @@ SHAPES: Mapping[str, Shape] = {
             "wall": THICKNESS,
             **ROUND,
             "ends": Choice(ENDS),
-            "board": Choice(tuple(BOARDS)),
+            "board": Choice(BOARDS),
             "tube_diameter": Quantity(1e-3, 1, "m"),
             "tube_length": LENGTH,
             "tube_gap": Quantity(1e-3, 1, "m"),
@@ -248,7 +258,7 @@ SHAPES: Mapping[str, Shape] = {
         ),
     ),
     "string": Shape(
-        shapes.string,
+        "string",
         {
             "length": LENGTH,
             "diameter": Quantity(1e-5, 0.02, "m"),
@@ -256,39 +266,39 @@ SHAPES: Mapping[str, Shape] = {
             "fundamental": FREQUENCY,
             "linear_density": Quantity(1e-6, 10, "kg/m"),
             "inharmonicity": Quantity(0, 0.1),
-            "board": Choice(tuple(BOARDS)),
+            "board": Choice(BOARDS),
             "wires": Whole(1, MOST_WIRES),
             "mistuning": Quantity(0, 100, "cents"),
         },
         TUNING,
     ),
     "plate": Shape(
-        shapes.plate,
+        "plate",
         {
             "length": LENGTH,
             "width": LENGTH,
             "thickness": THICKNESS,
-            "edges": Row((Choice(PLATE_EDGES),) * 4),
+            "edges": Row((Choice(EDGES),) * 4),
             "path_from": POINT,
             "path_to": POINT,
             "baffle": BAFFLE,
         },
     ),
     "disc": Shape(
-        shapes.disc,
+        "disc",
         {
             "radius": LENGTH,
             "thickness": THICKNESS,
             "dome": Quantity(0, 1, "m"),
             "nonlinear_modes": Whole(0, MOST_COUPLED),
-            "edge": Choice(DISC_EDGES),
+            "edge": Choice(EDGES),
             "felt": Quantity(0, 0.2, "m"),
             **DOUBLETS,
             "baffle": BAFFLE,
         },
     ),
     "membrane": Shape(
-        shapes.membrane,
+        "membrane",
         {
             "radius": LENGTH,
             "thickness": THICKNESS,
@@ -299,24 +309,24 @@ SHAPES: Mapping[str, Shape] = {
         },
         TUNING,
     ),
-    "ring": Shape(shapes.ring, {"radius": LENGTH, "thickness": THICKNESS, "length": LENGTH, **DOUBLETS}),
+    "ring": Shape("ring", {"radius": LENGTH, "thickness": THICKNESS, "length": LENGTH, **DOUBLETS}),
     "glass": Shape(
-        shapes.glass,
+        "glass",
         {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, "rows": Whole(1, 3), **DOUBLETS},
     ),
-    "can": Shape(shapes.can, {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, **DOUBLETS}),
-    "sphere": Shape(shapes.sphere, {"radius": LENGTH}),
+    "can": Shape("can", {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, **DOUBLETS}),
+    "sphere": Shape("sphere", {"radius": LENGTH}),
     "mesh": Shape(
-        shapes.mesh,
+        "mesh",
         {
-            "table": Made(Table, "a table in the preset's folder"),
+            "table": Made(lambda: bodies.Table, "a table in the preset's folder"),
             "path_from": PLACE,
             "path_to": PLACE,
             "tilt": Quantity(-90, 90, "degrees"),
         },
     ),
     "listed": Shape(
-        shapes.listed,
+        "listed",
         {
             "frequency": Many(FREQUENCY),
             "t60": OneOrMany(Quantity(1e-3, 200, "s")),
@@ -341,7 +351,7 @@ MODAL_MASS = Quantity(1e-6, 1e9, "kg")
 RATIO = Quantity(1e-3, 1e4)
 ADDED: Mapping[str, Addition] = {
     "partials": Addition(
-        shapes.Partials,
+        "Partials",
         {
             "frequency": Many(FREQUENCY),
             "ratio": Many(RATIO),
@@ -351,7 +361,7 @@ ADDED: Mapping[str, Addition] = {
         },
     ),
     "noise": Addition(
-        shapes.Noise,
+        "Noise",
         {
             "edges": Many(FREQUENCY),
             "edge_ratio": Many(RATIO),
@@ -362,7 +372,7 @@ ADDED: Mapping[str, Addition] = {
         },
     ),
     "cavity": Addition(
-        shapes.Cavity,
+        "Cavity",
         {
             "volume": Quantity(1e-8, 10, "m3"),
             "area": Quantity(1e-8, 10, "m2"),

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import re
 import reprlib
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from ..dsp.errors import CaromError
 from ..dsp.wording import suggestion
@@ -37,8 +36,7 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
 
 
-@dataclass(frozen=True)
-class Quantity:
+class Quantity(NamedTuple):
     """A number in a range, bounds included, and its unit."""
 
     low: float
@@ -54,7 +52,6 @@ class Quantity:
         return float(value)
 
 
-@dataclass(frozen=True)
 class Whole(Quantity):
     """A whole number in a range; it may be written as a float."""
 
@@ -68,7 +65,6 @@ class Whole(Quantity):
         return int(number)
 
 
-@dataclass(frozen=True)
 class Text:
     """Any text."""
 
@@ -81,7 +77,6 @@ class Text:
         return value
 
 
-@dataclass(frozen=True)
 class Name(Text):
     """The name of a preset."""
 
@@ -94,8 +89,7 @@ class Name(Text):
         return value
 
 
-@dataclass(frozen=True)
-class Choice(Text):
+class Choice(NamedTuple):
     """One of a few words."""
 
     options: tuple[str, ...]
@@ -109,8 +103,7 @@ class Choice(Text):
         return value
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """A list of a fixed length, whose items fit one domain each."""
 
     items: tuple[Quantity | Choice, ...]
@@ -129,8 +122,7 @@ class Row:
         return _parse_items(text)
 
 
-@dataclass(frozen=True)
-class Many:
+class Many(NamedTuple):
     """A list of one to some items of one domain."""
 
     item: Quantity | Row
@@ -148,7 +140,6 @@ class Many:
         return _parse_items(text)
 
 
-@dataclass(frozen=True)
 class OneOrMany(Many):
     """One value, or a list of such."""
 
@@ -168,8 +159,7 @@ class OneOrMany(Many):
         return items[0] if len(items) == 1 else items
 
 
-@dataclass(frozen=True)
-class Rows:
+class Rows(NamedTuple):
     """A list of 1 to LONGEST_LIST lists of one domain, all of one length."""
 
     item: Quantity
@@ -192,7 +182,6 @@ class Rows:
         return tuple(rows)
 
 
-@dataclass(frozen=True)
 class Section:
     """A TOML table with keys of its own."""
 
@@ -205,23 +194,22 @@ class Section:
         return value
 
 
-@dataclass(frozen=True)
-class Made:
+class Made(NamedTuple):
     """A value that is made of a preset's files: whoever sends keys can't send one."""
 
-    kind: type
+    kind: Callable[[], type]
     description: str
 
     def __str__(self) -> str:
         return self.description
 
     def fit(self, value: object) -> Any:
-        if not isinstance(value, self.kind):
+        if not isinstance(value, self.kind()):
             raise Unfit(value, self)
         return value
 
 
-Domain = Quantity | Text | Row | Many | Rows | Section | Made
+Domain = Quantity | Text | Choice | Row | Many | Rows | Section | Made
 
 
 def _fit_items(domains: Sequence[Quantity | Choice | Row], values: Sequence[object]) -> tuple[Any, ...]:

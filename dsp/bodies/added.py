@@ -16,7 +16,7 @@ import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -29,8 +29,7 @@ LOAD = 100.0
 Values = float | tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class Lines:
+class Lines(NamedTuple):
     """Modes to add: frequency (Hz), t60 (s), level (dB), each (n,), and modal masses (kg) (n,) or None.
 
     loudness (n,), in place of levels: sound pressure at 1 m after a blow of 1 N s (Pa); None: by the levels.

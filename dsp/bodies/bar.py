@@ -11,6 +11,7 @@ import numpy as np
 from . import acceleration
 from .acceleration import Click
 from .bending import Motion, Section, bending
+from .choices import ENDS
 from .heard import Loaded, heard, loaded
 from .material import Array, Material
 from .modes import Indices, Modes, audible, path, require_choice, require_positive
@@ -23,7 +24,6 @@ from .shearing import rectangles_shear, tubes_shear
 from .torsion import torsion
 from .unheard import FINER, Felt, completed, with_unheard
 
-ENDS = ("free", "cantilever")
 _SIGN_AT = 0.03  # of the length: whose sign a mode's sound has
 UNDERCUT_SPAN = 0.6
 """Share of the length that is carved where nothing else is said."""

@@ -12,6 +12,7 @@ from ..sizes import MOST_COUPLED, MOST_SCATTERED
 from . import acceleration
 from .acceleration import Click
 from .air import plate_mass
+from .choices import EDGES
 from .dome import SHALLOW, Waves, domed
 from .felts import felt_losses
 from .heard import BAFFLES, heard, loaded
@@ -25,7 +26,6 @@ from .ring import Doublets, doublets
 from .tension import CONE, membrane_glide
 from .unheard import Felt, completed, with_unheard
 
-EDGES = ("free", "clamped", "supported")
 _STEP = 0.6  # of the grid of wavenumbers
 _FALSI_STEPS = 12
 _TABLE_STEP = 0.2  # of Bessel functions: cubic Hermite interpolation errs by its fourth power over 384

@@ -3,16 +3,18 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ..errors import CaromError
 from .acceleration import Click
-from .karman import Sheet
 from .material import Array
 from .material import Indices as Indices
+
+if TYPE_CHECKING:
+    from .karman import Sheet
 
 MOST_MODES = 1024
 _LEAST = 1e-300  # Hz
@@ -82,7 +84,7 @@ class Modes:
     glide: float = 0.0
     cone: float = 0.0
     unheard: Unheard | None = None
-    sheet: Sheet | None = None
+    sheet: "Sheet | None" = None
     faces: Faces | None = None
 
     @property

@@ -11,6 +11,7 @@ from numpy.polynomial import legendre
 from . import acceleration
 from .acceleration import Click
 from .air import plate_mass
+from .choices import EDGES
 from .eigen import eigh
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
@@ -19,7 +20,6 @@ from .near import critical_frequency, near_field
 from .radiation.plate import Group, Loads, Rectangle
 from .unheard import Felt, completed, with_unheard
 
-EDGES = ("free", "clamped", "supported")
 RESERVE = 1.5  # beam products up to this times the highest wanted frequency make the series
 LEAST_PRODUCTS = 400  # of which the series is made at least
 MOST_PRODUCTS = 2200

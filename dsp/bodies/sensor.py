@@ -5,7 +5,7 @@ up to a third of its resonance, more about there, and less above.
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,7 @@ _POINTS = 400
 _ROUNDS = 30
 
 
-@dataclass(frozen=True)
-class Sensor:
+class Sensor(NamedTuple):
     """A sensor: its quantity, its resonance (Hz; 0: it has none) and the damping ratio of that."""
 
     quantity: str = "acceleration"

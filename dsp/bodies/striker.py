@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,7 @@ MOST_MODES = 12
 """Most modes of a striker, besides its click."""
 
 
-@dataclass(frozen=True)
-class Ringing:
+class Ringing(NamedTuple):
     """Modes of a striker, n each: frequencies (Hz), decay rates (1/s) and weights (Pa per N s), as heard at 1 m.
 
     mobility (1/kg): the sum of 1/modal mass, twice the energy (J) that a short blow of 1 N s gives to them.
@@ -26,8 +25,7 @@ class Ringing:
     mobility: float
 
 
-@dataclass(frozen=True)
-class Snap:
+class Snap(NamedTuple):
     """A second pulse into a striker's modes: a wall that was pushed in snaps back.
 
     These modes then ring by it alone: their give is the contact's own, whose force they follow without a sound. Its
@@ -41,8 +39,7 @@ class Snap:
     delay: float
 
 
-@dataclass(frozen=True)
-class StrikerSound:
+class StrikerSound(NamedTuple):
     """The sound of a striker of a mass (kg): what its contact's force does to it, at 1 m.
 
     radius (m): of the body that clicks.

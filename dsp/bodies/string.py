@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..kept import Kept
+from .choices import MOST_WIRES
 from .heard import heard
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
 from .radiation.board import BOARDS
 from .tension import string_glide
 from .unheard import FINER, with_unheard
-from .unison import MOST_WIRES, in_unison
+from .unison import in_unison
 
 _FURTHER = 8  # times the modes that are heard: those that are felt
 _ORDERS = 64  # orders by which tables of waves grow, so that few are made

@@ -21,7 +21,6 @@ from .air import IMPEDANCE
 from .material import Array
 from .modes import MOST_MODES, Modes, ascending
 
-MOST_WIRES = 3
 _LEAST_FELT = 0.02  # of a partial: what is felt of each of its modes
 
 Complex = npt.NDArray[np.complex128]

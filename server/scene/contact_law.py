@@ -1,15 +1,18 @@
 """The contact law of a gesture: its striker's, or that of two materials, with the values that are given."""
 
 from collections.abc import Collection, Mapping
+from typing import TYPE_CHECKING
 
 from ...dsp.bodies.curved import curvatures_at, stiffness_share
 from ...dsp.bodies.material import Material
-from ...dsp.bodies.mesh import Table
 from ...presets.kinds import SurfacePreset
 from ..osc.arguments import Refused
 from .limits import LAW, Contact
 from .object_call import ObjectCall
 from .objects import PlayedObject
+
+if TYPE_CHECKING:
+    from ...dsp.bodies.mesh import Table
 
 
 def law_of(
@@ -48,8 +51,9 @@ def law_of(
 
 def struck_material(to: ObjectCall) -> Material | None:
     """Return the material of the object's part that a gesture touches first, where that is not the object's own."""
-    table, faces = to.obj.preset.geometry.get("table"), to.obj.modes.faces
-    if not isinstance(table, Table) or table.of is None or faces is None:
+    table: Table | None = to.obj.preset.geometry.get("table")  # that of a mesh
+    faces = to.obj.modes.faces
+    if table is None or table.of is None or faces is None:
         return None
     point, place = to.values.vectors.get("point"), to.values.numbers.get("position", to.obj.preset.position)
     return table.material_at(faces.line[round(place * (faces.path - 1))] if point is None else point)

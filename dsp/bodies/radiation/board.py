@@ -24,6 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import choices
 from ..air import IMPEDANCE, SPEED
 from ..material import Array
 
@@ -179,4 +180,4 @@ and 11.5 GPa (dealers' data), 28 x 8 mm under the saddle, as is usual. Its coupl
 and 195 Hz, where an effective mass of 0.1 kg is usual (Christensen and Vistisen, J. Acoust. Soc. Am. 68, 1980, as
 recalled), and one more; qualities and the other masses estimated."""
 
-BOARDS = {"piano": PIANO, "box": BOX, "cello": CELLO, "guitar": GUITAR}
+BOARDS = dict(zip(choices.BOARDS, (PIANO, BOX, CELLO, GUITAR), strict=True))
