@@ -85,7 +85,7 @@ class Performer:
         amplified: float = 1.0,
     ) -> None:
         self.presets = chosen(presets)
-        scale, room = replace(options.scale_of(score), amplified=amplified), STEMS if stems else OBJECTS
+        scale, room = options.scale_of(score)._replace(amplified=amplified), STEMS if stems else OBJECTS
         with _compiling:
             channels, sensors = options.channels_of(score), sensors_of(score)
             self.engine = _Engine(options.rate, channels, room, not options.calibrated, sensors)

@@ -1,7 +1,7 @@
 """One strike on one object: its score, its sound file, or its sound on the default device."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,7 @@ class StrikeError(CaromError, ValueError):
     """A strike that makes no sound; the text says why."""
 
 
-@dataclass(frozen=True)
-class Strike:
+class Strike(NamedTuple):
     """A strike on an object of a preset; None stands for what the preset says. Velocity in m/s, position 0 to 1."""
 
     preset: str

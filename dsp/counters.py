@@ -12,7 +12,7 @@ def _measure(help: str, unit: str = "") -> float:
     return dataclasses.field(default=0.0, metadata={"help": help, "unit": unit})
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Stats:
     """The engine's counters and measurements. Counters only rise; `metadata` of each field holds its meaning and
     unit."""

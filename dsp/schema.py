@@ -5,16 +5,15 @@ addresses that steer gestures, OSCQuery's ranges, the ranges of presets, the met
 the documentation. To add a parameter to a gesture, add it to the gesture's `keys` here and read it in the kernel.
 """
 
-import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from .numerics.constants import FULL_SCALE_PRESSURE, STANDARD_GRAVITY
 from .sizes import CAPACITY
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A number that users give: its name, the range that is allowed (bounds included), its unit and its meaning."""
 
     name: str
@@ -149,7 +148,7 @@ POINT = tuple(
 )  # fmt: skip
 """The place of a gesture on an object that has a surface, in place of the position: the nearest point of it."""
 BY_POINT = tuple(
-    dataclasses.replace(each, name=f"by_{each.name}", help=f"{each.name} of the point of that object on which it rests")
+    each._replace(name=f"by_{each.name}", help=f"{each.name} of the point of that object on which it rests")
     for each in POINT
 )
 """The same of the object that strikes, or on which it rests: only a rest's is steered."""
@@ -220,7 +219,7 @@ BOUNCE = Gesture(
     "bounce", "drops or throws the striker on it, which bounces until it rests", HEIGHT,
     (
         THROW,
-        dataclasses.replace(GRAVITY, steered="from its next flight on"),
+        GRAVITY._replace(steered="from its next flight on"),
         IRREGULARITY,
         SEED,
         Parameter("weight", 0, 1, "", "1: gravity acts in every contact too, not only near rest", default=0.0),
@@ -230,7 +229,7 @@ BOUNCE = Gesture(
 ROLL = Gesture(
     "roll", "rolls the striker over it until 0, or steers the roll of that id (NAME if none)", SPEED,
     (
-        dataclasses.replace(MASS, steerable=True, glide=0.02),
+        MASS._replace(steerable=True, glide=0.02),
         RADIUS,
         ROUGHNESS,
         Parameter(
@@ -266,17 +265,17 @@ SPIN = Gesture(
             "flat", 0.001, 1.0, "", "length of the flat on its rim that hits once a turn, as a share of the radius",
             default=0.2, steerable=True, steered="from its next contact on",
         ),
-        dataclasses.replace(IRREGULARITY, help="how much its contacts differ in time and strength"),
-        dataclasses.replace(GRAVITY, steered="from its next contact on"),
+        IRREGULARITY._replace(help="how much its contacts differ in time and strength"),
+        GRAVITY._replace(steered="from its next contact on"),
         SEED,
     ),
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
     "slide", "drags the striker over it until 0, or steers the slide of that id (NAME if none): a scrape, a rub, a bow",
-    dataclasses.replace(SPEED, help="at which the striker slips over the surface; 0 stops it"),
+    SPEED._replace(help="at which the striker slips over the surface; 0 stops it"),
     (
-        dataclasses.replace(FORCE, help="that presses it on; its weight if not given"),
+        FORCE._replace(help="that presses it on; its weight if not given"),
         Parameter(
             "sweep", -1.0, 100.0, "m/s", "at which the contact moves over the object: 0 for a bow, whose contact "
             "stays; -1: the slip's", useful=(0.0, 5.0), steerable=True, glide=0.02,
@@ -303,8 +302,7 @@ SLIDE = Gesture(
 REST = Gesture(
     "rest", "lays it on another object or on a support, until it is stopped: both ring shorter, and may buzz", LOAD,
     (
-        dataclasses.replace(
-            BY_POSITION, help="the point of that object on which it rests", steerable=True, glide=POSITION.glide
+        BY_POSITION._replace(help="the point of that object on which it rests", steerable=True, glide=POSITION.glide
         ),
     ),
     fixed=("gain",), rests=True, what="another object, or a support: felt, foam, finger, palm or table",
@@ -326,7 +324,7 @@ MEMORY = Parameter(
     "memory", 1e-4, 10.0, "s", "for which one sets off others", default=0.05, useful=(0.001, 0.1), steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
-    "rain", "lets drops fall on it until it is stopped", dataclasses.replace(RATE, help="of drops, on average"),
+    "rain", "lets drops fall on it until it is stopped", RATE._replace(help="of drops, on average"),
     (
         Parameter(
             "size", 5e-5, 2e-3, "m", "mean diameter of the drops in the air, above 0.5 mm; 0.4 mm in moderate rain",
@@ -358,7 +356,7 @@ SHAKE = Gesture(
 )  # fmt: skip
 CRUMPLE = Gesture(
     "crumple", "crushes it: crackles of all energies, each as a blow of the striker, until it is stopped",
-    dataclasses.replace(SPEED, help="at which it is crushed; 0 pauses"),
+    SPEED._replace(help="at which it is crushed; 0 pauses"),
     (
         Parameter(
             "density", 1.0, 1e7, "1/m", "of crackles, over the length by which it is crushed", default=3000.0,
@@ -370,8 +368,8 @@ CRUMPLE = Gesture(
             "Sethna 1996)", default=1.5, useful=(1.0, 2.0), steerable=True,
         ),
         Parameter("decades", 0.1, 9.0, "", "of energy that they span", default=4.0, useful=(1.0, 6.0), steerable=True),
-        dataclasses.replace(EXCITATION, default=0.5),
-        dataclasses.replace(MEMORY, default=0.005),
+        EXCITATION._replace(default=0.5),
+        MEMORY._replace(default=0.005),
         VARIETY,
         SPREAD,
         SEED,
@@ -380,28 +378,26 @@ CRUMPLE = Gesture(
 )  # fmt: skip
 POUR = Gesture(
     "pour", "pours many of the striker on it, until it is stopped: rice, gravel, coins",
-    dataclasses.replace(RATE, help="of grains, on average"),
+    RATE._replace(help="of grains, on average"),
     (
-        dataclasses.replace(
-            HEIGHT, help="from which they fall", default=0.2, useful=(0.02, 2.0), steerable=True
+        HEIGHT._replace(help="from which they fall", default=0.2, useful=(0.02, 2.0), steerable=True
         ),
         VARIETY,
-        dataclasses.replace(SPREAD, default=0.3),
+        SPREAD._replace(default=0.3),
         SEED,
     ),
     swarms=FALLS,
 )  # fmt: skip
 STEP = Gesture(
     "step", "treads on it once, from heel to toe: crackles as the weight comes and goes, each as a blow of the striker",
-    dataclasses.replace(
-        FORCE, help="the weight of who walks; it comes and goes as a foot's force does", useful=(100.0, 1500.0)
+    FORCE._replace(help="the weight of who walks; it comes and goes as a foot's force does", useful=(100.0, 1500.0)
     ),
     (
         Parameter(
             "crackles", 0.0, 1e4, "1/N", "for each change of the force; it changes by three times the weight in a step",
             default=0.5, useful=(0.05, 10.0), steerable=True,
         ),
-        dataclasses.replace(DURATION, help="of the foot on the ground", low=0.05, default=0.65, useful=(0.3, 2.0)),
+        DURATION._replace(help="of the foot on the ground", low=0.05, default=0.65, useful=(0.3, 2.0)),
         *(each for each in CRUMPLE.keys if each.name in ("energy", "steepness", "decades")),
         VARIETY,
         SPREAD,
@@ -412,10 +408,10 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter", "breaks it: it cracks and falls silent; its pieces, each as the striker, bounce until they lie still",
-    dataclasses.replace(VELOCITY, help="at which it hits what breaks it; 0 does nothing"),
+    VELOCITY._replace(help="at which it hits what breaks it; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "into which it breaks", default=60.0, whole=True),
-        dataclasses.replace(HEIGHT, help="from which the pieces fall", default=0.0),
+        HEIGHT._replace(help="from which the pieces fall", default=0.0),
         SPREAD,
         SEED,
     ),

@@ -7,8 +7,7 @@ An object has the section of a gesture that suits it. Another gesture can be pla
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..dsp import schema
 from .schema import SUITABLE, Fields, check
@@ -36,8 +35,7 @@ REQUIRED: Mapping[str, tuple[str, ...]] = {
 }
 
 
-@dataclass(frozen=True)
-class Usual:
+class Usual(NamedTuple):
     """A gesture as a preset has it: its striker, its surface ("" where it has none), and numbers by name, its first
     argument among them."""
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..dsp.bodies.sensor import Sensor
 from ..dsp.wording import expected
 from .schema import NoPreset
 
 
-@dataclass(frozen=True)
-class SensorPreset:
+class SensorPreset(NamedTuple):
     """A sensor, and where its figures are from."""
 
     sensor: Sensor

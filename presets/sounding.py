@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 from ..dsp.bodies import acceleration
@@ -24,12 +23,12 @@ def sound_of(where: str, data: Mapping[str, Any], mass: float, ball: float | Non
         raise PresetError(f"{where}[snap]: expected a section [ringing] too, whose modes it moves")
     sound = StrikerSound(mass)
     if click:
-        sound = replace(sound, click=_click(f"{where}[click] ", click, mass), radius=click["radius"])
+        sound = sound._replace(click=_click(f"{where}[click] ", click, mass), radius=click["radius"])
     elif ball is not None:
-        sound = replace(sound, click=acceleration.sphere(mass, ball), radius=ball)
+        sound = sound._replace(click=acceleration.sphere(mass, ball), radius=ball)
     if own:
         try:
-            sound = replace(sound, ringing=ringing(**own), snap=Snap(**snap) if snap else None)
+            sound = sound._replace(ringing=ringing(**own), snap=Snap(**snap) if snap else None)
         except ValueError as error:
             raise PresetError(f"{where}[ringing] {error}") from None
     return sound if sound.click or sound.ringing else None

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class SupportPreset:
+class SupportPreset(NamedTuple):
     """A support: its contact law f = k x^a (1 + mu v), and what is behind it."""
 
     description: str

@@ -50,7 +50,7 @@ PATTER = (
         "GESTURES = {\n    gesture.name: gesture\n    for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE",
         """PATTER = Gesture(
     "patter", "strikes it at random times, as rain does, until it is stopped",
-    dataclasses.replace(VELOCITY, steerable=True),
+    VELOCITY._replace(steerable=True),
     (
         Parameter("pace", 0.1, 1000.0, "Hz", "of its blows, on average", default=10.0, steerable=True),
         SEED,
@@ -138,7 +138,7 @@ def cone(material: Material, *, radius: float, top_radius: float, height: float,
     (
         "presets/schema.py",
         '    "sphere": Shape(',
-        '    "cone": Shape(shapes.cone, dict.fromkeys(("radius", "top_radius", "height", "thickness"), LENGTH)),\n'
+        '    "cone": Shape("cone", dict.fromkeys(("radius", "top_radius", "height", "thickness"), LENGTH)),\n'
         '    "sphere": Shape(',
     ),
 )

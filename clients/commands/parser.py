@@ -4,9 +4,8 @@ import argparse
 import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from ...dsp.wording import expected, suggestion
 from ..folding import columns_of, folded
@@ -15,8 +14,7 @@ _VALUE = re.compile(r"[-+]?\d*\.?\d+([eE][-+]?\d+)?")  # a number
 _NUMBER = re.compile(r"-\.?\d")  # how a negative number begins, "-3.5e-1" too, and what no option looks like
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """A command: its name, its arguments as the usage shows them, a line of help, its options, and what it does.
 
     `run` returns the exit code. Its errors are told in one line if they are Carom's own or the system's.

@@ -4,9 +4,8 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from threading import Event, Thread
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import tell
 
@@ -17,8 +16,7 @@ PERIOD = 5.0
 """s between two lines, where stderr is no terminal; what takes less says nothing."""
 
 
-@dataclass(frozen=True)
-class Work:
+class Work(NamedTuple):
     """The work of a command: its name, and the form of its progress.
 
     columns: makes rich's columns, its usual ones if there are none; rich is slow to load. unit: of what is completed,

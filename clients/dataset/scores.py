@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
@@ -72,7 +71,7 @@ def filled(lines: Sequence[Line], values: Mapping[str, Value], seed: int) -> lis
     """Fill a score's lines with an item's values in the places of words such as $velocity."""
     given = {SEED: seed, **values}
     return [
-        replace(line, message=Message(line.message.address, tuple(_filled(arg, given) for arg in line.message.args)))
+        line._replace(message=Message(line.message.address, tuple(_filled(arg, given) for arg in line.message.args)))
         for line in lines
     ]
 

@@ -4,9 +4,9 @@ It is looked for by a hash of the module's sources. Neither numba nor llvmlite i
 """
 
 import importlib
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 from ..errors import COMPILER, NoCodeError
 from . import store as stores
@@ -19,8 +19,7 @@ from .store import Store, user_cache
 from .targets import Target, targets
 
 
-@dataclass(frozen=True)
-class Code:
+class Code(NamedTuple):
     """The machine code of a module's C functions, loaded: their addresses by name, and where it came from."""
 
     addresses: dict[str, int]

@@ -3,10 +3,9 @@
 import os
 import platform
 import sys
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,8 +41,7 @@ _TRIPLES = {
 }
 
 
-@dataclass(frozen=True)
-class Target:
+class Target(NamedTuple):
     """An operating system and a kind of processor."""
 
     system: str

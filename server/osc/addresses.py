@@ -1,9 +1,8 @@
 """The address space: every address, declared once for checking, for the documents, for OSCQuery and for clients."""
 
-import difflib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 from ...dsp.contact.accuracy import LEVELS
 from ...dsp.schema import (
@@ -114,7 +113,7 @@ def _steering(name: str) -> Number:
     numbers = tuple(gestures_steered_by(name).values())
     ranges = [number.useful for number in numbers if number.useful]
     covers = (min(low for low, _ in ranges), max(high for _, high in ranges)) if len(ranges) == len(numbers) else None
-    return replace(numbers[0], useful=covers)
+    return numbers[0]._replace(useful=covers)
 
 
 def _begins(gesture: Gesture) -> Verb:
@@ -263,8 +262,7 @@ _SERVER = (
 VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *LISTENING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(NamedTuple):
     """A message to one verb (None: nothing has its address), and the part of its address that stands for NAME or ID,
     perhaps a pattern."""
 
@@ -333,7 +331,9 @@ def _meant(address: str) -> list[str]:
     if len(given) == 3 and any(given[0] == container for container, _ in _TARGETED):  # it was not misspelt
         acting = [verb for verb in acting if verb.action == given[-1]]
     found = whole or [_filled(verb.address, given, bool(there)) for verb in there or acting]
-    return sorted(found, key=lambda each: -difflib.SequenceMatcher(None, each, address).ratio())[:2]
+    from difflib import SequenceMatcher  # for an error alone
+
+    return sorted(found, key=lambda each: -SequenceMatcher(None, each, address).ratio())[:2]
 
 
 def _are_near(given: Sequence[str], known: Sequence[str]) -> bool:

@@ -49,8 +49,7 @@ def check_number(number: Number, value: Argument) -> float:
     return float(value)
 
 
-@dataclass(frozen=True)
-class Word:
+class Word(NamedTuple):
     """An argument that is a name."""
 
     name: str
@@ -66,8 +65,7 @@ class Word:
         return self.name
 
 
-@dataclass(frozen=True)
-class Either:
+class Either(NamedTuple):
     """An argument that is one of a few words; a number stands for the word that is written like it."""
 
     name: str
@@ -90,8 +88,7 @@ _STEPS = {"C": 0, "D": 2, "E": 4, "F": 5, "G": 7, "A": 9, "B": 11}
 _SIGNS = {"#": 1, "s": 1, "b": -1, None: 0}
 
 
-@dataclass(frozen=True)
-class Note:
+class Note(NamedTuple):
     """An argument that is a note: a MIDI number, perhaps between two keys, or a name such as C#4; A4 is 69."""
 
     name: str
@@ -112,8 +109,7 @@ class Note:
         return f"{self.name} 0 to 127, or such as C#4"
 
 
-@dataclass(frozen=True)
-class Numbers:
+class Numbers(NamedTuple):
     """Any number of arguments that are numbers of one kind: one after the other, or a list of them."""
 
     number: Number
@@ -133,8 +129,7 @@ class Numbers:
         return f"{self.name}, up to {self.most} of {self.number.low:g} to {self.number.high:g}"
 
 
-@dataclass(frozen=True)
-class Vector:
+class Vector(NamedTuple):
     """An argument that is three numbers: one after the other, a list of them, or a text such as 0.1,0,0.2."""
 
     name: str

@@ -1,7 +1,5 @@
 """The addresses that say what MIDI does."""
 
-from dataclasses import dataclass
-
 from ...dsp.schema import Parameter as Number
 from .arguments import Either, Note, Refused, Verb, Word, shown
 from .wire import Argument
@@ -14,7 +12,6 @@ HIGHEST = Note("high", "the highest one")
 BEND, PRESSURE = "bend", "pressure"
 
 
-@dataclass(frozen=True)
 class _Controller(Either):
     """A controller, whose error does not list them all."""
 

@@ -11,9 +11,9 @@ import json
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 from ...dsp.errors import CaromError
 from ...dsp.numerics.constants import GRID
@@ -41,8 +41,7 @@ class ScoreError(CaromError, ValueError):
     """A score that cannot be read: "FILE:LINE: reason"."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A message, its time (s) and where it stands ("FILE:LINE")."""
 
     time: float

@@ -8,8 +8,7 @@ the last argument, and copies the rest of the datagram for each argument.
 import reprlib
 import struct
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...dsp.errors import CaromError
 
@@ -39,16 +38,14 @@ class BadPacket(CaromError, ValueError):
     """A datagram that is not OSC; the text says what is wrong with it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Message:
+class Message(NamedTuple):
     """An address (or address pattern) and its arguments."""
 
     address: str
     args: tuple[Argument, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Bundle:
+class Bundle(NamedTuple):
     """Messages for one moment: a 64-bit NTP time tag, 1 being at once."""
 
     time: int

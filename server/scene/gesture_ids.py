@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...dsp.engine.memory.state import End
 from ...dsp.runtime.engine import Engine
@@ -36,8 +36,7 @@ class GestureId:
     """N: up to which the load of its last rest may be steered."""
 
 
-@dataclass(frozen=True, slots=True)
-class Ended:
+class Ended(NamedTuple):
     """A gesture that is over: its id, the address that started it, who sent that, and how it ended."""
 
     id: str

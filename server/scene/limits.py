@@ -1,7 +1,6 @@
 """Contact laws of strikers, and the limits of a gesture: how long a contact lasts, whether a bounce ever rests."""
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 from ...dsp.bodies.material import Material
@@ -63,7 +62,7 @@ class ContactLaws:
         """Return a striker's own sound; one that is held, as it slides, does not ring. PresetError if there is none."""
         if (striker, held) not in self._sounds:
             sound = self._presets.striker(striker).sound
-            self._sounds[striker, held] = replace(sound, ringing=None, snap=None) if sound and held else sound
+            self._sounds[striker, held] = sound._replace(ringing=None, snap=None) if sound and held else sound
         return self._sounds[striker, held]
 
     def radius_of(self, striker: str) -> float | None:

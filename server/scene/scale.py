@@ -1,13 +1,12 @@
 """The scale of samples: a share of full scale, by the levels of presets, or a pressure in Pa."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ...presets import ObjectPreset
 
 
-@dataclass(frozen=True)
-class Scale:
+class Scale(NamedTuple):
     """Levels of objects.
 
     calibrated: samples are pascals, whatever the presets' levels, times `amplified`. Else full_scale (Pa) is 1.0 of an

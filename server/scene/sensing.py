@@ -1,6 +1,5 @@
 """The handlers of messages that mount sensors on objects."""
 
-from dataclasses import replace
 from typing import Any
 
 from ...dsp.bodies.sensor import Sensor
@@ -20,7 +19,7 @@ def sensor_asked(values: Values) -> Sensor:
     """Return the sensor that a message asks for. PresetError if its preset is none."""
     changes: dict[str, Any] = {key: values.numbers[key] for key in ("resonance", "damping") if key in values.numbers}
     changes |= {"quantity": values.words["quantity"]} if "quantity" in values.words else {}
-    return replace(sensor_of(values.words.get("preset", "ideal")), **changes)
+    return sensor_of(values.words.get("preset", "ideal"))._replace(**changes)
 
 
 def said_of(values: Values, before: int) -> str:

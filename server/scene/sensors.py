@@ -1,7 +1,7 @@
 """Sensors on objects: their names and their channels."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...dsp.bodies.sensor import Sensor
 from ...dsp.engine.memory.mounted import SENSORS
@@ -9,8 +9,7 @@ from ...dsp.runtime.engine import Engine
 from ..osc.arguments import Refused
 
 
-@dataclass(frozen=True)
-class Mounted:
+class Mounted(NamedTuple):
     """A sensor that is mounted: on which object, where, its number, and the value of a sample of 1.0."""
 
     object: str
