@@ -1,5 +1,6 @@
 """The command line: `carom COMMAND ...`, a command for each file in `commands`."""
 
+import atexit
 import gc
 import os
 import sys
@@ -9,7 +10,7 @@ from importlib import import_module
 from . import errors
 from .commands.parser import Command, Parser, parse, parser_of
 
-_COLLECTED_AFTER = 20_000
+_COLLECTED_AFTER = 50_000
 """New objects after which the youngest are collected: Python's 700 look through all that a start loads many times."""
 
 NAMES = (
@@ -37,6 +38,7 @@ def _asked(words: Sequence[str]) -> Sequence[str]:
 def main(argv: list[str] | None = None) -> int:
     """Run a command; return the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage."""
     gc.set_threshold(_COLLECTED_AFTER)
+    atexit.register(gc.freeze)  # or else Python looks through all objects once more as it ends
     words = sys.argv[1:] if argv is None else argv
     arguments = parse(*parsers(_asked(words)), words)
     try:

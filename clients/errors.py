@@ -1,7 +1,6 @@
 """The errors that a command tells in one line, and their wording."""
 
 import sys
-from difflib import SequenceMatcher
 from pathlib import Path
 
 from ..dsp.wording import near
@@ -23,6 +22,8 @@ def plain(error: Exception) -> str:
     text = f"{error.filename}: {error.strerror}"
     missing = Path(error.filename)
     if isinstance(error, FileNotFoundError) and missing.parent.is_dir():
+        from difflib import SequenceMatcher  # slow to load
+
         # Without their endings, which make all names alike; of names that differ in it, that with the nearest ending.
         def likeness(path: Path) -> tuple[float, Path]:
             return SequenceMatcher(None, path.suffix, missing.suffix).ratio(), path

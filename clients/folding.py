@@ -1,7 +1,6 @@
 """Text that fits a terminal: long lines are folded between words. Lines that go elsewhere are not folded."""
 
 import os
-import textwrap
 from typing import TextIO
 
 _NARROWEST = 40  # columns: a terminal that says that it has fewer is not believed
@@ -25,6 +24,8 @@ def folded(text: str, columns: int | None, indent: int = 4) -> str:
     """
     if columns is None or len(text) < columns:
         return text
+    import textwrap  # slow to load
+
     return textwrap.fill(
         text, columns - 1, subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False
     )

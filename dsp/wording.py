@@ -1,6 +1,5 @@
 """Suggestions in errors for a word that is not known: the nearest of the known words, else all of them."""
 
-import difflib
 from collections.abc import Iterable, Sequence
 from itertools import islice
 
@@ -25,6 +24,8 @@ def near(word: str, known: Iterable[str]) -> list[str]:
     """Return up to three known words that a misspelt or cut one may stand for, the nearest first."""
     if len(word) > _LONGEST or not any(letter.isalpha() for letter in word):  # a number is not misspelt, but wrong
         return []
+    import difflib  # for an error alone
+
     folded: dict[str, str] = {}
     letters = 0
     for each in known:

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import SupportsIndex
+from typing import NamedTuple, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
@@ -191,8 +191,7 @@ def require(number: Parameter, value: object) -> None:
         raise RenderError(str(error)) from None
 
 
-@dataclass(frozen=True)
-class Rendered:
+class Rendered(NamedTuple):
     """The outcome of a render: its engine, the limiter's work, and the gain (dB) that normalized it, if one did."""
 
     engine: Engine
@@ -348,21 +347,23 @@ def render(
             _make_folder(stems)
             options = replace(options, block=QUANTUM)
             engine.stems.keep(True)
-        folder = Path(stack.enter_context(TemporaryDirectory(prefix=".carom-", dir=stems or out.parent)))
-        spool, parts = Spool(folder / "whole", engine.width, engine.sensors), StemSpools(folder, engine.channels)
-        keep = write if options.normalize is None else spool.append
+        if stems or options.normalize is not None:
+            folder = Path(stack.enter_context(TemporaryDirectory(prefix=".carom-", dir=stems or out.parent)))
+        spool = None if options.normalize is None else Spool(folder / "whole", engine.width, engine.sensors)
+        parts = StemSpools(folder, engine.channels) if stems else None
+        keep = spool.append if spool else write
         frames = 0
         for sound in blocks(score, engine, presets, options, session, warn):
-            if stems:
+            if parts:
                 parts.add(session.objects.slots, engine.stems.shares(), engine.stems.sounding(), frames)
             watch.look()
             keep(sound)
             frames += len(sound)
             progress(engine.position / options.rate)
-        gain = options.gain_of(spool.peak, warn)
-        for piece in spool.pieces(gain):
+        gain = options.gain_of(spool.peak, warn) if spool else 1.0
+        for piece in spool.pieces(gain) if spool else ():
             write(piece)
-        if stems:
+        if stems and parts:
             parts.save(lambda name: stems / f"{name}{out.suffix}", options.rate, format, frames, gain, scale)
     return Rendered(engine, watch.take(), None if options.normalize is None else 20.0 * math.log10(gain))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -103,6 +102,8 @@ def _port(word: str) -> int:
 
 def on_end(act: Callable[[], object]) -> None:
     """Act when the system asks this program to end."""
+    import signal  # slow to load
+
     for name in ("SIGTERM", "SIGINT", "SIGHUP"):
         if hasattr(signal, name):  # Windows has no SIGHUP
             signal.signal(getattr(signal, name), lambda *_: act())

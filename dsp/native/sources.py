@@ -48,8 +48,8 @@ def hash_of(modules: list[str]) -> str:
     found = hashlib.sha256(NAME.encode())
     for name in modules:
         try:
-            with open(_file_of(name) or "", "rb") as file:
-                source = file.read()
+            with open(_file_of(name) or "", "rb", buffering=0) as file:  # some hundred of them at a start
+                source = file.readall()
         except OSError:
             return ""
         found.update(f"{name}\0{len(source)}\0".encode())

@@ -12,7 +12,6 @@ appear whole, whoever reads them at the same time.
 """
 
 import json
-import logging
 import os
 import shutil
 import tempfile
@@ -40,8 +39,6 @@ _MOST = 200e6  # bytes in the cache before what was not used for longest goes
 _VERSIONS_KEPT = 8  # of a module's list of units
 _COMPILERS_KEPT = 2
 
-_log = logging.getLogger(__name__)
-
 
 def user_cache() -> Path:
     """Return the folder of the user's cache; where it can't be written, one that goes with this process."""
@@ -59,7 +56,7 @@ def user_cache() -> Path:
 @cache
 def _passing_cache(why: str) -> Path:
     text = "cannot write the code cache (%s): every start will compile; XDG_CACHE_HOME may name another folder"
-    _log.warning(text, why)
+    _warn(text, why)
     folder = tempfile.TemporaryDirectory(prefix="carom-code-")
     _PASSING.append(folder)  # it is removed at the end of the process
     return Path(folder.name)
@@ -111,7 +108,7 @@ class Store:
                 content = file.read_bytes()
                 if file.suffixes[-2] == f".{digest(content)}":
                     return file, content
-                _log.warning("the compiled code in %s is damaged", file)
+                _warn("the compiled code in %s is damaged", file)
         return None
 
     def write_unit(self, key: str, what: str, kind: str, content: bytes) -> None:
@@ -180,6 +177,12 @@ class Store:
 
     def _module(self, module: str) -> Path:
         return self.root / "modules" / module
+
+
+def _warn(text: str, value: object) -> None:
+    import logging  # slow to load
+
+    logging.getLogger(__name__).warning(text, value)
 
 
 def _write(file: Path, content: bytes) -> None:

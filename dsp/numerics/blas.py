@@ -8,8 +8,6 @@ from functools import cache
 from threading import Lock
 from typing import Any
 
-from threadpoolctl import ThreadpoolController
-
 
 def on_one_thread() -> AbstractContextManager[None]:
     """Limit BLAS to one thread while any user is in this context: the first to enter sets the limit, the last to leave
@@ -52,6 +50,7 @@ class _Blas:
 @cache  # to look through all libraries takes longer than many an object
 def _libraries() -> list[Any]:
     import scipy.linalg  # noqa: F401 - slow to load, and its BLAS must be there to be found
+    from threadpoolctl import ThreadpoolController
 
     return [each for each in ThreadpoolController().lib_controllers if each.user_api == "blas"]
 

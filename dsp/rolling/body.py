@@ -13,7 +13,7 @@ A roll that asks for more than EVENTS steps a second gets coarser ones, whose en
 
 import math
 
-from ..contact.collocation import NODES
+from ..contact.step_record import NODES
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View2D
 from ..numerics.legendre import KEPT

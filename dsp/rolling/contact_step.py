@@ -13,7 +13,6 @@ import math
 from ..contact.collocation import (
     GAUSS,
     LEAST_REST,
-    NODES,
     WEIGHTS,
     better_step,
     discrete_gradient,
@@ -21,6 +20,7 @@ from ..contact.collocation import (
     extrapolate,
     raised,
 )
+from ..contact.step_record import NODES
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.roots import rough_eighth_root
 from .free_mass import solve_free_mass

@@ -10,7 +10,8 @@ the nodes counts by the square of the swing in a step: each iteration gains two 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.collocation import INTEGRAL, WEIGHTS, Step, raised, solve
+from ..contact.collocation import INTEGRAL, WEIGHTS, raised, solve
+from ..contact.step_record import Step
 from ..native.jit import kernel, noinline_kernel
 
 _ITERATIONS = 10

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from ..contact.collocation import NODES, Step
+from ..contact.step_record import NODES, Step
 from ..native.typed import Record, View, dtype_of
 from ..schema_records import Steered
 from .path import Path

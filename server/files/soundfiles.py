@@ -2,7 +2,6 @@
 
 from typing import Any, Protocol
 
-import soundfile
 from numpy.typing import NDArray
 
 from .floatwav import FloatWav
@@ -28,10 +27,12 @@ def open_sound(
 ) -> SoundWriter:
     """Write sound at a rate (Hz) to an open, empty file: container WAV or FLAC, subtype as libsndfile names it.
 
-    comment: ASCII, in its metadata. Errors here and in `write`: OSError for float WAV, LibsndfileError for the rest.
+    comment: ASCII, in its metadata. Errors here and in `write`: OSError for float WAV, a RuntimeError for the rest.
     """
     if (container, subtype) == ("WAV", "FLOAT"):
         return FloatWav(descriptor, rate, channels, comment)
+    import soundfile  # slow to load
+
     # libsndfile gets the descriptor itself, so that it sees errors of writing.
     file = soundfile.SoundFile(descriptor, "w", rate, channels, subtype=subtype, format=container, closefd=False)
     # The peak chunk holds the time of day, and equal sounds would not be equal files. soundfile has no word for this.

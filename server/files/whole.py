@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-import soundfile
 from numpy.typing import NDArray
 
 from ...dsp.errors import CaromError
@@ -37,9 +36,9 @@ def writing(
     if container is None:
         raise RenderError(f"{out}: expected a name that ends in {' or '.join(_ENDINGS)}")
     require_format(format)
-    subtype = _SUBTYPES[format or ("24" if container == "FLAC" else "float")]
-    if not soundfile.check_format(container, subtype):
+    if container == "FLAC" and format == "float":
         raise RenderError(f"format = {format}: {container} holds 16 or 24")
+    subtype = _SUBTYPES[format or ("24" if container == "FLAC" else "float")]
     if container == "FLAC" and channels > _MOST_IN_FLAC:
         raise RenderError(f"{out}: {channels} channels: FLAC holds at most {_MOST_IN_FLAC}")
     if not out.parent.is_dir():
@@ -72,7 +71,7 @@ def _naming(out: Path) -> Iterator[None]:
     """Name the file in an error of writing inside."""
     try:
         yield
-    except soundfile.LibsndfileError as error:
+    except RuntimeError as error:  # libsndfile's
         raise RenderError(f"{out}: {error} Is the disk full?") from error
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(out)) from error
