@@ -161,8 +161,7 @@ DIRECTION = tuple(
 )  # fmt: skip
 """The direction of a blow's force, or of a slide's friction, at a point of a surface, in place of the normal."""
 BY_DIRECTION = tuple(
-    dataclasses.replace(each, name=f"by_{each.name}", help=f"the same of that object's: {each.name[-1]}")
-    for each in DIRECTION
+    each._replace(name=f"by_{each.name}", help=f"the same of that object's: {each.name[-1]}") for each in DIRECTION
 )
 """The same of the object that strikes."""
 GAIN = Parameter(
