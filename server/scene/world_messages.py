@@ -1,9 +1,11 @@
 """The handlers of `/world/...`: a simulation is told, and the gestures that follow from it are carried out."""
 
 from collections.abc import Callable
+from functools import partial
 
+from ...dsp.runtime.arena import EngineFull
 from ..osc.addresses import Call, calls
-from ..osc.arguments import Values
+from ..osc.arguments import Refused, Values
 from ..osc.score import on_grid
 from ..osc.wire import Message
 from ..osc.world_verbs import BODY
@@ -43,7 +45,8 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
         before, told = transaction.world.step(values.numbers["time"])
         begin = max(transaction.time, float(engine.position) + _AHEAD * engine.rate * (transaction.time < 0))
         for each in told:
-            carry_out(transaction, each.message, on_grid(begin + max(each.time - before, 0.0) * engine.rate))
+            at = on_grid(begin + max(each.time - before, 0.0) * engine.rate)
+            _try_out(transaction, call, each.message, partial(carry_out, transaction, each.message, at))
 
     def end(transaction: Transaction, call: Call, values: Values) -> None:
         transaction.tables = None  # as for a step
@@ -61,6 +64,21 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
         "/world/step": step,
         "/world/end": end,
     }
+
+
+def _try_out(transaction: Transaction, call: Call, message: Message, carry_out: Callable[[], None]) -> None:
+    """Carry out a message that follows from a call; where it is refused say so, for the rest is heard. What steers or
+    ends a gesture whose beginning was refused is left out."""
+    _, group, id, *_ = message.address.split("/")
+    if group == "gesture" and not transaction.gestures.selected(id, transaction.selection):
+        return
+    savepoint = transaction.savepoint()
+    try:
+        carry_out()
+    except (Refused, EngineFull) as error:
+        transaction.undo_to(savepoint)
+        reason = f"{message.address}: {transaction.reason(error)}"
+        transaction.replies.append(Message("/fail", (call.message.address, reason)))
 
 
 def _pair(transaction: Transaction, call: Call, values: Values) -> None:
