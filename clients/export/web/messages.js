@@ -150,7 +150,7 @@ export class Messages {
   steer(verb, id, action, args, time) {
     this.collect();
     const { number, addresses } = this.running.get(id) ?? refuse(`${id}: no such gesture is running`);
-    const kinds = addresses.map((each) => each.split("/")[3]);
+    const kinds = addresses.map((each) => each.split("/")[1]);
     const has = action === "stop" || kinds.some((kind) => this.map.gestures[kind].steerable.includes(action));
     if (!has) refuse(`${id}: what goes on (${kinds.join(", ")}) has no ${action}`);
     if (action === "stop") this.send({ time, kind: "STOP", gesture: number });
