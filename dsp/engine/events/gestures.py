@@ -159,10 +159,12 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
 @kernel
 def _point_along(way: View[float], x: float, y: float, z: float) -> None:
     """Make a vector one of length 1, or zeros."""
-    length = math.hypot(math.hypot(x, y), z)
+    most = max(abs(x), abs(y), abs(z))
     for k in range(3):
         way[k] = 0.0
-    if length > 0.0:
+    if most > 0.0:
+        x, y, z = x / most, y / most, z / most  # whose squares are no 0
+        length = math.sqrt(x * x + y * y + z * z)
         way[0], way[1], way[2] = x / length, y / length, z / length
 
 
