@@ -24,7 +24,8 @@ ROOT = Path(os.environ.get("CAROM_RECORDINGS", "/"))
 FONTS, KITS = ROOT / "usr/share/sounds/sf2", ROOT / "usr/share/hydrogen/data/drumkits"
 TREBLE = 4_000.0  # Hz
 _T = TypeVar("_T")
-OPENED = 0.6  # s in which the centroid is at its highest
+OPENED = 0.6  # s in which the centroid rises
+NEARLY = 0.1  # octaves below its highest
 
 RECORDED = {
     "crash-cymbal": (
@@ -51,7 +52,7 @@ RECORDED = {
 @dataclass(frozen=True)
 class Apart:
     """The distance of a preset from the recordings of its kind, and that of these from each other, medians: `ours`,
-    `theirs` of each. Times (s) and rises (octaves) of the centroid to its highest: ours, and all of theirs."""
+    `theirs` of each. Times (s) in which the centroid rises and how far (octaves): ours, and all of theirs."""
 
     recordings: int
     gap: tuple[float, float]  # dB: mean gap of third octaves
@@ -79,22 +80,23 @@ def _read(path: Path) -> Recording:
     return Recording(path.stem, samples[:, 0] / np.abs(samples[:, 0]).max(), rate)
 
 
-def apart(real: list[Recording], ours: Recording) -> Apart:
-    """Compare a sound with several recordings, two at least, and these with each other."""
-    opening = [opened(each) for each in (ours, *real)]
+def apart(real: list[Recording], ours: list[Recording]) -> Apart:
+    """Compare sounds of a preset with several recordings, two at least, and these with each other."""
+    times, rises = zip(*map(opened, ours), strict=True)
+    their_times, their_rises = zip(*map(opened, real), strict=True)
     return Apart(
         len(real),
         _distances(real, ours, lambda a, b: difference(a, b)[2]),
-        _distances([*map(treble, real)], treble(ours), lambda a, b: float(np.abs(a - b).mean())),
-        (opening[0][0], [each[0] for each in opening[1:]]),
-        (opening[0][1], [each[1] for each in opening[1:]]),
+        _distances([*map(treble, real)], [*map(treble, ours)], lambda a, b: float(np.abs(a - b).mean())),
+        (median(times), [*their_times]),
+        (median(rises), [*their_rises]),
     )
 
 
-def _distances(real: list[_T], ours: _T, between: Callable[[_T, _T], float]) -> tuple[float, float]:
+def _distances(real: list[_T], ours: list[_T], between: Callable[[_T, _T], float]) -> tuple[float, float]:
     """Return the median distance of ours from all, and that of any two."""
     theirs = [between(one, other) for one, other in combinations(real, 2)]
-    return median(between(each, ours) for each in real), median(theirs)
+    return median(between(each, mine) for each in real for mine in ours), median(theirs)
 
 
 def treble(sound: Recording) -> np.ndarray:
@@ -105,12 +107,16 @@ def treble(sound: Recording) -> np.ndarray:
 
 
 def opened(sound: Recording) -> tuple[float, float]:
-    """Return when in its first OPENED seconds the centroid of a sound is highest (s), and how far it rises to there
-    (octaves)."""
-    time, centroid = centroids(from_onset(sound)[: int(SECONDS * sound.rate)], sound.rate)
-    centroid = centroid[time < OPENED]
-    most = int(centroid.argmax())
-    return float(time[most]), float(np.log2(centroid[most] / centroid[0]))
+    """Return how long the centroid of a sound rises in its first OPENED seconds (s), and how far (octaves)."""
+    time, centroid = centroids([from_onset(sound)[: int(SECONDS * sound.rate)]], sound.rate)
+    return risen(time[time < OPENED], centroid[time < OPENED])
+
+
+def risen(time: np.ndarray, centroid: np.ndarray) -> tuple[float, float]:
+    """Return when a centroid is first within NEARLY of its highest (s), and how far it rises to there (octaves): one
+    that has risen stays there for a while, and chance says when it is highest."""
+    octaves = np.log2(centroid / centroid[0])
+    return float(time[np.argmax(octaves > octaves.max() - NEARLY)]), float(octaves.max())
 
 
 def course(sound: np.ndarray, above: float, rate: int) -> tuple[np.ndarray, np.ndarray]:
@@ -122,13 +128,15 @@ def course(sound: np.ndarray, above: float, rate: int) -> tuple[np.ndarray, np.n
     return (np.arange(len(level)) * step + size / 2) / rate, level
 
 
-def centroids(sound: np.ndarray, rate: int, length: float = 0.046) -> tuple[np.ndarray, np.ndarray]:
-    """Return times (s) and spectral centroids (Hz), by power, in windows of a length (s), smoothed over five of
-    them."""
+def centroids(sounds: list[np.ndarray], rate: int, length: float = 0.046) -> tuple[np.ndarray, np.ndarray]:
+    """Return times (s) and spectral centroids (Hz), by the mean power of sounds, in windows of a length (s), smoothed
+    over five of them."""
     size, step = int(length * rate), int(0.01 * rate)
     frequency = np.fft.rfftfreq(size, 1 / rate)
-    frames = np.lib.stride_tricks.sliding_window_view(sound, size)[::step] * np.hanning(size)
-    power = np.abs(np.fft.rfft(frames)) ** 2
+    power = np.zeros(1)
+    for sound in sounds:
+        frames = np.lib.stride_tricks.sliding_window_view(sound, size)[::step] * np.hanning(size)
+        power = power + np.abs(np.fft.rfft(frames)) ** 2
     whole = np.cumsum(np.concatenate([np.zeros((1, frequency.size)), power]), axis=0)
     power = whole[5:] - whole[:-5]
     return (np.arange(len(power)) * step + size / 2) / rate + 0.02, power @ frequency / power.sum(axis=1)
