@@ -9,7 +9,6 @@ from carom.dsp.bodies import listed
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM, End
 from carom.dsp.resonator.mode import mode_energy
-from carom.dsp.runtime import pulses
 from carom.dsp.runtime.arena import EngineFull
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.swarm.record import PULSES, SWARMS
@@ -275,7 +274,7 @@ EXPONENTS = [1.0 + 0.1 * n for n in range(PULSES + 1)]
 @pytest.fixture
 def tables(monkeypatch):
     """Tables of pulses that are made at once: all are those of one exponent."""
-    monkeypatch.setattr(pulses, "pulse_table", lambda exponent: pulse_table(GRAIN[3]))
+    monkeypatch.setattr("carom.dsp.swarm.tables.pulse_table", lambda exponent: pulse_table(GRAIN[3]))
 
 
 def shaken(engine, handle, exponent, time=NOW, number=0):
