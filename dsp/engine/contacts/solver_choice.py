@@ -19,6 +19,8 @@ from ..memory.state import CLOSED, COUPLING, SAMPLING, State
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _BURST = 256  # times its steps per sample that a coupled contact may need at once: a blow at `exact` takes 4,000
 _BURST_OF_ALL = 1024  # the same of all coupled contacts, in a quantum
+_FINER_AT_REST = 0.1  # share of the tolerance: a rest feels each step of a slow blow, and errs by all of them
+_FINEST = float(LIGHT_TOLERANCE.min())
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
 
@@ -28,7 +30,7 @@ def tolerance_of(state: State, contact: Contact) -> float:
     if holds_steps(state):
         return HELD
     tolerance: float = (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
-    return tolerance
+    return max(_FINER_AT_REST * tolerance, _FINEST) if contact.trait.rests == 1 else tolerance
 
 
 @kernel
