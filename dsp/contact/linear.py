@@ -21,8 +21,8 @@ from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, put_convolved
 from .block_nodes import FORCE_MOMENTS, TRAVELS
 from .block_sizes import NODES_PER_PART
-from .collocation import NODES
 from .coupled_records import Coupled
+from .step_record import NODES
 
 MOST = 1e-3
 """Share of the compression at rest up to which the law is a line."""
