@@ -7,7 +7,6 @@ from ..native.typed import Record, View
 from ..numerics.legendre import AHEAD
 from ..numerics.sums import AT_ONCE, BEYOND, line_of
 from .block_sizes import FORCES, LINE, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
-from .linear import Linear
 
 TOGETHER = 4
 """Contacts that are solved together, at most."""
@@ -16,6 +15,23 @@ ROWS = 5 * MOST_PARTS - 1
 """Rows of the free motion, at most. The displacement at each node; of each part the tilt of its rate's line of least
 squares (block_nodes.TILT); the displacement between parts; the means of P_2 and so on, as far as moments are felt,
 times the rate; and the displacement at the sample's end."""
+
+
+class Linear(Record):
+    """A rest as a line about its load, by forces at the nodes: the first ones of all samples, then the second ones."""
+
+    settled: int  # number of the receptance that the tables are of, 0: none
+    calm: int  # 1: it swung little in the last quantum
+    load: float  # N: that they are of
+    stiffness: float  # N/m
+    along: Annotated[View[float], 2]  # N/m: what the way over a sample adds to the forces beyond the stiffness,
+    tilted: Annotated[View[float], 2]  # and the mean of its rate times P_1
+    free: Annotated[View[float], 2 * AHEAD]  # N: the forces if none acted before
+    force: Annotated[View[float], 2 * AHEAD]  # N
+    # Of forces to those that there would be, as `put_convolved` has them.
+    answers: Annotated[View[float], 4 * (AHEAD + AT_ONCE)]
+    ends: Annotated[View[float], 2 * AHEAD]  # m/N: what a force does to y at the end of its sample and of later ones,
+    tilts: Annotated[View[float], 2 * AHEAD]  # and to the mean of the rate times P_1
 
 
 class Tables(Record):

@@ -13,13 +13,13 @@ Forces answer them by the same few numbers at all lags, which follow from what o
 """
 
 import math
-from typing import Annotated
 
 from ..native.jit import kernel, simd_kernel
-from ..native.typed import Record, View
+from ..native.typed import View
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, put_convolved
 from .block_nodes import FORCE_MOMENTS, TRAVELS
+from .block_records import Linear
 from .block_sizes import NODES_PER_PART
 from .coupled_records import Coupled
 from .step_record import NODES
@@ -31,22 +31,6 @@ _CALM = 0.5  # of it: below that a rest is tried as one
 _SIDE = 1.0 / math.sqrt(3.0)  # where the nodes lie, from the sample's middle
 _MEANS, _TILTS = FORCE_MOMENTS[1, 0, :NODES_PER_PART], FORCE_MOMENTS[1, 1, :NODES_PER_PART]
 _STEP = AHEAD + AT_ONCE
-
-
-class Linear(Record):
-    """A rest as a line about its load, by forces at the nodes: the first ones of all samples, then the second ones."""
-
-    settled: int  # number of the receptance that the tables are of, 0: none
-    calm: int  # 1: it swung little in the last quantum
-    load: float  # N: that they are of
-    stiffness: float  # N/m
-    along: Annotated[View[float], 2]  # N/m: what the way over a sample adds to the forces beyond the stiffness,
-    tilted: Annotated[View[float], 2]  # and the mean of its rate times P_1
-    free: Annotated[View[float], 2 * AHEAD]  # N: the forces if none acted before
-    force: Annotated[View[float], 2 * AHEAD]  # N
-    answers: Annotated[View[float], 4 * _STEP]  # of forces to those that there would be, as `put_convolved` has them
-    ends: Annotated[View[float], 2 * AHEAD]  # m/N: what a force does to y at the end of its sample and of later ones,
-    tilts: Annotated[View[float], 2 * AHEAD]  # and to the mean of the rate times P_1
 
 
 @kernel
