@@ -11,8 +11,8 @@ holds; one Legendre moment of it for each part, and one more, are all that later
 is the line of least squares in each such part, and so is its rate: so a kink gives the right impulse, and the work of
 the path is exact. The rate of the compression is its line of least squares, too: so the work of modes is exact, however
 they swing in a sample. One part a sample is within -50 dB, two are within -60 dB. A rest hardly leaves its stiffness:
-one part follows a soft one within -60 dB, and three one between two plates, which swings by more than 2 rad a sample.
-With fewer moments that would gain energy.
+one part follows a soft one within -60 dB, as it does a long blow, and three one between two plates, which swings by
+more than 2 rad a sample. With fewer moments that would gain energy.
 
 Several contacts are solved in turn, forwards and backwards, each with the forces of the others as they were found last.
 
@@ -42,6 +42,7 @@ STIFFEST_AT_REST = np.array([0.0, 1.6, 2.2, 3.6])
 """The same of a rest, which hardly leaves its stiffness: one part mostly follows it within -55 dB."""
 
 _SOFT = 0.3  # rad of such a swing up to which one part of a sample follows a rest within -60 dB
+_LONG = 0.1  # the same of a blow: it lasts for 40 samples on a wall
 
 _ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
 _MENDED = 1e-3  # share of the force by which it may be changed for that
@@ -57,13 +58,25 @@ _FIRST = 0.25  # of a sample: the first step to try after a block
 def parts_for(contact: Coupled, least: int, rests: bool) -> int:
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
     gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest."""
-    swing = math.sqrt(_stiffness(contact) / contact.mass) * contact.period
+    swing = _swing(contact)
     if rests and swing < _SOFT:
         return 1
     for parts in range(least, MOST_PARTS + 1):
         if swing < (STIFFEST_AT_REST[parts] if rests else STIFFEST[parts]):
             return parts
     return 0
+
+
+@kernel
+def is_long(contact: Coupled) -> bool:
+    """True if a blow lasts for so long that a block is worth its tables, and one part follows it within -60 dB."""
+    return _swing(contact) < _LONG
+
+
+@kernel
+def _swing(contact: Coupled) -> float:
+    """Return the swing of body and object on the contact, in rad a sample."""
+    return math.sqrt(_stiffness(contact) / contact.mass) * contact.period
 
 
 @kernel
@@ -82,6 +95,12 @@ def _stiffness(contact: Coupled) -> float:
 def renew_block(block: Block) -> None:
     """Begin with a contact anew."""
     block.settled = block.parts = block.linear.settled = block.linear.calm = 0
+    forget_energy(block)
+
+
+@kernel
+def forget_energy(block: Block) -> None:
+    """Begin the account of energy anew, as with another touch, which may be much softer."""
     block.gained = block.scale = 0.0
 
 

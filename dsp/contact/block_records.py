@@ -56,7 +56,8 @@ class Net(Record):
     """Contacts with one object, or with several that share contacts, that are solved together."""
 
     size: int
-    end: int  # frame up to which they are solved, -1: nobody has done so
+    stop: int  # frame up to which they may be solved,
+    end: int  # and up to which they are, -1: nobody has done so
     lasts: int  # 1: forces that last are not all those of bodies at rest, which are in no force here
     contact: Annotated[View[int], TOGETHER]  # places among the contacts
     block: Annotated[View[int], TOGETHER]  # and among the blocks
@@ -73,6 +74,7 @@ class Block(Record):
     parts: int  # of a sample that they are for, 0: the contact is too stiff
     tables: Annotated[View[Tables], TOGETHER]  # for the force of each member of the net, its own among them
     linear: Linear  # a rest alone that swings little
+    touch: int  # number of a blow's touch whose energy is kept account of
     # While a block lasts:
     gained: float  # J: by how much the energy is above the least so far
     scale: float  # J: the greatest V so far

@@ -1,15 +1,17 @@
-"""Rolls that feel all modes, rests and presses, solved a quantum at a time (contact/block.py) where nothing else acts
-on the object, or on those that share contacts with it.
+"""Rolls that feel all modes, rests, presses and long blows, solved a quantum at a time (contact/block.py) where nothing
+else acts on the object, or on those that share contacts with it.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
-decided for each quantum anew: where a contact of another kind acts in it, or too many do, and where a contact is too
-stiff for the parts of a sample, they go on sample by sample (contact_groups.py). So does a sample that they don't
-follow; then another block begins. A body that moves over its object feels the modes at one place in each block; its
+decided for each quantum anew: while a contact of another kind acts, or too many do, and where a contact is too stiff
+for the parts of a sample, they go on sample by sample (contact_groups.py). So does a sample that they don't follow;
+then another block begins. A body that moves over its object feels the modes at one place in each block; its
 force moves on meanwhile.
 """
 
+import math
+
 from ...contact.accuracy import PARTS
-from ...contact.block import begin_block, end_block, parts_for, renew_block, step_blocks
+from ...contact.block import begin_block, end_block, forget_energy, is_long, parts_for, renew_block, step_blocks
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of
 from ...contact.block_sizes import MOMENTS_AHEAD
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows
@@ -24,12 +26,13 @@ from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker, press_striker
 from ..bodies.surface import put
 from ..memory.records import Contact
-from ..memory.state import BEHIND, COUPLING, QUANTUM, State
+from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
 from .block_motion import BENT, clear_rows, lay_answers, lay_point
 from .contact_force import find_transfer, observe_points
 from .contact_list import take_place, take_room_again
 from .coupled_rolls import position_of
+from .flights import release_spent
 from .linear_rests import may_be_linear, note_calm, run_linear
 from .rolls import feed_of, register_roll
 from .trace import trace_press, trace_roll
@@ -40,10 +43,14 @@ _FEWEST = 8  # frames that are worth a block
 @noinline_kernel
 def solve_blocks(state: State, slot: int, frame: int) -> None:
     """Solve the lasting contacts of an object, and of those that share contacts with it, from a frame to the quantum's
-    end, if they can be."""
-    state.objects[slot].resumes = QUANTUM
-    net = state.scratch.net
-    if PARTS[state.choices.accuracy] == 0 or not _gather(state, net, slot):
+    end, or to where another one touches, if they can be."""
+    obj, net = state.objects[slot], state.scratch.net
+    obj.resumes = QUANTUM
+    if PARTS[state.choices.accuracy] == 0:
+        return
+    if not _gather(state, net, slot, frame):
+        if frame + 2 * _FEWEST <= QUANTUM and _lasts(state, obj):
+            obj.resumes = frame + _FEWEST  # what touches may have left
         return
     parts = _look(state, net)
     if parts == 0:
@@ -89,10 +96,23 @@ def _resume(state: State, net: Net, frame: int, end: int) -> None:
 
 
 @kernel
-def _gather(state: State, net: Net, slot: int) -> bool:
-    """List the contacts of an object, and of those that share contacts with it, in the order of their places; false if
-    one can't be solved in blocks."""
+def _lasts(state: State, obj: Object) -> bool:
+    """True if a contact of an object is a roll, a rest or a press."""
+    found = False
+    index = obj.contact
+    while index >= 0:
+        trait = state.contacts[index].trait
+        found |= trait.rolls == 1 or trait.rests == 1 or trait.held == 1
+        index = state.contacts[index].next
+    return found
+
+
+@kernel
+def _gather(state: State, net: Net, slot: int, frame: int) -> bool:
+    """List the contacts that act on an object, and on those that share contacts with it, from a frame on, in the order
+    of their places; false if one can't be solved in blocks, or another one acts soon."""
     net.size = net.lasts = net.objects = 0
+    net.stop = QUANTUM
     if state.choices.method.method > 0:
         return False
     _join(net, slot)
@@ -101,14 +121,15 @@ def _gather(state: State, net: Net, slot: int) -> bool:
         obj = state.objects[net.object[i]]
         if is_coupled(state, obj):
             return False
-        if obj.shares_contact == 0 and not _list(state, net, net.object[i], obj.contact):
+        if obj.shares_contact == 0 and not _list(state, net, net.object[i], obj.contact, frame):
             return False
         if obj.shares_contact == 1:
             for g in range(state.scratch.group_size):
-                if not _list(state, net, net.object[i], state.objects[state.scratch.group[g]].contact):
+                first = state.objects[state.scratch.group[g]].contact
+                if not _list(state, net, net.object[i], first, frame):
                     return False
         i += 1
-    return net.size > 0
+    return net.size > 0 and net.stop >= frame + _FEWEST
 
 
 @kernel
@@ -122,13 +143,16 @@ def _join(net: Net, slot: int) -> None:
 
 
 @kernel
-def _list(state: State, net: Net, slot: int, index: int) -> bool:
-    """Put those of a list's contacts into a net that act on an object, and their objects; false if one can't be."""
+def _list(state: State, net: Net, slot: int, index: int, frame: int) -> bool:
+    """Put those of a list's contacts into a net that act on an object at a frame, and their objects; false if one can't
+    be. The net's block stops where others begin to act, also those whose strikers fly till then."""
     while index >= 0:
         contact = state.contacts[index]
         here = contact.point[0].slot == slot or contact.point[1].slot == slot
-        acts = contact.touching == 1 or contact.start < state.position + QUANTUM
-        if here and acts and contact.asleep == 0 and not _is_listed(net, index):
+        waits = contact.start + 1 - state.position
+        if here and contact.asleep == 0 and waits > frame:
+            net.stop = min(net.stop, waits)
+        elif here and contact.asleep == 0 and not _is_listed(net, index):
             if net.size == TOGETHER or not _can_be(state, contact):
                 return False
             i = net.size
@@ -137,7 +161,7 @@ def _list(state: State, net: Net, slot: int, index: int) -> bool:
                 i -= 1
             net.contact[i], net.block[i] = index, contact.roll
             net.size += 1
-            net.lasts |= contact.trait.held
+            net.lasts |= _bends(contact)
             for side in range(2):
                 if contact.point[side].slot >= 0:
                     _join(net, contact.point[side].slot)
@@ -156,25 +180,35 @@ def _is_listed(net: Net, index: int) -> bool:
 
 @kernel
 def _can_be(state: State, contact: Contact) -> bool:
-    """True if a contact is a roll, a rest or a press that may be solved over the quantum."""
+    """True if a contact is a roll, a rest, a press or a long blow that may be solved over the quantum."""
     begun = contact.start + contact.fraction <= state.position - 1
     if contact.solver != COUPLING or not begun:
         return False
     if contact.trait.rests == 1:
         return contact.touching == 1 and _has_place(state, contact)
     if contact.trait.held == 1:
-        return _stays_pressed(state, contact) and _has_place(state, contact)
+        return _stays(state, contact) and _has_place(state, contact)
     if contact.trait.rolls == 0:
-        return False
+        blow = contact.trait.single == 1
+        return blow and _stays(state, contact) and is_long(contact.coupled) and _has_place(state, contact)
     roll = state.rolls[contact.roll]
     return roll.t > 0.0 and roll.m == roll.target.mass
 
 
 @kernel
-def _stays_pressed(state: State, contact: Contact) -> bool:
-    """True if a press touches, and is not taken away in the quantum."""
-    touches = contact.touching == 1 and contact.coupled.touching == 1
-    return touches and contact.gone_at >= state.position + QUANTUM
+def _bends(contact: Contact) -> bool:
+    """True if objects bend under all of a contact's force: there is no other that is in balance with it."""
+    return contact.trait.rolls == 0 and contact.trait.rests == 0
+
+
+@kernel
+def _stays(state: State, contact: Contact) -> bool:
+    """True if a striker touches, and is not taken away in the quantum."""
+    if contact.touching == 0 or contact.coupled.touching == 0:
+        return False
+    if contact.gone_at == math.inf:
+        release_spent(state, contact, float(state.position))
+    return contact.gone_at >= state.position + QUANTUM
 
 
 @kernel
@@ -198,7 +232,8 @@ def _look(state: State, net: Net) -> int:
             observe_points(state, contact)
         take_room_again(state, contact)
         net.gain[i] = contact.now.gain
-        needed = parts_for(contact.coupled, least, contact.trait.rests == 1)
+        blow = contact.trait.single == 1
+        needed = parts_for(contact.coupled, 1 if blow else least, contact.trait.rests == 1)
         if needed == 0:
             return 0
         parts = max(parts, needed)
@@ -218,6 +253,9 @@ def _stand_between(state: State, contact: Contact) -> None:
 def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
     """Begin a block of a contact at a frame: what it needs to know of its objects."""
     contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
+    if contact.trait.single == 1 and block.touch != contact.number:
+        block.touch = contact.number
+        forget_energy(block)
     if block.settled != contact.settled or block.parts != parts:
         block.settled, block.parts = contact.settled, parts
         for j in range(TOGETHER):
@@ -228,7 +266,7 @@ def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
             tables.settled = other.settled
             _settle(state, contact, other, block, tables)
     scale, place = 1.0 / contact.now.gain, 0.0
-    samples = QUANTUM - frame // LANES * LANES
+    samples = (net.stop - frame + LANES - 1) // LANES * LANES
     clear_rows(state, block.parts)
     for side in range(2):
         point = contact.point[side]
@@ -257,7 +295,7 @@ def _settle(state: State, contact: Contact, other: Contact, block: Block, tables
     for moment in range(moments_of(block)):
         lay_answers(state, block.parts, contact, other, moment)
         take_answers(block, tables, moment, state.scratch.rows)
-    if other.trait.held == 1:
+    if _bends(other):
         place = lay_answers(state, block.parts, contact, other, BENT)
         take_missed(block, tables, state.scratch.rows, place, contact.coupled.period**2 / contact.m if own else 0.0)
 
@@ -266,7 +304,7 @@ def _settle(state: State, contact: Contact, other: Contact, block: Block, tables
 def _run(state: State, net: Net, size: int, frame: int) -> int:
     """Solve the contacts of a net, of a size, from a frame on, as far as blocks follow them: their forces' moments are
     in their feeds. Return the frame of the end."""
-    for n in range(frame, QUANTUM):
+    for n in range(frame, net.stop):
         for i in range(size):
             net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]])
         if not step_blocks(state.contacts, state.blocks, net, size, n - frame):
@@ -276,7 +314,7 @@ def _run(state: State, net: Net, size: int, frame: int) -> int:
             feed = state.feeds[net.block[i], BEHIND + n]
             for k in range(MOMENTS_AHEAD):
                 feed[k] = net.share[i] * state.blocks[net.block[i]].moments[k]
-    return QUANTUM
+    return net.stop
 
 
 @kernel
@@ -288,8 +326,8 @@ def _leave(state: State, net: Net, frame: int, end: int) -> None:
         end_block(block, contact.coupled)
         contact.ahead = end
         if contact.trait.rolls == 1:
-            contact.led = 1 if end < QUANTUM else 0
-            if end < QUANTUM and block.piece >= 0:
+            contact.led = 1 if end < net.stop else 0
+            if end < net.stop and block.piece >= 0:
                 roll_back(state.rolls[contact.roll], contact.coupled, block)
             _roll_through(state, contact, end)
         state.steps_taken += end - frame
@@ -331,10 +369,10 @@ def _hand_on(state: State, contact: Contact, frame: int) -> None:
             for k in range(KEPT):
                 fed[n, k] = fed[n, k] if frame <= n < contact.ahead and k < MOMENTS_AHEAD else 0.0
         register_roll(state, contact.index)
-        if contact.trait.held == 1:
+        if _bends(contact):
             press_striker(state, contact)
         feed_striker(state, contact)
-    if contact.trait.held == 1:
+    if _bends(contact):
         trace_press(state, contact, fed, (frame, contact.ahead))
     else:
         trace_roll(state, contact, fed, (frame, contact.ahead), 0)

@@ -65,7 +65,7 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
         report_end(state, contact.gesture, END_STOPPED)
         return False
     if contact.gone_at == math.inf and (samples == 0.0 or now - contact.begun > _LONGEST_TOUCH * state.rate):
-        _release_spent(state, contact, now)
+        release_spent(state, contact, now)
     if samples == 0.0:
         return True
     if contact.trait.single == 1 and coupled.v < 0.0 and coupled.position < -_AFAR - contact.reach:
@@ -155,7 +155,7 @@ def _has_left(contact: Contact, now: float) -> bool:
 
 
 @kernel
-def _release_spent(state: State, contact: Contact, now: float) -> None:
+def release_spent(state: State, contact: Contact, now: float) -> None:
     """Release a striker that rests on the object, has no more energy to give, or has touched it for long."""
     compression = max(contact.coupled.motion[0], 0.0)
     v, m = contact.coupled.v, contact.m

@@ -12,8 +12,10 @@ from .block_motion import clear_rows, lay_answers, lay_point
 
 @kernel
 def may_be_linear(state: State, net: Net, parts: int, frame: int) -> bool:
-    """True if a net is one rest that swung little in the last quantum, and that one part of a sample follows."""
-    return parts == 1 and frame == 0 and net.size == 1 and state.blocks[net.block[0]].linear.calm == 1
+    """True if a net is one rest that swung little in the last quantum, that nothing else touches in this one, and that
+    one part of a sample follows."""
+    whole = frame == 0 and net.stop == QUANTUM
+    return parts == 1 and whole and net.size == 1 and state.blocks[net.block[0]].linear.calm == 1
 
 
 @noinline_kernel

@@ -239,6 +239,19 @@ def test_a_roll_in_blocks_goes_on_so_where_time_is_short():
     np.testing.assert_array_equal(*found)
 
 
+@pytest.mark.parametrize("frame", [20, 60])
+def test_a_roll_goes_on_in_blocks_up_to_a_blow(frame):
+    """A blow of a few samples ends a block where it begins, not all that come in its quantum."""
+    engine = Engine(RATE)
+    handle = engine.add(light(), 0.05)
+    engine.send([gesture("roll", handle, LAW, 3.25, 7, **ROLL)])
+    engine.process(10 * QUANTUM)
+    engine.send([gesture("impact", handle, LAW, 10 * QUANTUM + frame - 0.6, 8, velocity=0.3)])
+    engine.process(QUANTUM)
+    (roll,) = (each for each in engine.state["contacts"][0] if each["gesture"] == 7)
+    assert engine.stats.coupled == 2 and roll["ahead"] == frame
+
+
 @pytest.mark.parametrize(("level", "bound"), [("-50", -50), ("-60", -60), ("exact", -110)])
 def test_two_bodies_on_one_object_are_as_one_of_twice_the_mass(level, bound):
     """Equal bodies on the same path move alike, and push with twice the force: their contacts are solved together."""
