@@ -27,7 +27,7 @@ SLIDE = {
 }  # fmt: skip
 
 SWARM = {
-    "rain": {"rate": 2e4}, "shake": {"rate": 2e4}, "crumple": {"speed": 4.0}, "pour": {"rate": 2e4},
+    "rain": {"rate": 2e4}, "shake": {"rate": 2e4, "excitation": 0.5}, "crumple": {"speed": 4.0}, "pour": {"rate": 2e4},
     "step": {"force": 700.0, "crackles": 10.0}, "shatter": {"velocity": 2.0, "whole": 0.1, "stage": 1.0},
 }  # fmt: skip
 EXPONENT = {"rain": 0.0}
