@@ -144,7 +144,9 @@ def test_an_object_tells_its_settings_and_modes(server):
         assert (told["preset"], told["shape"], told["material"]) == ("marimba-bar", "bar", "rosewood")
         assert (told["gain"], told["tune"], told["damp"]) == (-3.0, 12.0, 0.0)
         first, total, frequency, decay, *_ = client.ask_all("/object/bar/get", 3)[1].args
-        assert (first, total) == (0, 3) and frequency == pytest.approx(2 * 260.5, rel=1e-3) and decay > 0
+        assert (
+            (first, total) == (0, 3) and frequency == pytest.approx(2 * 260.5, rel=2e-3) and decay > 0
+        )  # its tube pulls it by 2 cents
         assert "drum: no such object" in client.ask_all("/object/drum/get")[0].args[1]
 
 

@@ -193,6 +193,7 @@ def test_answers_that_are_kept_are_as_if_found_anew():
 def test_a_sample_over_budget_counts_once():
     engine = Engine(RATE)
     engine.send([Command(NOW, Kind.BUDGET, values={"steps": 1, "modes": 8_192})])
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])  # sample by sample
     handle = engine.add(body(0.1), 50.0)
     for position in (0.2, 0.7):
         blow(engine, handle, FELT, FIRST, position=position)
