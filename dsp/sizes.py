@@ -32,6 +32,8 @@ class Sizes(NamedTuple):
     """Objects whose shares of the mix can be kept."""
     contacts: int = 512
     """Contacts that can go on at once."""
+    directed: int = 1_024
+    """Most modes of an object that a contact with a direction acts on."""
     rolls: int = 128
     """Bodies that can roll or slide at once."""
     events: int = 8_192
@@ -66,9 +68,9 @@ class Sizes(NamedTuple):
 SIZES = {
     "full": Sizes(),
     "small": Sizes(
-        channels=2, objects=64, modes=16_384, phase_modes=2_560, stems=1, contacts=128, rolls=16, events=4_096,
-        ring=1_024, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576, pulse_values=11_534_336,
-        lines=8, sensors=1, ended=1_024, tap=64, notes=64, traced=1,
+        channels=2, objects=64, modes=16_384, phase_modes=2_560, stems=1, contacts=128, directed=384, rolls=16,
+        events=4_096, ring=1_024, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576,
+        pulse_values=11_534_336, lines=8, sensors=1, ended=1_024, tap=64, notes=64, traced=1,
     ),
 }  # fmt: skip
 """Room of all engines of a process, by name."""

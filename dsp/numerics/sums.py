@@ -92,23 +92,19 @@ def put_convolved(
             totals = [cgutils.alloca_once_value(builder, ir.Constant(vector, None)) for _ in range(4)]
             for total in totals:
                 builder.store(ir.Constant(vector, None), total)
-            with cgutils.for_range_slice(builder, whole(0), builder.add(first, whole(1)), whole(AT_ONCE)) as (m, _):
-                known = [builder.load(total) for total in totals]
-                for n in range(AT_ONCE):
-                    here = builder.add(m, whole(n))
-                    lag = builder.add(builder.sub(first, here), whole(AT_ONCE))
-                    for i in range(2):
-                        cause = builder.load(builder.gep(data, [builder.add(here, builder.mul(frames, whole(i)))]))
-                        spread = ir.Constant(vector, ir.Undefined)
-                        for lane in range(AT_ONCE):
-                            spread = builder.insert_element(spread, cause, ir.IntType(32)(lane))
-                        for k in range(2):
-                            at = builder.add(lag, builder.mul(step, whole(2 * k + i)))
-                            values = builder.load(_pointer(context, builder, signature.args[2], answers, at), align=8)
-                            product = builder.fmul(spread, values, flags=_REASSOCIATE)
-                            known[2 * k + i] = builder.fadd(known[2 * k + i], product, flags=_REASSOCIATE)
-                for each, total in zip(known, totals, strict=True):
-                    builder.store(each, total)
+            last = builder.add(first, whole(AT_ONCE))
+            with cgutils.for_range_slice(builder, whole(0), last, whole(1)) as (m, _):
+                lag = builder.sub(last, m)
+                for i in range(2):
+                    cause = builder.load(builder.gep(data, [builder.add(m, builder.mul(frames, whole(i)))]))
+                    spread = ir.Constant(vector, ir.Undefined)
+                    for lane in range(AT_ONCE):
+                        spread = builder.insert_element(spread, cause, ir.IntType(32)(lane))
+                    for k in range(2):
+                        at, total = builder.add(lag, builder.mul(step, whole(2 * k + i))), totals[2 * k + i]
+                        values = builder.load(_pointer(context, builder, signature.args[2], answers, at), align=8)
+                        product = builder.fmul(spread, values, flags=_REASSOCIATE)
+                        builder.store(builder.fadd(builder.load(total), product, flags=_REASSOCIATE), total)
             for k in range(2):
                 at = builder.add(first, builder.mul(frames, whole(k)))
                 both = builder.fadd(builder.load(totals[2 * k]), builder.load(totals[2 * k + 1]), flags=_REASSOCIATE)

@@ -207,19 +207,16 @@ def ring_under(
     bends = 0.0
     for n in range(begin + start, begin + stop):
         bends += abs(moments[n, 2]) + abs(moments[n, 3])
-    for first in range(0, size - LANES, 2 * LANES):
-        _put_answers(modes, point, work, 0, first)
-        _put_answers(modes, point, work, ANSWERS, first + LANES)
-        if bends == 0.0:
+    first = 0
+    while first < size:
+        count = AT_ONCE if bends == 0.0 and first < size - LANES else 1
+        for g in range(count):
+            _put_answers(modes, point, work, g * ANSWERS, first + g * LANES)
+        if count == AT_ONCE:
             ring_answering(modes, (first, first + LANES), work, moments, begin + start, frames, _LINE)
         else:
-            ring_answering(modes, (first, first + LANES), work, moments, begin + start, frames, _ALL)
-    if size % (2 * LANES) > 0:
-        _put_answers(modes, point, work, 0, size - LANES)
-        if bends == 0.0:
-            ring_answering(modes, (size - LANES,), work, moments, begin + start, frames, _LINE)
-        else:
-            ring_answering(modes, (size - LANES,), work, moments, begin + start, frames, _ALL)
+            ring_answering(modes, (first,), work, moments, begin + start, frames, _ALL)
+        first += count * LANES
     add_totals(out, start, work, AT_ONCE * ANSWERS, frames)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...dsp.engine.memory.capacity import DIRECTED
 from ...dsp.schema import BY_DIRECTION, BY_POINT, DIRECTION, POINT, SPREAD, Gesture, Parameter
 from ..osc.arguments import Refused, Values
 from .object_call import ObjectCall
@@ -13,8 +14,8 @@ from .objects import PlayedObject
 
 _Point = tuple[float, ...]
 _NOWHERE = (0.0, 0.0, 0.0)
-MOST_DIRECTED = 900
-"""Modes of an object that may be struck in a direction."""
+MOST_DIRECTED = DIRECTED - 124
+"""Modes of an object that may be struck in a direction: others stand beside those that are heard."""
 
 
 def place_values(to: ObjectCall, by: PlayedObject | None) -> dict[str, float]:

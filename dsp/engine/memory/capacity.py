@@ -16,7 +16,7 @@ FACE = 14
 USUAL_OBJECTS = min(512, OBJECTS)
 """Room for objects where nothing else is asked for."""
 USUAL_MODES = min(131_072, MODES)
-DIRECTED = min(1_024, MODES)
+DIRECTED = CAPACITY.directed
 """Most modes of an object that a contact with a direction acts on."""
 STEMS = CAPACITY.stems
 RAMPS = CAPACITY.ramps
