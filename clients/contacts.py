@@ -104,9 +104,9 @@ def assemble(
     trace: (n,) of TRACE, of the sound that begins at the sample `start` of a scene; rate: Hz; striking: what a command
     (by number) said.
     """
-    numbers = trace["contact"]
-    if (numbers[1:] < numbers[:-1]).any():
-        order = np.argsort(numbers, kind="stable")
+    numbers, samples = trace["contact"], trace["sample"]
+    if (numbers[1:] < numbers[:-1]).any() or (samples[1:] < samples[:-1]).any():  # a swarm's are place by place
+        order = np.lexsort((samples, numbers))
         trace, numbers = trace[order], numbers[order]
     begins = [0, *(np.flatnonzero(numbers[1:] != numbers[:-1]) + 1).tolist(), len(trace)]
     runs = [trace[begin:end] for begin, end in pairwise(begins) if begin < end]

@@ -165,20 +165,20 @@ class Performer:
 
     def _remember(self, first: int, sent: list[Sent]) -> None:
         for number, each in enumerate(sent, first):
+            gesture = each.message.address.rsplit("/", 1)[1]
+            begun = GESTURES.get(gesture)
             if each.message.address == "/object/new":
                 name = str(each.message.args[0])
                 if self._names.setdefault(each.serial, name) == name and self.contacts:
                     self._striking[number] = Striking(name, "", "", "rest", each.mass, 0.0)  # of one that stands
             elif self.contacts and each.serial:
                 striker = self._names.get(each.by, "") if each.by else ""
-                gesture = each.message.address.rsplit("/", 1)[1]
-                keys = _keys(each.message.args)
+                keys = _keys(each.message.args[1:] if begun and begun.what else each.message.args)
                 by_position = self.scene.objects[striker].preset.position if striker in self.scene.objects else 0.0
                 self._striking[number] = Striking(
                     self._names[each.serial], striker, str(keys.get("id", "")), gesture, each.mass,
                     float(keys.get("by_position", by_position)),  # type: ignore[arg-type]
                 )  # fmt: skip
-            begun = GESTURES.get(each.message.address.rsplit("/", 1)[1])
             if each.off_path or (begun and begun.swarms):
                 self.off_path |= {self._names[serial] for serial in (each.serial, each.by) if serial in self._names}
 

@@ -130,3 +130,25 @@ def test_stems_of_cut_sounds_are_those_of_the_whole():
         parts = [scene.render(frames=100).stems.get("a", np.zeros((100, 2), np.float32)) for _ in range(30)]
     assert np.abs(whole).max() > 0.01
     np.testing.assert_array_equal(np.concatenate(parts), whole)
+
+
+def test_the_blows_of_a_swarm_are_added_up_where_its_places_take_turns():
+    sound = carom.render("0 /object/new pan iron-pan\n0 /object/pan/rain 3000", seconds=0.03, contacts=True)
+    (rain,) = sound.contacts
+    said = {2: Striking("pan", "", "", "rain")}
+    entries = trace((2, 1, 105, 105.0, 106.0, 0.2), (2, 1, 108, 108.0, 109.0, 0.1), (2, 1, 101, 101.0, 102.0, 0.3))
+    (placed,) = assemble(np.concatenate([entries, entries[:1]]), RATE, 100, said.__getitem__)
+    assert placed.first == 2 and placed.start == pytest.approx(0.101) and placed.duration == pytest.approx(8e-3)
+    np.testing.assert_allclose(placed.force, [300.0, 0, 0, 0, 400.0, 0, 0, 100.0])
+    assert rain.force.sum() / 48_000 == pytest.approx(rain.impulse)
+    assert np.flatnonzero(rain.force)[0] == 0 and rain.start * 48_000 == pytest.approx(rain.first - 1, abs=1)
+
+
+def test_a_rest_says_where_the_other_is_touched_and_what_it_is():
+    with carom.Scene(contacts=True) as scene:
+        for name, preset in (("pane", "glass-plate"), ("pan", "iron-pan")):
+            scene.new(name, preset)
+        scene.rest("pane", "pan", by_position=0.3, at=0.0)
+        scene.impact("pane", 0.5, at=0.02)
+        (rest,) = [each for each in scene.render(0.1).contacts if each.gesture == "rest"]
+    assert (rest.object, rest.striker, rest.by_position) == ("pane", "pan", 0.3)
