@@ -56,7 +56,7 @@ def gesture_message(gesture: str, values: Mapping[str, Value], seed: int, has_by
     given = {key: value for key, value in values.items() if key not in (argument, *OWN[gesture])}
     if any(key.name == "seed" for key in GESTURES[gesture].keys):
         given = {"seed": seed, **given}
-    if has_by:
+    if has_by and not GESTURES[gesture].what:
         given["by"] = BY
     return Message(f"/object/{OBJECT}/{gesture}", (values[argument], *_pairs({**given, "id": gesture})))
 

@@ -42,13 +42,18 @@ def test_a_blow_is_rebuilt(tmp_path, number):
             "",
             '[press]\nforce = 2\nstriker = "mute"\nuntil = 0.1',
         ),
+        (
+            'preset = "glass-plate"',
+            'preset = "iron-pan"',
+            '[rest]\nwhat = "by"\nby_position = 0.3\nposition = 0.4\nuntil = 0.1',
+        ),
         ('preset = "ceramic-tile"', "", '[spin]\nduration = 0.2\nstriker = "coin"'),
         ('preset = "marimba-bar"', "", '[bounce]\nheight = 0.001\nstriker = "ball-bearing"'),
         ('preset = "wood-board"', "", '[roll]\nspeed = 0.5\nstriker = "glass-marble"\nsurface = "wood"\ntravel = 0.2'),
         ('preset = "steel-plate"', "", '[slide]\nspeed = 0.4\nstriker = "box"\nsurface = "wood"\ntravel = 0.3'),
         ('preset = "cymbal"', "", '[slide]\nspeed = 0.03\nstriker = "bow"\nsurface = "steel"\nuntil = 0.15'),
     ],
-    ids=["tuned", "by", "press", "spin", "bounce", "roll", "slide", "bow"],
+    ids=["tuned", "by", "press", "rest", "spin", "bounce", "roll", "slide", "bow"],
 )
 @pytest.mark.slow
 def test_what_no_recipe_of_ours_does_is_rebuilt(tmp_path, object_keys, by, gesture):
