@@ -23,12 +23,13 @@ from scipy.signal import resample_poly
 
 import carom
 
+from .packed import KINDS, packed
 from .soundfont import SoundFont
 
 RATE, SECONDS = 48_000, 2.0
 SEEDS = 1, 2, 3
 SCORES = {
-    "rain": "0 /object/new a tin-roof\n0 /object/a/rain 10000 size 7e-4 seed {}",
+    "rain": "0 /object/new a tin-roof\n0 /object/a/rain seed {}",
     "gravel": "0 /object/new a gravel-path\n0 /object/a/step 700 seed {}",
     "can": "0 /object/new a drinks-can\n0 /object/a/crumple 0.2 id c seed {}\n1.5 /gesture/c/stop",
     "glass": "0 /object/new a wine-glass\n0 /object/new b ceramic-tile\n0 /object/a/shatter 2 onto b seed {}",
@@ -37,9 +38,10 @@ SCORES = {
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {}\n0 /object/a/decay 0.03 over 1.5",
 }
 JUDGED = {
-    "rain": "large drops over an even noise, greatest from 0.5 to 3 kHz, without lines: a sheet that is damped; the "
-    "recording, which does not say on what it rains, is greatest from 3 to 5 kHz",
-    "gravel": "crackles that crowd at the heel and the ball of the foot, from 1 to 8 kHz, without lines, as recorded",
+    "rain": "an even noise out of which few drops stand, greatest from 0.5 to 3 kHz, without lines: a sheet that is "
+    "damped; in recordings, of which none says that it rains on a roof, it is greatest from 3 to 6 kHz",
+    "gravel": "crackles that crowd at the heel and the ball of the foot, from 1 to 8 kHz, without lines, as in "
+    "minetest; ufoai has duller ones, from 0.5 to 2 kHz",
     "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 3 kHz; a "
     "bin that is emptied crackles as much, without lines",
     "glass": "a burst of all frequencies, then showers of short tones of many pitches, most above 3 kHz",
@@ -50,18 +52,23 @@ JUDGED = {
 """A sentence on each spectrogram, as it was looked at."""
 _MINETEST = "usr/share/games/minetest/games/minetest_game/mods/default/sounds/default_"
 _FLUID = "usr/share/sounds/sf2/FluidR3_"
+_UFO = "usr/share/games/ufoai/base/0snd.pk3/sound/"
 RECORDINGS = {
-    "rain": (_FLUID + "GS.sf2/SeattleRain...(L)", _FLUID + "GS.sf2/SeattleRain...(R)"),
-    "gravel": (_MINETEST + "gravel_footstep.*.ogg",),
+    "rain": (
+        _FLUID + "GS.sf2/SeattleRain...(L)", _FLUID + "GS.sf2/SeattleRain...(R)",
+        "usr/share/gcompris-qt/rcc/memory-sound.rcc/LRRain_in_garden_01_LA_cut.ogg",
+    ),
+    "gravel": (_MINETEST + "gravel_footstep.*.ogg", _UFO + "footsteps/gravel?.ogg"),
     "can": ("usr/share/games/minetest/mods/homedecor/homedecor_trash_cans/sounds/homedecor_trash_all.ogg",),
+    "glass": (_UFO + "misc/breakglass0[2-5].ogg",),
     "pane": (_MINETEST + "break_glass.*.ogg",),
     "dice": ("usr/share/gnubg/sounds/roll.wav",),
     "rice": (_FLUID + "GM.sf2/Maracas(L)", _FLUID + "GM.sf2/Small Shaker (L)", _FLUID + "GM.sf2/Cabasa(L)"),
-}
+}  # fmt: skip
 """Files, or samples of SoundFonts, of Debian's packages: minetest-data (CC BY-SA 3.0: steps on gravel, panes that
-break), minetest-mod-homedecor (CC BY-SA 4.0: a bin that is emptied), gnubg-data (GPL 3: dice that are rolled),
-fluid-soundfont-gs and -gm (MIT: rain on what is not said; a maraca, a shaker and a cabasa, whose small grains hit a
-thin shell)."""
+break), ufoai-sound (CC BY-SA 3.0: steps on gravel, glass), minetest-mod-homedecor (CC BY-SA 4.0: a bin that is
+emptied), gnubg-data (GPL 3: dice that are rolled), gcompris-qt-data (Free Art: rain in a garden), fluid-soundfont-gs
+and -gm (MIT: rain on what is not said; a maraca, a shaker and a cabasa, whose small grains hit a thin shell)."""
 TOPS = {"rain": 8_000.0, "dice": 8_000.0}
 """Hz: up to where the slope is told, where a recording ends sooner."""
 COMPARED = "slope_db_per_octave", "kurtosis", "onsets_per_second", "centroid_hz"
@@ -140,8 +147,8 @@ def _sounds(root: Path, pattern: str) -> Iterator[NDArray[np.float64]]:
             its = SoundFont(path).recording(sample)
             yield resample_poly(its.samples, RATE, its.rate)
         return
-    for path in sorted(root.glob(pattern)):
-        sound, rate = soundfile.read(path, always_2d=True)
+    for file in packed(root, pattern) if any(kind in pattern for kind in KINDS) else sorted(root.glob(pattern)):
+        sound, rate = soundfile.read(file, always_2d=True)
         yield resample_poly(sound.mean(axis=1), RATE, rate)
 
 
