@@ -1,17 +1,14 @@
 """A live view of a server's state in the terminal."""
 
 import math
+import os
+import sys
 import time
 from collections.abc import Iterator
 
-from rich.console import Console, Group, RenderableType
-from rich.live import Live
-from rich.progress_bar import ProgressBar
-from rich.table import Table
-from rich.text import Text
-
 from ..server.osc.wire import Message
 from .client import Client
+from .terminal import ALARM, BOLD, RED, YELLOW, bar, clock, moves, screen, styled
 
 PERIOD = 0.25  # s
 
@@ -34,31 +31,37 @@ _SPOKEN = {
     "loudness",
 }  # fmt: skip
 _RANGE, _SILENT = 60.0, 120.0  # dB below full scale that a level's bar covers; from which on it is silence
+_WIDTH = 50  # characters of a bar
 
 
 def top(client: Client, once: bool) -> None:
     """Show the server's /status, once or until interrupted. TimeoutError or ConnectionError if it does not answer."""
-    console = Console()
-    first = view(client.status(), {})
+    is_terminal = moves(sys.stdout)
+    coloured = is_terminal and "NO_COLOR" not in os.environ
+    first = view(client.status(), {}, coloured)
     if once:
-        console.print(first)
-        return
-    with Live(first, console=console, auto_refresh=False, screen=console.is_terminal) as live:
-        for picture in _views(client):
-            live.update(picture, refresh=True)
+        print(*first, sep="\n")
+    elif is_terminal:
+        with screen(sys.stdout) as whole:
+            whole.show(first)
+            for picture in _views(client, coloured):
+                whole.show(picture)
+    else:
+        for picture in _views(client, coloured):
+            print(*picture, "", sep="\n", flush=True)
 
 
-def _views(client: Client) -> Iterator[RenderableType]:
+def _views(client: Client, coloured: bool) -> Iterator[list[str]]:
     """Yield a view every PERIOD; an error where the server does not answer."""
     before: dict[str, object] = {}
     while True:
         started = time.monotonic()
         try:
             status = client.status()
-            yield view(status, before)
+            yield view(status, before, coloured)
             before = values(status)
         except (TimeoutError, ConnectionError) as error:
-            yield Text(f"no answer: {error}", style="red")
+            yield [styled(f"no answer: {error}", RED if coloured else "")]
         time.sleep(max(0.0, started + PERIOD - time.monotonic()))
 
 
@@ -68,42 +71,47 @@ def values(status: Message) -> dict[str, object]:
     return {**dict(zip(_NINE[1:], args[1:9], strict=True)), **dict(zip(map(str, args[9::2]), args[10::2], strict=True))}
 
 
-def view(status: Message, before: dict[str, object]) -> RenderableType:
-    """Return a view of a /status.reply; counts of trouble are red where they have changed since `before`."""
+def view(status: Message, before: dict[str, object], coloured: bool = True) -> list[str]:
+    """Return a view of a /status.reply, by lines; counts of trouble are red where they have changed since `before`."""
     now = values(status)
-    head = Text.assemble(
-        ("carom", "bold"), f"  {_clock(now['time'])}  {now['device']} at {now['rate']:.0f} Hz",
-        f" (measured {now['rate_actual']:.1f}), {now['scheduling']}, latency {_latency(now)}",
-    )  # fmt: skip
-    load = Table.grid(padding=(0, 2))
-    for name, share in (("load", now["load"]), ("load peak", now["load_peak"])):
-        assert isinstance(share, int | float)
-        load.add_row(name, ProgressBar(total=100.0, completed=min(share, 100.0), width=50), f"{share:6.1f} %")
+    head = (
+        f"{styled('carom', BOLD if coloured else '')}  {clock(_number(now, 'time'))}  {now['device']} at"
+        f" {now['rate']:.0f} Hz (measured {now['rate_actual']:.1f}), {now['scheduling']}, latency {_latency(now)}"
+    )
+    loads = [
+        ("load", _number(now, "load") / 100.0, f"{now['load']:6.1f} %"),
+        ("load peak", _number(now, "load_peak") / 100.0, f"{now['load_peak']:6.1f} %"),
+    ]
     for name, unit in (("peak", "dB"), ("loudness", "LUFS")):
-        level = float(str(now[name]))
-        bar = ProgressBar(total=_RANGE, completed=min(max(level + _RANGE, 0.0), _RANGE), width=50)
-        load.add_row(name, bar, f"{level:6.1f} {unit}" if level > -_SILENT else "silence")
-    lowest = now["limiter_lowest"]
-    assert isinstance(lowest, int | float)
-    load.add_row("limiter", "", f"{20 * math.log10(max(lowest, 1e-6)):6.1f} dB at most" if lowest < 1 else "   0 dB")
-    counts = Table.grid(padding=(0, 2))
+        level = _number(now, name)
+        loads.append((name, level / _RANGE + 1.0, f"{level:6.1f} {unit}" if level > -_SILENT else "silence"))
+    lowest = _number(now, "limiter_lowest")
+    limited = f"{20 * math.log10(max(lowest, 1e-6)):6.1f} dB at most" if lowest < 1 else "   0 dB"
+    bars = [f"{name:9}  {bar(share, _WIDTH)}  {said}" for name, share, said in loads]
     rest = [name for name in now if name not in _SPOKEN and name not in _NINE]
     names = [*_NINE[1:5], *rest]
-    for pair in zip(names[::2], [*names[1::2], *[""] * (len(names) % 2)], strict=True):
-        cells = (cell for name in pair for cell in (name, _cell(name, now, before)))
-        counts.add_row(*cells)
-    return Group(head, "", load, "", counts)
+    columns = names[::2], [*names[1::2], *[""] * (len(names) % 2)]
+    first, second = (max(map(len, column)) for column in columns)
+    counts = [
+        f"{one:{first}}  {_cell(one, now, before, coloured)}  {two:{second}}  {_cell(two, now, before, coloured)}"
+        for one, two in zip(*columns, strict=True)
+    ]
+    return [head, "", *bars, f"{'limiter':9}  {'':{_WIDTH}}  {limited}", "", *counts]
 
 
-def _cell(name: str, now: dict[str, object], before: dict[str, object]) -> Text:
+def _number(now: dict[str, object], name: str) -> float:
+    return float(str(now[name]))
+
+
+def _cell(name: str, now: dict[str, object], before: dict[str, object], coloured: bool) -> str:
     value = now.get(name, "")
     if isinstance(value, int | float):
         text = f"{value:,.0f}" if value == int(value) else f"{value:,.1f}"
     else:
         text = str(value)
     alarming = (name in _ALARMING and value) or (name in _FILES and value not in ("yes", "no"))
-    style = "bold red" if alarming and value != before.get(name, value) else "yellow" if alarming else ""
-    return Text(f"{text:>12}", style=style)
+    style = ALARM if alarming and value != before.get(name, value) else YELLOW if alarming else ""
+    return styled(f"{text:>12}", style if coloured else "")
 
 
 def _latency(now: dict[str, object]) -> str:
@@ -114,8 +122,3 @@ def _latency(now: dict[str, object]) -> str:
     if measured > 0:
         told.append(f"measured {1e3 * measured:.1f}")
     return ", ".join(told)
-
-
-def _clock(seconds: object) -> str:
-    whole = int(float(str(seconds)))
-    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"

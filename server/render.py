@@ -137,13 +137,17 @@ class Options:
             raise RenderError(f"{sensors} sensors: expected at most {min(SENSORS, CHANNELS.high - channels):g}")
         return Engine(self.rate, channels, MODES, objects, limited=not self.calibrated, sensors=sensors)
 
-    def without_head(self, score: Sequence[Line]) -> list[Line]:
-        """Return the lines of a score but for those in whose place the options are: at time 0, and of the budget
-        all."""
+    def lines_of(self, score: Sequence[Line]) -> list[Line]:
+        """Return the lines of a score but for those in whose place the options are: at time 0, and of the budget all.
+        RenderError if none is left."""
         given = {message.address for message in self.head}
         given |= {f"/{name}" for name in ("channels", "full_scale") if getattr(self, name) is not None}
         lines = [line for line in score if line.time > 0.0 or line.message.address not in given]
-        return lines if self.budget is None else [line for line in lines if not _is_of_budget(line)]
+        if self.budget is not None:
+            lines = [line for line in lines if not _is_of_budget(line)]
+        if not lines:
+            raise RenderError("the score is empty: expected lines of time, address and arguments")
+        return lines
 
 
 def _is_of_budget(line: Line) -> bool:
@@ -278,9 +282,7 @@ def blocks(
     go on for ever (a press, a roll without friction) it ends LONGEST_TAIL after the last event, and in any case
     LONGEST_REST after it; `warn` is told of either, and of lines that have no effect. The block size does not matter.
     """
-    lines = options.without_head(score)
-    if not lines:
-        raise RenderError("the score is empty: expected lines of time, address and arguments")
+    lines = options.lines_of(score)
     session = session or Session(engine, presets, steers_ended=True, scale=options.scale_of(score))
     for message in options.head:
         _perform(session, Line(0.0, message, message.address[1:]), warn)

@@ -1,19 +1,14 @@
 """carom dataset: render a data set from its recipe."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from threading import Event
-from typing import TYPE_CHECKING
 
 from ...dsp.errors import CaromError
 from ..processors import processors
 from .options import add_presets, on_end
 from .parser import Command, whole
-from .progress import Work, shown_progress
-
-if TYPE_CHECKING:
-    from rich.progress import ProgressColumn
+from .progress import State, Work, shown_progress
 
 MOST_WORKERS = 256
 
@@ -55,10 +50,12 @@ def _run(arguments: argparse.Namespace) -> int:
     prepare()  # once, before the processes that share the compiled code
     interrupted = Event()
     on_end(interrupted.set)
-    with shown_progress(Work("dataset", _columns, "items")) as show:
+    with shown_progress(Work("dataset", _words, "items")) as show:
+        told: list[int] = []  # how many items are there; at first those of a run before
 
         def progress(done: int, count: int) -> None:
-            show(completed=done, total=count)
+            told.append(done)
+            show(completed=done, total=count, before=told[0])
 
         spread = Workers(workers, arguments.dask or "")
         table = run(recipe, arguments.out, spread, arguments.presets, progress, interrupted.is_set)
@@ -66,16 +63,9 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _columns() -> "Sequence[ProgressColumn]":
-    """Return the columns of progress: how many items there are, of how many, with the rate and the time left."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Task, TextColumn, TimeRemainingColumn
-    from rich.text import Text
-
-    class Rate(TextColumn):
-        def render(self, task: Task) -> Text:
-            return Text(f"{task.speed:.0f} per second" if task.speed else "")
-
-    return BarColumn(), MofNCompleteColumn(), Rate(""), TimeRemainingColumn()
+def _words(state: State) -> list[str]:
+    """Return how many items there are, of how many, with the rate and the time left."""
+    return [state.bar, state.counted, f"{state.rate:.0f} per second", state.left]
 
 
 COMMAND = Command("dataset", "RECIPE OUT", "render a data set with its ground truth from a recipe", _options, _run)

@@ -5,16 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ..client import Client
 from .options import SCORE, add_server, client
 from .parser import Command
-from .progress import Work, shown_progress
-
-if TYPE_CHECKING:
-    from rich.progress import ProgressColumn
+from .progress import State, Work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +26,7 @@ def _run(arguments: argparse.Namespace) -> int:
         server.ask("/version")
         start = time.time() + 0.5
         last = lines[-1].time if lines else 0.0
-        with shown_progress(Work("play", _columns, "s"), arguments.score, last) as show:
+        with shown_progress(Work("play", _words, "s"), arguments.score, last) as show:
             for line in lines:
                 # Up to a second ahead: enough for the server to be in time, little to lose if it goes.
                 while (wait := start + line.time - time.time() - 1.0) > 0:
@@ -42,11 +37,9 @@ def _run(arguments: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def _columns() -> Sequence[ProgressColumn]:
-    """Return columns: the score's name, and how much of its time is left."""
-    from rich.progress import BarColumn, TextColumn
-
-    return TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f} s")
+def _words(state: State) -> list[str]:
+    """Return the score's name, and how much of its time has gone."""
+    return [state.description, state.bar, f"{state.counted} s"]
 
 
 def _print_failures(server: Client, seconds: float) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from threading import Event
 from typing import TYPE_CHECKING
 
@@ -11,11 +11,9 @@ from ..errors import tell
 from ..processors import processors
 from .options import RATE, SCORE, SWITCH, add_bank, add_contact, add_full_scale, add_presets, contact, on_end, switch
 from .parser import Command, number, one_of, whole
-from .progress import Work, seconds_of_sound, shown_progress
+from .progress import State, Work, seconds_of_sound, shown_progress
 
 if TYPE_CHECKING:
-    from rich.progress import ProgressColumn
-
     from ...presets import Presets
     from ...server.render import Options
     from ..rendering import Result, Task
@@ -108,11 +106,9 @@ def _render_one(task: Task, options: Options, presets: Presets, interrupted: Eve
         tell("render", warning)
 
 
-def _columns_of_many() -> Sequence[ProgressColumn]:
-    """Return the columns of progress: how many scores are rendered."""
-    from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
-
-    return BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+def _words_of_many(state: State) -> list[str]:
+    """Return how many scores are rendered, and how long the others take."""
+    return [state.bar, state.counted, state.left]
 
 
 def _render_many(results: Iterator[Result], count: int) -> int:
@@ -120,7 +116,7 @@ def _render_many(results: Iterator[Result], count: int) -> int:
     from ..streams import score_name
 
     failed = False
-    with shown_progress(Work("render", _columns_of_many, "scores"), total=count) as show:
+    with shown_progress(Work("render", _words_of_many, "scores"), total=count) as show:
         for done, result in enumerate(results, start=1):
             show(completed=done)
             name = score_name(result.task.score)

@@ -135,6 +135,7 @@ def bake(
 
     ScoreError names a line that is refused, or for which an engine of these sizes has no room.
     """
+    options.lines_of(score)  # that there are some is asked before an engine is compiled
     channels = options.channels_of(score)
     engine = _Kept(options.rate, channels, MODES, OBJECTS, limited=not options.calibrated, sensors=sensors_of(score))
     session = _Session(engine, presets, steers_ended=True, scale=options.scale_of(score))

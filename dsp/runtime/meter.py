@@ -10,7 +10,8 @@ from ..engine.memory.state import QUANTUM
 
 SILENCE = -200.0
 """dB: what counts as silence."""
-_OFFSET = -0.691  # LUFS of a weighted mean square of 1, as ITU-R BS.1770 has it
+OFFSET = -0.691
+"""LUFS of a weighted mean square of 1, as ITU-R BS.1770 has it."""
 
 
 class Meter:
@@ -37,7 +38,7 @@ class Meter:
     @property
     def loudness(self) -> float:
         """Momentary loudness, LUFS."""
-        return _OFFSET + decibels(float(self._meter["power"][self._places()].sum()) / self._window)
+        return OFFSET + decibels(float(self._meter["power"][self._places()].sum()) / self._window)
 
     def _places(self, since: int = 0) -> NDArray[np.int64]:
         """Return the quanta of the last 0.4 s, those before a sample left out."""

@@ -21,8 +21,6 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from rich.console import Console
-from rich.table import Table
 
 from carom.dsp.engine.memory.state import QUANTUM, new_state
 from carom.dsp.native.jit import kernel as compiled
@@ -282,12 +280,14 @@ def _contacts_aims(results: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def show(console: Console, title: str, rows: list[dict[str, Any]]) -> None:
+def show(title: str, rows: list[dict[str, Any]]) -> None:
     """Print a table of rows alike."""
-    table = Table(*rows[0], title=title)
-    for row in rows:
-        table.add_row(*(f"{v:.3g}" if isinstance(v, float) else str(v) for v in row.values()))
-    console.print(table)
+    cells = [[f"{v:.3g}" if isinstance(v, float) else str(v) for v in row.values()] for row in rows]
+    table = [list(rows[0]), *cells]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    print(f"\n{title}")
+    for row in table:
+        print("  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip())
 
 
 def parts_of(reference: ctypes.CDLL | None, quick: bool) -> dict[str, Callable[[], Any]]:
@@ -321,29 +321,28 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="write the results to this file")
     parser.add_argument("--quick", action="store_true", help="fewer rounds, rougher figures")
     options = parser.parse_args()
-    console = Console()
     reference = compile_reference()
     if reference:
         check(reference)
     else:
-        console.print("no C compiler: kernels are not compared with C")
+        print("no C compiler: kernels are not compared with C")
     if not klank.SCSYNTH:
-        console.print("no scsynth: kernels are not compared with its Klank")
+        print("no scsynth: kernels are not compared with its Klank")
     parts = parts_of(reference, options.quick)
     results: dict[str, Any] = {"date": date.today().isoformat(), "quick": options.quick, "machine": machine()}
     for name, measure in parts.items():
         begun = perf_counter()
         results[name] = measure()
-        console.print(f"{name}: measured in {perf_counter() - begun:.0f} s")
+        print(f"{name}: measured in {perf_counter() - begun:.0f} s")
     results["aims"] = aims(results)
-    show(console, "Machine", [results["machine"]])
-    show(console, "Kernels: ns per mode-sample", results["kernels"])
+    show("Machine", [results["machine"]])
+    show("Kernels: ns per mode-sample", results["kernels"])
     if results["klank"]:
-        show(console, "scsynth's Klank: ns per mode-sample, ratio to ours", [results["klank"]])
+        show("scsynth's Klank: ns per mode-sample, ratio to ours", [results["klank"]])
     for title, name in TITLES.items():
-        show(console, title, results[name])
-    show(console, "An empty scene", [results["empty_scene"]])
-    show(console, "Aims", results["aims"])
+        show(title, results[name])
+    show("An empty scene", [results["empty_scene"]])
+    show("Aims", results["aims"])
     if options.json:
         options.json.write_text(json.dumps(results, indent=2) + "\n")
 

@@ -1,6 +1,7 @@
 """Output on a terminal: progress, and long lines folded to its width. Elsewhere progress is told in lines."""
 
 import fcntl
+import io
 import os
 import pty
 import re
@@ -14,8 +15,9 @@ import pytest
 
 from carom.clients.cli import main
 from carom.clients.commands import progress
-from carom.clients.commands.progress import Work, at_work, seconds_of_sound
+from carom.clients.commands.progress import State, Work, at_work, seconds_of_sound, usual
 from carom.clients.folding import columns_of, folded
+from carom.clients.terminal import Line
 from tests.support import CAROM
 
 COLUMNS = 60
@@ -95,6 +97,33 @@ def test_commands_tell_of_their_progress_where_there_is_no_terminal(tmp_path, ca
     ):
         assert main(words.split()) == 0
         assert re.search(f"^{line}$", capsys.readouterr().err, flags=re.M), words
+
+
+@pytest.mark.parametrize(
+    ("words", "state", "line"),
+    [
+        (usual, State("mug", 1.0, 0.25, elapsed=9.0), f"mug {'#' * 10}{'-' * 30} 25% 0:00:27"),
+        (usual, State("mug", None, elapsed=1.0), f"mug {'-' * 16}{'#' * 8}{'-' * 16}"),
+        (usual, State("", 64.0, 32.0, before=24.0, elapsed=8.0), f"{'#' * 20}{'-' * 20} 50% 0:00:32"),
+        (at_work, State("bowl", elapsed=61.0), f"bowl {'-' * 16}{'#' * 8}{'-' * 16} 0:01:01"),
+        (seconds_of_sound, State("bell", None, 7.5, elapsed=2.0), "bell 7.5 s of sound 0:00:02"),
+    ],
+)
+def test_a_line_on_a_terminal_says_how_much_is_done_and_how_long_the_rest_takes(words, state, line):
+    assert " ".join(filter(None, words(state))) == line
+
+
+def test_what_is_said_meanwhile_stands_above_the_line_that_moves(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "12")
+    stream = io.StringIO()
+    line = Line(stream)
+    line.show("one of three")
+    print("a warning", end="", file=line.above)
+    line.show("two of three")
+    print(" ends", file=line.above)
+    line.show("all three")
+    line.clear()
+    assert stream.getvalue().replace("\r\x1b[K", "^") == "^one of thre^a warning ends\n^all three^"
 
 
 @pytest.mark.slow

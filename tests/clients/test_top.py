@@ -27,13 +27,8 @@ PAIRS = {
 
 
 def shown(before: dict[str, object]) -> str:
-    from rich.console import Console
-
-    console = Console(width=120, force_terminal=True, legacy_windows=False)
-    with console.capture() as capture:
-        pairs = [item for pair in PAIRS.items() for item in pair]
-        console.print(view(Message("/status.reply", (*NINE, *pairs)), before))
-    return capture.get()
+    pairs = [item for pair in PAIRS.items() for item in pair]
+    return "\n".join(view(Message("/status.reply", (*NINE, *pairs)), before))
 
 
 def plain(text: str) -> str:
@@ -73,15 +68,8 @@ class Silent:
 
 
 def test_a_server_that_is_silent_for_a_while_is_shown_again(monkeypatch):
-    from rich.console import Console
-
     monkeypatch.setattr("carom.clients.top.PERIOD", 0.0)
-    console = Console(width=120, force_terminal=True, legacy_windows=False)
-    pictures = _views(Silent())
-    with console.capture() as capture:
-        for picture in islice(pictures, 3):
-            console.print(picture)
-    text = capture.get()
+    text = "\n".join(line for picture in islice(_views(Silent(), True), 3) for line in picture)
     assert text.count("no answer: no reply") == 1 and plain(text).count("1:02:05") == 2
     assert re.search(r"\x1b\[1;31m\s+3\x1b", text)  # later than at first
 

@@ -4,6 +4,7 @@ import math
 from statistics import median
 
 import numpy as np
+import pyloudnorm
 import pytest
 
 import carom
@@ -61,6 +62,15 @@ def test_loudness_is_that_of_the_recommendation():
     assert heard(0.1 * sine, RATE).loudness == pytest.approx(-23.01, abs=0.1)
     assert heard(sine[: RATE // 10], RATE).loudness == pytest.approx(-3.01 - 10 * math.log10(4), abs=0.1)
     assert heard(np.zeros((100, 2)), RATE).loudness == -math.inf
+
+
+@pytest.mark.parametrize("rate", [44_100, RATE, 96_000])
+def test_loudness_is_that_of_another_meter(rate):
+    """pyloudnorm's filters differ by some hundredths of a dB from the standard's."""
+    noise = np.random.default_rng(1).standard_normal((rate, 2)) * np.exp(-np.arange(rate) / 9e3)[:, None]
+    meter = pyloudnorm.Meter(rate, block_size=0.4)
+    meter.integrated_loudness(np.concatenate([noise, np.zeros((round(0.4 * rate), 2))]))
+    assert heard(noise, rate).loudness == pytest.approx(max(meter.blockwise_loudness), abs=0.06)
 
 
 def test_a_true_peak_is_found_between_samples():

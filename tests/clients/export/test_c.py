@@ -2,10 +2,12 @@
 
 import json
 import math
+import os
 import re
 import shutil
 import struct
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -49,12 +51,23 @@ def test_what_is_wrong_is_said(example: Path, folder: Path, tmp_path: Path) -> N
     """The example names what is no scene, and the reason of a refusal; a cut or damaged scene is not opened."""
     made = run(example, SOURCES / "carom.h", tmp_path / "a.wav")
     assert made.returncode == 1 and made.stderr.endswith("carom.h: expected a scene that Carom has baked\n")
-    refused = run(example, folder / "scene.carom", tmp_path / "a.wav", "/object/church_bell/impact fast")
-    assert refused.returncode == 1 and "fast" in refused.stderr and refused.stderr.count("\n") == 1
+    for words in ("fast", "1 direction 1", "1 point [0 0 0.1] direction [1 0 0]", "1 by church_bell"):
+        refused = run(example, folder / "scene.carom", tmp_path / "a.wav", f"/object/church_bell/impact {words}")
+        assert refused.returncode == 1 and refused.stderr.count("\n") == 1
+        assert any(word in refused.stderr for word in words.split()), refused.stderr
     whole = (folder / "scene.carom").read_bytes()
     for size in (0, 11, 5_000, len(whole) // 2, len(whole) - 8):
         (tmp_path / "cut.carom").write_bytes(whole[:size])
         assert run(example, tmp_path / "cut.carom", tmp_path / "a.wav").returncode == 1, size
+
+
+@pytest.mark.parametrize("target", ["web", "c", "clap"])
+def test_an_empty_score_is_refused_before_an_engine_is_compiled(tmp_path: Path, target: str) -> None:
+    (tmp_path / "empty.txt").write_text("# nothing yet\n")
+    words = [sys.executable, "-m", "carom", "export", "--to", target, "empty.txt", "out"]
+    made = run(*words, cwd=tmp_path, env=os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache")})
+    assert made.returncode == 1 and "the score is empty" in made.stderr and made.stderr.count("\n") == 1
+    assert not (tmp_path / "cache").exists()
 
 
 def test_the_library_shows_its_own_names_alone(folder: Path) -> None:
