@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 from ...dsp.engine.memory.commands import Kind
@@ -26,6 +27,9 @@ _ROOMS = {
 _FASTER = "carom.dsp.engine.contacts.blocks.run_alone."
 """A kernel that does faster what others do, too, to the same bits: a page is loaded sooner without it."""
 
+WORKLET = ("messages.js", "scene.js", "worklet.js")
+"""The scripts of the audio thread, each after those that it imports: a page has them as one file."""
+
 _COMMENT = re.compile(r"(?<=[;,{}]) // [^\"'`]*$")
 """A comment that ends a line of a script."""
 
@@ -34,10 +38,11 @@ def write_page(scene: Scene, folder: Path) -> None:
     """Write a scene's files into a folder that is there."""
     engine = wasm(callback.__name__, without(scene.baked))
     for file in sorted(_FILES.iterdir()):
-        if file.suffix == ".js":
+        if file.suffix == ".js" and file.name not in WORKLET:
             (folder / file.name).write_text(shortened(file.read_text()))
-        elif file.suffix != ".py":
+        elif file.suffix not in (".js", ".py"):
             shutil.copyfile(file, folder / file.name)
+    (folder / "worklet.js.lzma").write_bytes(compressed(joined(WORKLET).encode()))
     (folder / "carom.wasm.lzma").write_bytes(compressed(engine))
     (folder / "scene.carom.lzma").write_bytes(compressed(scene.file(data_end(engine)), words=True))
 
@@ -46,6 +51,12 @@ def shortened(script: str) -> str:
     """Return a script without its indents and comments. Strings have one line, and no comment in them."""
     first, *lines = (_COMMENT.sub("", line.strip()) for line in script.splitlines())
     return "\n".join([first, *(each for each in lines if each and not each.startswith(("//", "/**")))]) + "\n"
+
+
+def joined(names: Sequence[str]) -> str:
+    """Return scripts that import from each other alone as one, shortened."""
+    lines = [line for name in names for line in shortened((_FILES / name).read_text()).splitlines()]
+    return "\n".join(line for line in lines if not line.startswith("import ")) + "\n"
 
 
 def without(baked: Baked) -> list[str]:

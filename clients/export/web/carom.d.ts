@@ -3,6 +3,7 @@ export interface Files {
   readonly module: WebAssembly.Module;
   readonly map: Map;
   readonly data: ArrayBuffer;
+  readonly worklet: string;
 }
 
 /** What a scene says of itself: its rate (Hz), channels, length (frames), and its title. */

@@ -6,7 +6,7 @@ import { decoded } from "./tables.js";
 const MAGIC = "carom 1\n";
 const HEAD = 12; // bytes before the map
 const STORE = "carom"; // of decoded files, in browsers
-const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma" };
+const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma", worklet: "worklet.js.lzma" };
 
 /** The content of a file that was compressed as LZMA, which the browser keeps when it is decoded. */
 async function fetched(url) {
@@ -40,21 +40,23 @@ export class Carom extends EventTarget {
   /** The files of a scene, fetched and compiled: as early as the page likes, before anybody has touched it. */
   static async fetch(folder = new URL(".", import.meta.url)) {
     const at = (name) => new URL(name, new URL(folder, document.baseURI));
-    const [module, scene] = await Promise.all([
+    const [module, scene, script] = await Promise.all([
       fetched(at(FILES.engine)).then(WebAssembly.compile),
       fetched(at(FILES.scene)),
+      fetched(at(FILES.worklet)),
     ]);
-    return { module, ...unpacked(scene), at };
+    const worklet = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
+    return { module, ...unpacked(scene), worklet };
   }
 
   /** A scene that plays into a context, from its score's beginning, or with all its objects there (`live`). */
   static async open(context, { files, folder, live = true } = {}) {
     const found = files ?? (await Carom.fetch(folder));
-    const { module, map, data, at } = found;
+    const { module, map, data, worklet } = found;
     if (context.sampleRate !== map.rate) {
       throw new Error(`sampleRate = ${context.sampleRate}: expected ${map.rate}: new AudioContext({ sampleRate: ${map.rate} })`);
     }
-    await context.audioWorklet.addModule(at("worklet.js"));
+    await context.audioWorklet.addModule(worklet);
     const processorOptions = { module, map, data, live };
     const node = new AudioWorkletNode(context, "carom", { numberOfInputs: 0, outputChannelCount: [map.channels], processorOptions });
     return new Carom(context, node, map);

@@ -1,10 +1,9 @@
 // A baked scene in the engine's memory: its words and commands at their samples, and messages while it plays.
 
-import { Messages } from "./messages.js";
+import { Messages, NOW } from "./messages.js";
 
 const STACK = 1 << 18; // bytes
 const BLOCK = 4096; // most frames at once
-const NOW = -1;
 const GRID = 256; // to a sample
 
 const aligned = (at, to = 64) => Math.ceil(at / to) * to;

@@ -27,8 +27,9 @@ TABLES = 36.0
 
 ASK = """async (asked) => {
   const { Carom } = await import("./carom.js");
-  const { Scene } = await import("./scene.js");
-  const { module, map, data } = await Carom.fetch();
+  const { module, map, data, worklet } = await Carom.fetch();
+  Object.assign(globalThis, { AudioWorkletProcessor: class {}, registerProcessor() {} });
+  const { Scene } = await import(worklet);
   const scene = new Scene(module, map, data);
   scene.load(true);
   const found = [];
@@ -56,7 +57,7 @@ FETCHED = """async (changed) => {
   const store = await caches.open("carom");
   let kept;
   do kept = await store.keys();
-  while (kept.length < 2);
+  while (kept.length < 3);
   for (const file of kept) {
     const { headers } = await store.match(file);
     if (changed) headers.set("Made-Of", "another file");
@@ -93,7 +94,7 @@ def test_a_worklet_makes_the_bits_of_a_render(page: Any, folder: Path) -> None:
 
 def test_files_are_unpacked_by_others_too(folder: Path) -> None:
     """The engine and the scene are .lzma files as any program reads them, and say how large they are."""
-    for name, begins in (("carom.wasm", b"\0asm"), ("scene.carom", b"carom 1\n")):
+    for name, begins in (("carom.wasm", b"\0asm"), ("scene.carom", b"carom 1\n"), ("worklet.js", b"// Messages")):
         content = (folder / f"{name}.lzma").read_bytes()
         plain = lzma.decompress(content, lzma.FORMAT_ALONE)
         assert plain.startswith(begins) and len(plain) == int.from_bytes(content[5:13], "little")
