@@ -258,7 +258,7 @@ def test_sampled_methods_converge_to_the_coupled_solver():
 
 PLACE = np.dtype(
     [
-        ("contacts", MEMBER, 1),
+        ("contacts", MEMBER, (1,)),
         ("group", COUPLED_GROUP),
         ("pressed", pressed.PRESSED),
         ("modes", np.float64, (5, bank.LANES)),
