@@ -146,8 +146,8 @@ def _alike(places: Array, normals: Array) -> Array:
     from scipy.spatial import cKDTree
 
     distance, near = cKDTree(places).query(places, k=min(9, len(places)))
-    one = np.repeat(np.arange(len(places)), near.shape[1] - 1)
-    other = near[:, 1:].ravel()
+    one = np.repeat(np.arange(len(places), dtype=np.int32), near.shape[1] - 1)
+    other = near[:, 1:].ravel().astype(np.int32)  # scipy 1.15 takes no others
     turn = 1.01 - np.abs(np.einsum("ij,ij->i", normals[one], normals[other]))
     cost = turn * (distance[:, 1:] / np.median(distance[:, 1])).ravel() ** 2
     tree = minimum_spanning_tree(coo_array((cost, (one, other)), shape=(len(places),) * 2).tocsr())
