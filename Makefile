@@ -110,6 +110,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simu
 	$(BIN)/python -m tests.bench.web
 	$(BIN)/python -m tests.bench.library
 	$(BIN)/python -m tests.bench.starts
+	$(BIN)/python -m tests.bench.installs
 	$(BIN)/python -m tests.bench.compiling --json tests/measured/compiling.json
 	$(BIN)/python -m tests.bench.memory --minutes 30
 

@@ -35,6 +35,7 @@ from tests.bench import (
     klank,
     lasting,
     many,
+    portable,
     ringing,
     rolled,
     slides,
@@ -65,6 +66,7 @@ TITLES = {
     "A tam-tam whose modes are coupled, and asleep: share of a core": "swelling",
     "Strings that are bowed: share of real time on one core": "slides",
     "Swarms: share of a core, in blocks of 64 frames": "swarms",
+    "The same bits everywhere: share of a core in the engine, and over that of this processor's own code": "portable",
     "Clips: an impact of one second in a fresh scene, with labels": "clips",
     "Many: items of recipes, and worlds, per second of one core, and over the engine's own time": "many",
     "Start-up: s": "startup",
@@ -312,6 +314,7 @@ def parts_of(reference: ctypes.CDLL | None, quick: bool) -> dict[str, Callable[[
         "empty_scene": clips.measure_empty,
         "clips": lambda: clips.measure_clips(clips.CLIPS // (3 if quick else 1)),
         "many": many.measure,
+        "portable": lambda: portable.measure(few),
         "startup": lambda: measure_startup(few),
     }
 

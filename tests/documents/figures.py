@@ -190,6 +190,7 @@ def speed() -> str:
         _lasting(bench.get("lasting", [])),
         _gestures(bench["gestures"]),
         _friction(bench.get("friction", []), bench.get("slides", [])),
+        _portable(bench.get("portable", [])),
         _starts(bench),
     ]
     return "\n\n".join(part for part in parts if part)
@@ -385,6 +386,17 @@ def _friction(contacts: list[dict[str, Any]], slides: list[dict[str, Any]]) -> s
 
 
 _CLIPS = {"preset": "objects as their presets are", "geometry": "each object of a new geometry"}
+
+
+def _portable(rows: list[dict[str, Any]]) -> str:
+    """Return what the engine costs whose bits are the same everywhere, if it was measured."""
+    if not rows:
+        return ""
+    lines = [
+        (row["score"], f"{100 * row['own']:.2g}", f"{100 * row['portable']:.2g}", f"{row['ratio']:.2f}") for row in rows
+    ]
+    head = ("% of a core", f"code for {rows[0]['level']}", "portable code", "ratio")
+    return f"## The same bits everywhere\n\n{table(head, lines)}"
 
 
 def _starts(bench: dict[str, Any]) -> str:
