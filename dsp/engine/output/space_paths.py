@@ -27,7 +27,8 @@ _LONGEST = FRAMES - 4.0 * QUANTUM  # nor longer
 _ROUNDS = 6
 _EXACT = 1e-4  # samples: what a smaller step of Newton's leaves is none
 _FASTEST = 0.1  # least derivative of the arrival by the departure: bodies are slower than sound
-_JUMP = 2.5  # quanta that may pass at a line's far end in one: more is a jump
+_FLEES, _JUMP = -0.5, 2.5  # quanta that may pass at a line's far end in one: fewer or more are a jump
+_TURNS = 0.5 * QUANTUM  # samples by which the way to an ear may change in a quantum: more is a jump, too
 _STEADY = 1e-7  # samples
 _INAUDIBLE = 1e-3  # dB that the air takes
 _SAME = 1e-5  # of the poles: less is left as it is
@@ -49,11 +50,13 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
         velocity = (space.listener.now[i] - space.listener.before[i]) / QUANTUM
         along += found[i] * velocity / found[6]
         moves += found[i] * found[3 + i] / found[6]
-    later = (1.0 + frames * along) / max(1.0 + frames * moves, _FASTEST)
+    later = min(max((1.0 + frames * along) / max(1.0 + frames * moves, _FASTEST), _FLEES), _JUMP)
     if path.known == 0:
         begin, slope = place - QUANTUM, 1.0
     first, second = _aim(state, path, wall, found)
-    jumps = not -0.5 * QUANTUM < place - begin < _JUMP * QUANTUM
+    jumps = not _FLEES * QUANTUM < place - begin < _JUMP * QUANTUM
+    for ear in range(2):
+        jumps |= abs(space.aim[ear] - path.longer[ear]) > _TURNS
     path.place, path.slope, path.known = place, later, 1
     steady = abs(later - 1.0) + abs(slope - 1.0) + abs(place - begin - QUANTUM) < _STEADY
     path.still = int(steady and _stays(space, line))
@@ -64,7 +67,7 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
         _read_jump(state, line, path, begin, slope, place, later)
     else:
         _lay_places(space.places, begin, slope, place, later)
-        _read(state, line, path, space.heard)
+        _read(state, line, path.longer, space.aim, space.heard)
     _filter(state, path, first, second)
     _mix_path(state, line, path)
     return True
@@ -224,19 +227,20 @@ def _lay_places(places: View[float], begin: float, slope: float, end: float, lat
 
 
 @kernel
-def _read(state: State, line: Line, path: Path, out: View2D[float]) -> None:
-    """Read a line at `places`: for each ear, if there are two."""
+def _read(state: State, line: Line, before: View[float], after: View[float], out: View2D[float]) -> None:
+    """Read a line at `places`: for each ear, if there are two, the ways to which go from some samples longer to others
+    over the quantum."""
     space = state.surroundings
     for ear in range(2 if space.layout == 1 else 1):
-        more = (space.aim[ear] - path.longer[ear]) / QUANTUM
-        longer, soonest = path.longer[ear], state.position - _SOONEST
+        longer, more = before[ear], (after[ear] - before[ear]) / QUANTUM
+        soonest = state.position - _SOONEST
         for n in range(QUANTUM):
             # In samples from the quantum's begin, each less its number: of what is steady all are alike.
             space.weights[n] = min(space.places[n] - longer - n * more, soonest + n) - n
         low, high = _range_of(space.weights)
         least, greatest = math.floor(low), math.floor(high)
         first = least - (TAPS // 2 - 1)
-        _copy(space, line, first, min(greatest - least + QUANTUM + TAPS, len(space.window)), state.position + QUANTUM)
+        _copy(space, line, first, greatest - least + QUANTUM + TAPS, state.position + QUANTUM)
         if high - low < _STEADY:
             read_steady(space.window, low - least, space.taps, out[ear], QUANTUM)
         elif least == greatest:
@@ -281,12 +285,12 @@ def _read_jump(state: State, line: Line, path: Path, begin: float, slope: float,
     """Read a line whose object or listener has jumped: from the old way to the new one by a fade."""
     space = state.surroundings
     _lay_places(space.places, begin, slope, begin + slope * QUANTUM, slope)
-    _read(state, line, path, space.heard)
+    _read(state, line, path.longer, path.longer, space.heard)
     for ear in range(2):
         for n in range(QUANTUM):
             space.other[ear, n] = space.heard[ear, n]
     _lay_places(space.places, place - later * QUANTUM, later, place, later)
-    _read(state, line, path, space.heard)
+    _read(state, line, space.aim, space.aim, space.heard)
     for ear in range(2):
         for n in range(QUANTUM):
             u = (n + 1) / QUANTUM

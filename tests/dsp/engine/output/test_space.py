@@ -258,3 +258,27 @@ def test_a_jump_makes_no_click():
     sound = heard(tone(500.0), listen(), lambda h: put(h, (1.0, 0.0, 0.0)), frames=24_000,
                   moving=[(12_000.0, (1.0, 30.0, 0.0), 0.0)])[:, 0]  # fmt: skip
     assert np.abs(np.diff(sound[4_000:], 2)).max() < 10.0 * np.abs(np.diff(sound[4_000:11_000], 2)).max()
+
+
+@pytest.mark.parametrize("speed", [340.0, 1e3, 1e4, 1e6])
+@pytest.mark.parametrize("room", [False, True])
+def test_what_is_faster_than_sound_is_no_louder(speed, room):
+    """Object and listener flee each other, or meet, as fast as may be said; only what was written is read."""
+    plain = np.abs(heard(bell(), listen(), lambda h: put(h, (2.0, 1.0, 1.0)))).max()
+    for sign in (-1.0, 1.0):
+        flight = Command(6_000.0, Kind.LISTEN, values=told((-sign * speed, 0.0, 1.6), over=1.0))
+        told_first = [listen(), flight, *([furnish(6.0, -4, -3, 0, 4, 3, 3, 0.9)] if room else [])]
+        goes = [(6_000.0, (2.0 + sign * speed, 1.0, 1.0), 1.0)]
+        sound = heard(bell(), *told_first, lambda h: put(h, (2.0, 1.0, 1.0)), moving=goes)
+        assert np.abs(sound).max() < 4.0 * plain
+
+
+def test_ears_that_turn_at_once_are_no_louder():
+    """A wide head's ears change their ways by more than a quantum at once, where a source jumps to the other side."""
+    wide = listen(BINAURAL)
+    wide.values["values"] = (*wide.values["values"][:2], 1.0, *wide.values["values"][3:])
+    sounds = []
+    for sides in (1.0, -1.0):
+        moving = [(4_800.0 + 480.0 * n, (0.5, 10.0 * sides**n, 0.0), 0.0) for n in range(20)]
+        sounds.append(heard(bell(), wide, lambda h: put(h, (0.5, 10.0, 0.0)), channels=2, moving=moving))
+    assert 0.0 < np.abs(sounds[1]).max() < 2.0 * np.abs(sounds[0]).max()
