@@ -42,6 +42,7 @@ STIFFEST_AT_REST = np.array([0.0, 1.6, 2.2, 3.6])
 """The same of a rest, which hardly leaves its stiffness: one part mostly follows it within -55 dB."""
 
 _SOFT = 0.3  # rad of such a swing up to which one part of a sample follows a rest within -60 dB
+_DRIFTS = 100.0  # fourth power of a rest's swing in a part over its loss factor, up to which it hardly gets out of step
 _LONG = 0.1  # the same of a blow: it lasts for 40 samples on a wall
 
 _ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
@@ -55,12 +56,17 @@ _FIRST = 0.25  # of a sample: the first step to try after a block
 
 
 @kernel
-def parts_for(contact: Coupled, least: int, rests: bool) -> int:
+def parts_for(contact: Coupled, least: int, rests: bool, stays: bool) -> int:
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
-    gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest."""
+    gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest; stays: and one that hardly
+    loses anything is to stay in step for as long as it swings."""
     swing = _swing(contact)
     if rests and swing < _SOFT:
         return 1
+    if stays and rests:
+        loss = contact.mu * contact.rest_force * swing / (_stiffness(contact) * contact.period)
+        while least < MOST_PARTS and (swing / least) ** 4 > _DRIFTS * loss:
+            least += 1
     for parts in range(least, MOST_PARTS + 1):
         if swing < (STIFFEST_AT_REST[parts] if rests else STIFFEST[parts]):
             return parts

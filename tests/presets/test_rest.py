@@ -9,6 +9,7 @@ from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.server.osc.wire import Message
 from carom.server.scene.session import Session
+from tests.bench.rest_errors import sound
 
 PRESETS = carom.Presets()
 RATE = 48_000
@@ -75,3 +76,11 @@ def test_feet_that_an_object_stands_on_are_told_as_rests():
         scene.new("a", "tumbler").impact(1.0)
         told = scene.render(0.05).contacts
     assert sorted((each.object, each.gesture) for each in told) == [("a", "impact"), *[("a", "rest")] * 3]
+
+
+@pytest.mark.parametrize("level", ["-50", "-60"])
+@pytest.mark.parametrize("name", ["glockenspiel-bar", "triangle"])
+def test_hard_objects_that_swing_on_each_other_for_long_stay_in_step(name, level):
+    """The contact loses next to nothing: what errs in each of its swings would add up, to -45 and -25 dB."""
+    right = sound(name, "other", "exact", 0.001)
+    assert np.linalg.norm(sound(name, "other", level, 0.001) - right) < 1e-3 * np.linalg.norm(right)

@@ -228,7 +228,8 @@ def _has_place(state: State, contact: Contact) -> bool:
 @kernel
 def _look(state: State, net: Net) -> int:
     """Return the parts of a sample that follow all contacts; 0 if none do."""
-    least: int = PARTS[state.choices.accuracy]
+    level = state.choices.accuracy
+    least: int = PARTS[level]
     parts = 1
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
@@ -239,7 +240,7 @@ def _look(state: State, net: Net) -> int:
         take_room_again(state, contact)
         net.gain[i] = contact.now.gain
         blow = contact.trait.single == 1
-        needed = parts_for(contact.coupled, 1 if blow else least, contact.trait.rests == 1)
+        needed = parts_for(contact.coupled, 1 if blow else least, contact.trait.rests == 1, level > 0)
         if needed == 0:
             return 0
         parts = max(parts, needed)

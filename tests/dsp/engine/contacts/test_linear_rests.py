@@ -21,8 +21,7 @@ def swinging(rate, light, loss=0.0, load=20.0):
     return (stiffness / 1.5 / load ** (1 / 3)) ** 1.5, loss, 1.5
 
 
-@pytest.mark.parametrize("swing", [0.25, 1.5])
-@pytest.mark.parametrize("level", ["-40", "-50"])
+@pytest.mark.parametrize(("swing", "level"), [(0.25, "-40"), (0.25, "-50"), (1.5, "-40")])
 def test_energy_stays_as_it_is_without_loss(swing, level):
     """Two plates that swing against each other get no more, and no less."""
     engine, load, phi, mass = engine_at(level), 20.0, 0.7, 0.5
