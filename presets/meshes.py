@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "9"
+EDITION = "10"
 """Edition of the computation: tables of another one are made anew."""
 
 _BLOCKS = ("box", "cylinder")
@@ -131,7 +131,8 @@ def _require_usual(path: Path, points: Array) -> None:
     x, y, z = np.ptp(points, axis=0)
     size, (low, high) = max(x, y, z), _USUAL
     if not low <= size <= high:
-        unit = "scale = 0.001 reads mm, 0.01 cm, 0.0254 inches, and 1 takes it as it is"
+        way = "0.001 reads mm, 0.01 cm, 0.0254 inches" if size > high else "expected a larger one"
+        unit = f"scale: {way}, and 1 takes it as it is"
         raise MeshError(f"{path}: {x:.3g} x {y:.3g} x {z:.3g} m: expected {low:g} to {high:g} m; {unit}")
 
 

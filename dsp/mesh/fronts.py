@@ -28,21 +28,30 @@ class Elements(NamedTuple):
 
 
 class Front(NamedTuple):
-    """A part of the tree: the unknowns that it solves for and those on its rim, and the factor's two blocks."""
+    """A part of the tree: where the unknowns that it solves for begin and end, those on its rim, and the factor's two
+    blocks."""
 
-    own: Indices
+    begin: int
+    end: int
     rim: Indices
     diagonal: Array
     below: Array
 
 
+class _Part(NamedTuple):
+    """A part of the tree: its elements if it is not halved, and where the nodes that it solves for begin and end."""
+
+    elements: Indices | None
+    begin: int
+    end: int
+
+
 class _Rest(NamedTuple):
-    """The rest that a part of the tree leaves to the one above: nodes, the matrix between them, and how many elements
-    of each are in it."""
+    """The rest that a part of the tree leaves to the one above: nodes, ascending, and the matrix between them, the
+    lower half of which counts."""
 
     nodes: Indices
     matrix: Array
-    seen: Indices
 
 
 class Factor:
@@ -50,89 +59,98 @@ class Factor:
 
     def __init__(self, elements: Elements, matrices: Array, leaf: int) -> None:
         """Compute the factor; `leaf`: the most elements of a part that is not halved. MeshError if it is too large."""
-        self._elements, self._matrices, self._leaf = elements, matrices, leaf
+        self._elements, self._leaf = elements, leaf
         self._needed = np.bincount(elements.nodes.ravel(), minlength=elements.size)
+        self._place = np.zeros(elements.size, np.int64)  # of each node in the order in which they are solved for
+        self._parts: list[_Part] = []
+        self._placed = self.numbers = 0
+        self._plan(np.arange(len(elements.nodes)))
+        self._rows = self._unknowns(np.argsort(self._place, kind="stable"))
         self._fronts: list[Front] = []
-        self.numbers = 0
-        self._part(np.arange(len(elements.nodes)))
-        del self._matrices
+        rests: list[_Rest] = []
+        for part in self._parts:
+            whole = self._joined(rests.pop(), rests.pop()) if part.elements is None else self._summed(part, matrices)
+            rests.append(self._solved(part, whole))
 
     def solve(self, right: Array) -> Array:
         """Return the solution (n, k) for right sides (n, k)."""
         from scipy.linalg.blas import dtrsm
 
-        x = np.array(right, order="F")
-        for front in self._fronts:
-            y = dtrsm(1.0, front.diagonal, x[front.own], lower=1)
-            x[front.own] = y
-            if front.rim.size:
-                x[front.rim] -= front.below @ y
-        for front in reversed(self._fronts):
-            y = x[front.own]
-            if front.rim.size:
-                y = y - front.below.T @ x[front.rim]
-            x[front.own] = dtrsm(1.0, front.diagonal, y, lower=1, trans_a=1)
-        return x
+        x = np.ascontiguousarray(right[self._rows])
+        for begin, end, rim, diagonal, below in self._fronts:
+            x[begin:end] = y = dtrsm(1.0, diagonal, x[begin:end].T, side=1, lower=1, trans_a=1).T
+            if rim.size:
+                x[rim] -= below @ y
+        for begin, end, rim, diagonal, below in reversed(self._fronts):
+            y = x[begin:end]
+            if rim.size:
+                y = y - below.T @ x[rim]
+            x[begin:end] = dtrsm(1.0, diagonal, y.T, side=1, lower=1).T
+        found = np.empty_like(x)
+        found[self._rows] = x
+        return found
 
-    def _part(self, which: Indices) -> _Rest:
-        """Compute the part of the factor that some elements have."""
-        if len(which) <= self._leaf:
-            return self._solved(self._summed(which))
-        middles = self._elements.middles[which]
-        order = np.argsort(middles[:, np.argmax(np.ptp(middles, axis=0))], kind="stable")
-        half = len(order) // 2
-        return self._solved(self._joined(self._part(which[order[:half]]), self._part(which[order[half:]])))
+    def _plan(self, which: Indices) -> tuple[Indices, Indices]:
+        """Lay out the part of the tree that some elements have, those that it is halved to before it; return the nodes
+        that are left to the part above, and how many elements of each are in it."""
+        leaf = len(which) <= self._leaf
+        if leaf:
+            nodes, seen = np.unique(self._elements.nodes[which], return_counts=True)
+        else:
+            middles = self._elements.middles[which]
+            order = np.argsort(middles[:, np.argmax(np.ptp(middles, axis=0))], kind="stable")
+            halves = [self._plan(which[each]) for each in np.split(order, [len(order) // 2])]
+            both, count = (np.concatenate(each) for each in zip(*halves, strict=True))
+            nodes, number = np.unique(both, return_inverse=True)
+            seen = np.bincount(number.ravel(), count).astype(np.int64)
+        done = seen == self._needed[nodes]
+        begin, own = self._placed, int(done.sum())
+        self._place[nodes[done]] = np.arange(begin, begin + own)
+        self._placed += own
+        self._parts.append(_Part(which if leaf else None, begin, begin + own))
+        rows = own * self._elements.unknowns
+        self.numbers += rows * (rows + 1) // 2 + rows * (len(nodes) - own) * self._elements.unknowns
+        if self.numbers > MOST_NUMBERS:
+            raise MeshError(f"too large: expected a factor of at most {MOST_NUMBERS:,} numbers; simplify the mesh")
+        return nodes[~done], seen[~done]
 
-    def _summed(self, which: Indices) -> _Rest:
-        nodes, local = np.unique(self._elements.nodes[which], return_inverse=True)
-        local = local.reshape(len(which), -1)
-        matrix = np.zeros((len(nodes) * self._elements.unknowns,) * 2)
-        for at, each in zip(local, self._matrices[which], strict=True):
+    def _summed(self, part: _Part, matrices: Array) -> _Rest:
+        """Return the sum of a part's elements."""
+        nodes, local = np.unique(self._place[self._elements.nodes[part.elements]], return_inverse=True)
+        matrix = np.zeros((len(nodes) * self._elements.unknowns,) * 2, order="F")
+        for at, each in zip(local.reshape(len(part.elements), -1), matrices[part.elements], strict=True):
             rows = self._unknowns(at)
             matrix[rows[:, None], rows] += each
-        return _Rest(nodes, matrix, np.bincount(local.ravel(), minlength=len(nodes)))
+        return _Rest(nodes, matrix)
 
-    def _joined(self, *parts: _Rest) -> _Rest:
-        nodes = np.union1d(parts[0].nodes, parts[1].nodes)
-        matrix = np.zeros((len(nodes) * self._elements.unknowns,) * 2)
-        seen = np.zeros(len(nodes), np.int64)
-        for part in parts:
-            at = np.searchsorted(nodes, part.nodes)
-            rows = self._unknowns(at)
-            matrix[np.ix_(rows, rows)] += part.matrix
-            seen[at] += part.seen
-        return _Rest(nodes, matrix, seen)
+    def _joined(self, one: _Rest, other: _Rest) -> _Rest:
+        """Return the sum of what two parts leave."""
+        nodes = np.union1d(one.nodes, other.nodes)
+        matrix = np.zeros((len(nodes) * self._elements.unknowns,) * 2, order="F")
+        rows = self._unknowns(np.searchsorted(nodes, one.nodes))
+        matrix.T[np.ix_(rows, rows)] = one.matrix.T
+        rows = self._unknowns(np.searchsorted(nodes, other.nodes))
+        matrix.T[np.ix_(rows, rows)] += other.matrix.T
+        return _Rest(nodes, matrix)
 
-    def _solved(self, part: _Rest) -> _Rest:
-        """Solve for the nodes whose elements are all in a part, and return what is left of it."""
+    def _solved(self, part: _Part, whole: _Rest) -> _Rest:
+        """Solve for the nodes whose elements are all in a part, its first ones, and return what is left of it."""
         from scipy.linalg.blas import dsyrk, dtrsm
         from scipy.linalg.lapack import dpotrf
 
-        done = part.seen == self._needed[part.nodes]
-        order = np.r_[np.flatnonzero(done), np.flatnonzero(~done)]
-        own = int(done.sum()) * self._elements.unknowns
-        rows = self._unknowns(order)
-        matrix = np.asfortranarray(part.matrix[rows[:, None], rows])
-        diagonal, info = dpotrf(matrix[:own, :own], lower=1, clean=1)
+        unknowns, count = self._elements.unknowns, part.end - part.begin
+        own, matrix = count * unknowns, whole.matrix
+        diagonal, info = dpotrf(matrix[:own, :own], lower=1, clean=0)
         if info:
             x, y, z = self._elements.middles.mean(axis=0)
             raise MeshError(f"a part about ({x:.3g}, {y:.3g}, {z:.3g}) m is too thin for its cells: give its wall (m)")
-        below = dtrsm(1.0, diagonal, matrix[own:, :own], side=1, lower=1, trans_a=1) if own < len(matrix) else None
-        self.numbers += own * (own + 1) // 2 + (0 if below is None else below.size)
-        if self.numbers > MOST_NUMBERS:
-            raise MeshError(f"too large: expected a factor of at most {MOST_NUMBERS:,} numbers; simplify the mesh")
-        first, rest = part.nodes[order[: int(done.sum())]], order[int(done.sum()) :]
-        none = np.zeros((0, own))
-        self._fronts.append(
-            Front(self._unknowns(first), self._unknowns(part.nodes[rest]), diagonal, none if below is None else below)
-        )
-        if below is None:
-            return _Rest(part.nodes[:0], np.zeros((0, 0)), part.seen[:0])
-        left = dsyrk(-1.0, below, beta=1.0, c=matrix[own:, own:], lower=1)
-        left = np.tril(left) + np.tril(left, -1).T
-        sort = np.argsort(part.nodes[rest])
-        rows = self._unknowns(sort)
-        return _Rest(part.nodes[rest][sort], left[rows[:, None], rows], part.seen[rest][sort])
+        begin, end, rest = part.begin * unknowns, part.end * unknowns, whole.nodes[count:]
+        if not len(rest):
+            self._fronts.append(Front(begin, end, rest, diagonal, np.zeros((0, own))))
+            return _Rest(rest, np.zeros((0, 0)))
+        below = dtrsm(1.0, diagonal, matrix[own:, :own], side=1, lower=1, trans_a=1)
+        self._fronts.append(Front(begin, end, self._unknowns(rest), diagonal, below))
+        return _Rest(rest, dsyrk(-1.0, below, beta=1.0, c=matrix[own:, own:], lower=1))
 
     def _unknowns(self, nodes: Indices) -> Indices:
         """Return the numbers of the unknowns of nodes."""

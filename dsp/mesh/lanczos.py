@@ -15,6 +15,7 @@ Apply = Callable[[Array], Array]
 _BLOCK = 16
 _RESIDUAL = 1e-5
 _MOST_STEPS = 60
+_ROOM = 10  # blocks of vectors beyond those wanted, at first
 
 
 def lowest(solve: Apply, mass: Apply, size: int, shift: float, count: int) -> tuple[Array, Array]:
@@ -24,16 +25,21 @@ def lowest(solve: Apply, mass: Apply, size: int, shift: float, count: int) -> tu
     """
     count = min(count, size - _BLOCK)
     ahead = solve(mass(np.random.default_rng(0).standard_normal((size, _BLOCK))))
-    vectors, weighed = np.zeros((size, 0)), np.zeros((size, 0))
+    room = np.empty((2, count + _ROOM * _BLOCK, size))  # of vectors, and the mass times these
     projected = np.zeros((0, 0))
     for _ in range(_MOST_STEPS):
+        before = len(projected)
+        vectors, weighed = (each[:before].T for each in room)
         for _ in range(2):
             ahead = ahead - vectors @ (weighed.T @ ahead)
         new, heavy = _orthonormal(ahead, mass)
-        vectors, weighed = np.hstack([vectors, new]), np.hstack([weighed, heavy])
+        block = new.shape[1]
+        if before + block > room.shape[1]:
+            room = np.concatenate([room, np.empty_like(room)], axis=1)
+        room[0, before : before + block], room[1, before : before + block] = new.T, heavy.T
+        vectors, weighed = (each[: before + block].T for each in room)
         ahead = solve(heavy)
         column = weighed.T @ ahead
-        before, block = len(projected), new.shape[1]
         grown = np.zeros((before + block,) * 2)
         grown[:before, :before] = projected
         grown[:, before:] = column

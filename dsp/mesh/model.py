@@ -117,7 +117,8 @@ def model_of(
     low, high = SIZES
     size = float(size_of(surface).max())
     if not low <= size <= high:
-        raise MeshError(f"size = {size:.3g} m: expected {low:g} to {high:g} m; a scale of 0.001 reads mm")
+        way = "a smaller scale: 0.001 reads mm" if size > high else "a larger scale"
+        raise MeshError(f"size = {size:.3g} m: expected {low:g} to {high:g} m, or {way}")
     if wanted.wall is not None and not 1e-5 <= wanted.wall <= size / 2:
         raise MeshError(f"wall = {wanted.wall:g}: expected 1e-05 to {size / 2:.3g} m, half the size")
     return _made(body, wanted, say, notes, lambda fine: _solution(body, wanted, fine))

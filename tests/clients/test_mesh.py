@@ -30,6 +30,14 @@ def written(surface, path, unit=1.0):
     return path
 
 
+@pytest.mark.parametrize(("size", "said"), [(40.0, "0.001 reads mm"), (1e-5, "expected a larger one")])
+def test_a_mesh_of_an_unusual_size_is_asked_about_the_way_it_is_off(tmp_path, capsys, size, said):
+    file = written(forms.box(size, size / 2, size / 4), tmp_path / "odd.ply")
+    assert main(["mesh", str(file), str(tmp_path / "mine"), "--name", "odd", "--material", "steel"]) == 1
+    told = capsys.readouterr().err
+    assert "expected 0.003 to 10 m; scale: " + said in told and ("reads mm" in told) == (size > 1)
+
+
 @pytest.mark.slow
 def test_a_mesh_becomes_an_object_with_a_report(tmp_path, capsys):
     file = written(forms.box(0.2, 0.03, 0.008), tmp_path / "bar.stl", 1e-3)
