@@ -69,7 +69,8 @@ class Factor:
         self._fronts: list[Front] = []
         rests: list[_Rest] = []
         for part in self._parts:
-            whole = self._joined(rests.pop(), rests.pop()) if part.elements is None else self._summed(part, matrices)
+            which = part.elements
+            whole = self._joined(rests.pop(), rests.pop()) if which is None else self._summed(which, matrices)
             rests.append(self._solved(part, whole))
 
     def solve(self, right: Array) -> Array:
@@ -114,11 +115,11 @@ class Factor:
             raise MeshError(f"too large: expected a factor of at most {MOST_NUMBERS:,} numbers; simplify the mesh")
         return nodes[~done], seen[~done]
 
-    def _summed(self, part: _Part, matrices: Array) -> _Rest:
-        """Return the sum of a part's elements."""
-        nodes, local = np.unique(self._place[self._elements.nodes[part.elements]], return_inverse=True)
+    def _summed(self, which: Indices, matrices: Array) -> _Rest:
+        """Return the sum of some elements."""
+        nodes, local = np.unique(self._place[self._elements.nodes[which]], return_inverse=True)
         matrix = np.zeros((len(nodes) * self._elements.unknowns,) * 2, order="F")
-        for at, each in zip(local.reshape(len(part.elements), -1), matrices[part.elements], strict=True):
+        for at, each in zip(local.reshape(len(which), -1), matrices[which], strict=True):
             rows = self._unknowns(at)
             matrix[rows[:, None], rows] += each
         return _Rest(nodes, matrix)
