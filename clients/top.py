@@ -42,10 +42,10 @@ def top(client: Client, once: bool) -> None:
     if once:
         print(*first, sep="\n")
     elif is_terminal:
-        with screen(sys.stdout) as whole:
-            whole.show(first)
+        with screen(sys.stdout) as show:
+            show(first)
             for picture in _views(client, coloured):
-                whole.show(picture)
+                show(picture)
     else:
         for picture in _views(client, coloured):
             print(*picture, "", sep="\n", flush=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..errors import tell
 from .parser import Command
-from .progress import Work, at_work, shown_progress
+from .progress import AT_WORK, Work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +32,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.page:
         require_page(arguments.page)
     names = (arguments.a.name, arguments.b.name)
-    with shown_progress(Work("compare", at_work), f"{names[0]} and {names[1]}"):
+    with shown_progress(Work("compare", AT_WORK), f"{names[0]} and {names[1]}"):
         found, notes = compare(arguments.a, arguments.b)
         kind = beside(arguments.a, arguments.b, arguments.kind) if arguments.kind else None
         if arguments.plot:

@@ -8,9 +8,10 @@ from ...dsp.errors import CaromError
 from ..processors import processors
 from .options import add_presets, on_end
 from .parser import Command, whole
-from .progress import State, Work, shown_progress
+from .progress import Work, shown_progress
 
 MOST_WORKERS = 256
+_FORM = "{bar} {n} of {total} {rate_noinv_fmt} {remaining}"
 
 
 class DatasetError(CaromError, RuntimeError):
@@ -50,7 +51,7 @@ def _run(arguments: argparse.Namespace) -> int:
     prepare()  # once, before the processes that share the compiled code
     interrupted = Event()
     on_end(interrupted.set)
-    with shown_progress(Work("dataset", _words, "items")) as show:
+    with shown_progress(Work("dataset", _FORM, "items")) as show:
         told: list[int] = []  # how many items are there; at first those of a run before
 
         def progress(done: int, count: int) -> None:
@@ -61,11 +62,6 @@ def _run(arguments: argparse.Namespace) -> int:
         table = run(recipe, arguments.out, spread, arguments.presets, progress, interrupted.is_set)
     print(table)
     return 0
-
-
-def _words(state: State) -> list[str]:
-    """Return how many items there are, of how many, with the rate and the time left."""
-    return [state.bar, state.counted, f"{state.rate:.0f} per second", state.left]
 
 
 COMMAND = Command("dataset", "RECIPE OUT", "render a data set with its ground truth from a recipe", _options, _run)

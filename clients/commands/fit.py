@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import tell
 from .options import add_presets
 from .parser import Command, number, pascals, whole
-from .progress import Work, at_work, shown_progress
+from .progress import AT_WORK, Work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -67,7 +67,7 @@ def _run(arguments: argparse.Namespace) -> int:
         **given,
     )
     prepare()  # before there is another progress bar
-    with shown_progress(Work("fit", at_work), f"fitting {wanted.name}"):
+    with shown_progress(Work("fit", AT_WORK), f"fitting {wanted.name}"):
         made = make(arguments.recordings, arguments.out, wanted, Presets(arguments.presets))
         files = list(made.files)
         if not arguments.no_report:

@@ -9,7 +9,7 @@ import time
 from ..client import Client
 from .options import SCORE, add_server, client
 from .parser import Command
-from .progress import State, Work, shown_progress
+from .progress import Work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +26,7 @@ def _run(arguments: argparse.Namespace) -> int:
         server.ask("/version")
         start = time.time() + 0.5
         last = lines[-1].time if lines else 0.0
-        with shown_progress(Work("play", _words, "s"), arguments.score, last) as show:
+        with shown_progress(Work("play", "{desc} {bar} {n:.0f} of {total:.0f} s", "s"), arguments.score, last) as show:
             for line in lines:
                 # Up to a second ahead: enough for the server to be in time, little to lose if it goes.
                 while (wait := start + line.time - time.time() - 1.0) > 0:
@@ -35,11 +35,6 @@ def _run(arguments: argparse.Namespace) -> int:
                 server.send(line.message.address, *line.message.args, at=start + line.time)
             failed += _print_failures(server, max(0.0, start + last - time.time()) + 0.2)
     return 1 if failed else 0
-
-
-def _words(state: State) -> list[str]:
-    """Return the score's name, and how much of its time has gone."""
-    return [state.description, state.bar, f"{state.counted} s"]
 
 
 def _print_failures(server: Client, seconds: float) -> int:

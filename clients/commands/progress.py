@@ -1,113 +1,41 @@
-"""Progress of a command: a line that moves on a terminal, elsewhere a line on stderr every few seconds."""
+"""Progress of a command: a line that moves on a terminal (tqdm), elsewhere a line on stderr every few seconds."""
 
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr
-from threading import Event, Thread
-from typing import Any, NamedTuple, cast
+from threading import Event, RLock, Thread
+from typing import Any, NamedTuple
 
 from ..errors import tell
-from ..terminal import Line, bar, clock, moves, moving_bar
+from ..terminal import moves
 
 PERIOD = 5.0
 """s between two lines, where stderr is no terminal; what takes less says nothing."""
 _MOVES = 0.1  # s between two looks of a line on a terminal
-_WIDTH = 40  # characters of a bar
 
-
-class State(NamedTuple):
-    """The progress of a command: what it does, how much of it is done, of how much, how much was done before it began,
-    and for how long (s) it goes on."""
-
-    description: str = ""
-    total: float | None = None
-    completed: float = 0.0
-    before: float = 0.0
-    elapsed: float = 0.0
-
-    @property
-    def share(self) -> float:
-        """Return the share that is done; 0 where nobody knows."""
-        return self.completed / self.total if self.total else 0.0
-
-    @property
-    def bar(self) -> str:
-        """Return the share as a bar; one that moves where nobody knows."""
-        return bar(self.share, _WIDTH) if self.total else moving_bar(self.elapsed, _WIDTH)
-
-    @property
-    def rate(self) -> float:
-        """Return how much is done in a second."""
-        return (self.completed - self.before) / max(self.elapsed, 1e-3)
-
-    @property
-    def left(self) -> str:
-        """Return how long it takes yet, by how long the rest took; nothing where nobody knows."""
-        return clock((self.total - self.completed) / self.rate) if self.total and self.rate > 0.0 else ""
-
-    @property
-    def counted(self) -> str:
-        """Return how many are done, of how many."""
-        return "" if self.total is None else f"{self.completed:.0f} of {self.total:.0f}"
-
-
-def usual(state: State) -> list[str]:
-    """Return the words of most commands' progress: a bar, the share, and the time that is left."""
-    return [state.description, state.bar, f"{state.share:.0%}" if state.total else "", state.left]
-
-
-def seconds_of_sound(state: State) -> list[str]:
-    """Return the name, how long the sound is by now, and how long that took."""
-    return [state.description, f"{state.completed:.1f} s of sound", clock(state.elapsed)]
-
-
-def at_work(state: State) -> list[str]:
-    """Return words for work of which nobody knows how long it takes: a bar that moves, and the time by now."""
-    return [state.description, moving_bar(state.elapsed, _WIDTH), clock(state.elapsed)]
+USUAL = "{desc} {bar} {percentage:.0f} % {remaining}"
+SECONDS_OF_SOUND = "{desc} {n:.1f} s of sound {elapsed}"
+AT_WORK = "{desc} {elapsed}"
+"""Forms of a line, as tqdm has them: how much is done, and the time that is left; how long a sound is by now; and that
+of work of which nobody knows how long it takes."""
 
 
 class Work(NamedTuple):
-    """The work of a command: its name, and the form of its progress.
-
-    words: of the line on a terminal; empty ones are left out. unit: of what is completed, where that is a count.
-    """
+    """The work of a command: its name, and the form of its progress on a terminal. unit: of what is completed, where
+    that is a count."""
 
     command: str
-    words: Callable[[State], list[str]] = usual
+    form: str = USUAL
     unit: str = ""
 
 
 @contextmanager
 def shown_progress(work: Work, description: str = "", total: float | None = None) -> Iterator[Callable[..., object]]:
-    """Show how far a command has come, and yield a function that changes any of State."""
-    state: dict[str, Any] = {"description": description, "total": total}
-    ended, begun = Event(), time.monotonic()
-    line = Line(sys.stderr) if moves(sys.stderr) else None
-
-    def now() -> State:
-        return State(**state, elapsed=time.monotonic() - begun)
-
-    def draw() -> None:
-        assert line
-        while not ended.is_set():
-            line.show(" ".join(filter(None, work.words(now()))))
-            ended.wait(_MOVES)
-
-    def say() -> None:
-        while not ended.wait(PERIOD):
-            tell(work.command, _line(now(), work.unit))
-
-    teller = Thread(target=draw if line else say, name="carom-progress", daemon=True)
-    teller.start()
-    try:
-        with redirect_stderr(cast(Any, line.above) if line else sys.stderr):
-            yield lambda **changes: state.update(changes)
-    finally:
-        ended.set()
-        teller.join()
-        if line:
-            line.clear()
+    """Show how far a command has come, and yield a function that changes `completed`, `total`, `description` or
+    `before`, which is how much of it was done before the command began."""
+    with _on_terminal(work, description, total) if moves(sys.stderr) else _in_lines(work, description, total) as show:
+        yield show
 
 
 @contextmanager
@@ -117,12 +45,62 @@ def shown_mesh(name: str) -> Iterator[Callable[[str, float], object]]:
         yield lambda doing, done: change(description=f"{name}, {doing}", completed=done)
 
 
-def _line(state: State, unit: str) -> str:
-    """Return the line that says how much is done."""
-    words = [f"{state.description}:"] if state.description else []
+@contextmanager
+def _on_terminal(work: Work, description: str, total: float | None) -> Iterator[Callable[..., object]]:
+    from tqdm import tqdm  # slow to load
+    from tqdm.contrib import DummyTqdmFile
+
+    tqdm.set_lock(RLock())  # its own is shared with other processes
+    line = tqdm(
+        desc=description, total=total, file=sys.stderr, bar_format=work.form, unit=f" {work.unit}", leave=False,
+        dynamic_ncols=True, smoothing=0.0,
+    )  # fmt: skip
+
+    def change(**changes: Any) -> None:
+        line.desc = changes.get("description", line.desc)
+        line.total = changes.get("total", line.total)
+        line.initial = changes.get("before", line.initial)
+        line.n = changes.get("completed", line.n)
+
+    with line, redirect_stderr(DummyTqdmFile(sys.stderr)), _repeated(_MOVES, line.refresh):
+        yield change
+
+
+@contextmanager
+def _in_lines(work: Work, description: str, total: float | None) -> Iterator[Callable[..., object]]:
+    state: dict[str, Any] = {"description": description, "total": total, "completed": 0}
+    begun = time.monotonic()
+
+    def say() -> None:
+        tell(work.command, _line(**state, unit=work.unit, elapsed=time.monotonic() - begun))
+
+    with _repeated(PERIOD, say):
+        yield lambda before=0, **changes: state.update(changes)
+
+
+@contextmanager
+def _repeated(period: float, say: Callable[[], object]) -> Iterator[None]:
+    """Call a function in a thread of its own, every so many seconds."""
+    ended = Event()
+
+    def run() -> None:
+        while not ended.wait(period):
+            say()
+
+    teller = Thread(target=run, name="carom-progress", daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        teller.join()
+
+
+def _line(description: str, completed: float, total: float | None, unit: str, elapsed: float) -> str:
+    """Return the line that says how much is done after so many seconds."""
+    words = [f"{description}:"] if description else []
     if unit:
-        done = f"{state.completed:.4g}"
-        words.append(f"{done} of {state.total:g} {unit}" if state.total else f"{done} {unit}")
-    elif state.total:
-        words.append(f"{state.share:.0%}")
-    return " ".join([*words, f"after {state.elapsed:.0f} s"])
+        words.append(f"{completed:.4g} of {total:g} {unit}" if total else f"{completed:.4g} {unit}")
+    elif total:
+        words.append(f"{completed / total:.0%}")
+    return " ".join([*words, f"after {elapsed:.0f} s"])

@@ -11,7 +11,7 @@ from ..errors import tell
 from ..processors import processors
 from .options import RATE, SCORE, SWITCH, add_bank, add_contact, add_full_scale, add_presets, contact, on_end, switch
 from .parser import Command, number, one_of, whole
-from .progress import State, Work, seconds_of_sound, shown_progress
+from .progress import SECONDS_OF_SOUND, Work, shown_progress
 
 if TYPE_CHECKING:
     from ...presets import Presets
@@ -23,7 +23,7 @@ FORMATS = ("16", "24", "float")
 
 MOST_JOBS = 256
 
-_ONE = Work("render", seconds_of_sound, "s of sound")
+_ONE = Work("render", SECONDS_OF_SOUND, "s of sound")
 
 PEAK = -1.0
 """dBFS: of a render that is normalized, if nothing else is said."""
@@ -106,17 +106,12 @@ def _render_one(task: Task, options: Options, presets: Presets, interrupted: Eve
         tell("render", warning)
 
 
-def _words_of_many(state: State) -> list[str]:
-    """Return how many scores are rendered, and how long the others take."""
-    return [state.bar, state.counted, state.left]
-
-
 def _render_many(results: Iterator[Result], count: int) -> int:
     """Tell results as they come, with progress in scores on a terminal; return the exit code."""
     from ..streams import score_name
 
     failed = False
-    with shown_progress(Work("render", _words_of_many, "scores"), total=count) as show:
+    with shown_progress(Work("render", "{bar} {n} of {total} {remaining}", "scores"), total=count) as show:
         for done, result in enumerate(results, start=1):
             show(completed=done)
             name = score_name(result.task.score)

@@ -5,9 +5,9 @@ import argparse
 from ..errors import tell
 from .options import RATE, add_full_scale, add_presets
 from .parser import Command, number, whole
-from .progress import Work, seconds_of_sound, shown_progress
+from .progress import SECONDS_OF_SOUND, Work, shown_progress
 
-_WORK = Work("strike", seconds_of_sound, "s of sound")
+_WORK = Work("strike", SECONDS_OF_SOUND, "s of sound")
 
 
 def _options(parser: argparse.ArgumentParser) -> None:

@@ -7,6 +7,7 @@ import pty
 import re
 import struct
 import subprocess
+import sys
 import termios
 import time
 from pathlib import Path
@@ -14,10 +15,9 @@ from pathlib import Path
 import pytest
 
 from carom.clients.cli import main
-from carom.clients.commands import progress
-from carom.clients.commands.progress import State, Work, at_work, seconds_of_sound, usual
+from carom.clients.commands import dataset, progress
+from carom.clients.commands.progress import AT_WORK, SECONDS_OF_SOUND, Work
 from carom.clients.folding import columns_of, folded
-from carom.clients.terminal import Line
 from tests.support import CAROM
 
 COLUMNS = 60
@@ -58,15 +58,15 @@ def test_what_takes_long_shows_its_progress(tmp_path, monkeypatch):
     ("work", "begun", "change", "line"),
     [
         (
-            Work("render", seconds_of_sound, "s of sound"),
+            Work("render", SECONDS_OF_SOUND, "s of sound"),
             ("walk", 20.0),
             {"completed": 7.5},
             "walk: 7.5 of 20 s of sound",
         ),
-        (Work("strike", seconds_of_sound, "s of sound"), ("gong",), {"completed": 7.5}, "gong: 7.5 s of sound"),
+        (Work("strike", SECONDS_OF_SOUND, "s of sound"), ("gong",), {"completed": 7.5}, "gong: 7.5 s of sound"),
         (Work("dataset", unit="items"), (), {"completed": 3, "total": 64}, "3 of 64 items"),
         (Work("chart"), ("", 1.0), {"completed": 0.345, "description": "friction"}, "friction: 34%"),
-        (Work("fit", at_work), ("fitting bowl",), {}, "fitting bowl:"),
+        (Work("fit", AT_WORK), ("fitting bowl",), {}, "fitting bowl:"),
     ],
 )
 def test_where_there_is_no_terminal_a_line_tells_of_progress_now_and_then(
@@ -99,31 +99,41 @@ def test_commands_tell_of_their_progress_where_there_is_no_terminal(tmp_path, ca
         assert re.search(f"^{line}$", capsys.readouterr().err, flags=re.M), words
 
 
-@pytest.mark.parametrize(
-    ("words", "state", "line"),
-    [
-        (usual, State("mug", 1.0, 0.25, elapsed=9.0), f"mug {'#' * 10}{'-' * 30} 25% 0:00:27"),
-        (usual, State("mug", None, elapsed=1.0), f"mug {'-' * 16}{'#' * 8}{'-' * 16}"),
-        (usual, State("", 64.0, 32.0, before=24.0, elapsed=8.0), f"{'#' * 20}{'-' * 20} 50% 0:00:32"),
-        (at_work, State("bowl", elapsed=61.0), f"bowl {'-' * 16}{'#' * 8}{'-' * 16} 0:01:01"),
-        (seconds_of_sound, State("bell", None, 7.5, elapsed=2.0), "bell 7.5 s of sound 0:00:02"),
-    ],
-)
-def test_a_line_on_a_terminal_says_how_much_is_done_and_how_long_the_rest_takes(words, state, line):
-    assert " ".join(filter(None, words(state))) == line
+class Terminal(io.StringIO):
+    """A stream that says that it goes to a terminal."""
+
+    def isatty(self) -> bool:
+        return True
 
 
-def test_what_is_said_meanwhile_stands_above_the_line_that_moves(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "12")
-    stream = io.StringIO()
-    line = Line(stream)
-    line.show("one of three")
-    print("a warning", end="", file=line.above)
-    line.show("two of three")
-    print(" ends", file=line.above)
-    line.show("all three")
-    line.clear()
-    assert stream.getvalue().replace("\r\x1b[K", "^") == "^one of thre^a warning ends\n^all three^"
+def test_a_line_that_moves_tells_of_progress_on_a_terminal_and_warnings_stand_above_it(monkeypatch):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr(progress, "_MOVES", 0.01)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress.shown_progress(Work("mesh"), "mug", 1.0) as show:
+        show(completed=0.25, description="mug, cells")
+        time.sleep(0.1)
+        print("a warning", file=sys.stderr)
+        show(completed=0.5)
+        time.sleep(0.1)
+    assert sys.stderr is stream
+    told = stream.getvalue()
+    assert re.search(r"\rmug, cells \S* *\S* 25 % \d\d:\d\d", told) and " 50 % " in told
+    assert "\ra warning\n" in told or "\na warning\n" in told
+    assert told.endswith("\r") and not told.rsplit("\r", 2)[1].strip()  # nothing stays
+
+
+def test_a_bar_says_how_many_are_done_how_fast_and_how_long_the_rest_takes(monkeypatch):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr(progress, "_MOVES", 0.01)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress.shown_progress(Work("dataset", dataset._FORM, "items")) as show:
+        show(completed=30, total=40, before=20)
+        time.sleep(0.2)
+    counts = re.findall(r" 30 of 40 +([\d.]+) items/s (\d\d:\d\d)", stream.getvalue())
+    assert counts and all(10.0 < float(rate) < 1e4 and left == "00:00" for rate, left in counts)
 
 
 @pytest.mark.slow
