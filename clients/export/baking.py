@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dsp.bodies.striker import StrikerSound
-from ...dsp.engine.memory.capacity import MODES, OBJECTS
+from ...dsp.engine.memory.capacity import MODES, MOST_CHANNELS, OBJECTS
 from ...dsp.engine.memory.commands import Kind
 from ...dsp.engine.memory.state import RING, STATE
 from ...dsp.runtime.engine import Engine
 from ...presets import Presets
-from ...server.osc.score import Line
+from ...server.osc.score import Line, ScoreError
 from ...server.osc.wire import Message
 from ...server.render import Options, blocks, sensors_of
 from ...server.scene.objects import PlayedObject
@@ -137,7 +137,11 @@ def bake(
     """
     options.lines_of(score)  # that there are some is asked before an engine is compiled
     channels = options.channels_of(score)
-    engine = _Kept(options.rate, channels, MODES, OBJECTS, limited=not options.calibrated, sensors=sensors_of(score))
+    sensors = sensors_of(score)
+    if sensors > MOST_CHANNELS - channels:
+        told = f"there are {channels} of sound and {sensors} of sensors"
+        raise ScoreError(f"an export has {MOST_CHANNELS} channels: {told}")
+    engine = _Kept(options.rate, channels, MODES, OBJECTS, limited=not options.calibrated, sensors=sensors)
     session = _Session(engine, presets, steers_ended=True, scale=options.scale_of(score))
     session.made = {}
     for striker in strikers:
