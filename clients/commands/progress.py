@@ -8,6 +8,7 @@ from threading import Event, RLock, Thread
 from typing import Any, NamedTuple
 
 from ..errors import tell
+from ..folding import columns_of
 from ..terminal import moves
 
 PERIOD = 5.0
@@ -53,7 +54,7 @@ def _on_terminal(work: Work, description: str, total: float | None) -> Iterator[
     tqdm.set_lock(RLock())  # its own is shared with other processes
     line = tqdm(
         desc=description, total=total, file=sys.stderr, bar_format=work.form, unit=f" {work.unit}", leave=False,
-        dynamic_ncols=True, smoothing=0.0,
+        ncols=columns_of(sys.stderr), nrows=2, smoothing=0.0,  # a terminal may say that it has no size
     )  # fmt: skip
 
     def change(**changes: Any) -> None:

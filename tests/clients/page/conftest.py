@@ -19,7 +19,7 @@ from tests.support import Running, serving
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
 CHROMIUM = shutil.which("chromium")
-PATIENCE = 8.0  # s
+PATIENCE = 30.0  # s: twenty objects are made within 10 on an idle machine
 SIZE = {"width": 1280, "height": 800}
 
 
