@@ -1,7 +1,7 @@
 """Models of meshes against an independent solution, and broken meshes: a model or a sentence.
 
     python -m tests.bench.meshes                    # both
-    python -m tests.bench.meshes --only accuracy
+    python -m tests.bench.meshes --only accuracy --json tests/measured/meshes.json
     python -m tests.bench.meshes --only broken --count 200
     python -m tests.bench.meshes --folder site-packages/gymnasium_robotics
 
@@ -12,9 +12,11 @@ flipped, doubled, moved, cut, mirrored or not finite. Of a folder, all files of 
 """
 
 import argparse
+import json
 import resource
 import time
 from collections.abc import Callable
+from datetime import date
 from functools import partial
 from itertools import permutations
 from pathlib import Path
@@ -30,6 +32,7 @@ from carom.dsp.mesh.surface import MeshError, Surface
 from carom.dsp.numerics.blas import on_one_thread
 from carom.presets.meshes import FORMATS, read_mesh
 from tests.bench import elastic
+from tests.bench.machine import machine
 
 METAL = Material("metal", 7.85e7, 2e15, 0.29, 1.0, 0.0)
 """Steel that is 10,000 times as heavy and stiff: the air's mass does not count."""
@@ -118,14 +121,14 @@ BODIES = {
     "bar 240 x 30 x 10": _box((0.24, 0.03, 0.01), (18, 6, 3), (90, 12, 6)),
     "box 100 x 80 x 60": _box((0.1, 0.08, 0.06), (8, 8, 8), (18, 18, 18)),
     "plate 200 x 200 x 4": _box((0.2, 0.2, 0.004), (16, 16, 2), (48, 48, 6)),
-    "disc 200, 4, hole 60": _turned(disc, 2, (3, 18, 144)),
-    "ring 50, 6 x 6": _turned(ring, 1, (6, 6, 192)),
-    "bowl 80, 4": _turned(bowl, 3, (6, 24, 96)),
-    "cup 66 x 115, 3": _turned(partial(can, 0.003), 9, (3, 54, 144)),
-    "cup 66 x 115, 2": _turned(partial(can, 0.002), 9, (3, 54, 144)),
-    "can 66 x 115, 1": _turned(partial(can, 0.001), 9, (2, 18, 48), 0.001),
-    "can 66 x 115, 0.25": _turned(partial(can, 0.00025), 9, (2, 18, 48), 0.00025),
-    "blob": Body((18, 18, 18), blob, lambda effort: lump(effort)),
+    "disc of 200, 4, with a hole of 60": _turned(disc, 2, (3, 18, 144)),
+    "ring of 50, 6 x 6": _turned(ring, 1, (6, 6, 192)),
+    "bowl of 80, 4": _turned(bowl, 3, (6, 24, 96)),
+    "cup 66 x 115, wall and bottom of 3": _turned(partial(can, 0.003), 9, (3, 54, 144)),
+    "cup 66 x 115, wall and bottom of 2": _turned(partial(can, 0.002), 9, (3, 54, 144)),
+    "can 66 x 115, `--wall` 1": _turned(partial(can, 0.001), 9, (2, 18, 48), 0.001),
+    "can 66 x 115, `--wall` 0.25": _turned(partial(can, 0.00025), 9, (2, 18, 48), 0.00025),
+    "lump of 60": Body((18, 18, 18), blob, lambda effort: lump(effort)),
 }
 
 
@@ -219,8 +222,9 @@ def middle(counts: tuple[int, int, int], place: Map) -> Surface:
     return Surface(place(at).T, faces.astype(np.int64))
 
 
-def accuracy(fine: bool, names: str) -> None:
-    """Print how far models are from the reference."""
+def accuracy(fine: bool, names: str) -> dict[str, dict[str, float]]:
+    """Print how far models are from the reference, and return it by body."""
+    made = {}
     print("| body | at most, % | median, % | within the estimate | the reference's change, % | CPU, s |")
     print("|---|---|---|---|---|---|")
     for name, body in BODIES.items():
@@ -234,12 +238,25 @@ def accuracy(fine: bool, names: str) -> None:
         took = time.process_time() - begun
         model = model_of(*surface, METAL, Wanted(body.wall, modes=COUNT + 5, fine=fine, errors=True))
         apart = np.abs(model.frequency[:COUNT] / known - 1)
-        held = (apart <= model.error[:COUNT]).mean()
+        each = {
+            "most": float(apart.max()), "median": float(np.median(apart)), "change": change, "seconds": took,
+            "held": float((apart <= model.error[:COUNT]).mean()),
+        }  # fmt: skip
+        made[name] = each
         print(
-            f"| {name} | {100 * apart.max():.2f} | {100 * np.median(apart):.2f} | {held:.0%} | {100 * change:.2f} "
-            f"| {took:.1f} |",
+            f"| {name} | {100 * each['most']:.2f} | {100 * each['median']:.2f} | {each['held']:.0%} "
+            f"| {100 * change:.2f} | {took:.1f} |",
             flush=True,
         )
+    return made
+
+
+def keep(file: Path, fine: bool, rows: dict[str, dict[str, float]]) -> None:
+    """Write rows into a file, beside those of other bodies and of the other resolution."""
+    kept = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {"default": {}, "fine": {}}
+    kept["fine" if fine else "default"] |= rows
+    kept |= {"date": date.today().isoformat(), "machine": machine()}
+    file.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 
 
 def broken(rng: np.random.Generator) -> tuple[Surface, float | None]:
@@ -356,13 +373,16 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, help="a folder of meshes, of which alone is told")
     parser.add_argument("--body", default="", help="a part of the bodies' names")
     parser.add_argument("--fine", action="store_true", help="the finer models")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="keep how accurate models are")
     options = parser.parse_args()
     with on_one_thread():
         if options.folder:
             of_folder(options.folder)
             return
         if options.only != "broken":
-            accuracy(options.fine, options.body)
+            rows = accuracy(options.fine, options.body)
+            if options.json:
+                keep(options.json, options.fine, rows)
         if options.only != "accuracy":
             survive(options.count)
 

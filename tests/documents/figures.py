@@ -18,6 +18,7 @@ from tests.documents.markdown import table
 BENCH = study.MEASURED / "bench.json"
 SPACE = study.MEASURED / "space.json"
 WEB = study.MEASURED / "web.json"
+MESHES = study.MEASURED / "meshes.json"
 COMPILING = study.MEASURED / "compiling.json"
 
 
@@ -152,6 +153,24 @@ def swarms() -> str:
     lines = [f"- {name.capitalize()}: {text}." for name, text in grains.JUDGED.items()]
     judged = "\n".join(textwrap.fill(line, 118, subsequent_indent="  ") for line in lines)
     return f"{table(head, rows)}\n\n{judged}"
+
+
+def meshes() -> str:
+    """Return how far models of meshes are from an independent solution."""
+    if not MESHES.exists():
+        return "Not measured yet: `python -m tests.bench.meshes --only accuracy --json FILE` writes this table."
+    found = json.loads(MESHES.read_text(encoding="utf-8"))
+    rows = []
+    for name, each in found["default"].items():
+        kinds = [kind for kind in (each, found["fine"].get(name)) if kind]
+        cells = [f"{100 * kind[key]:.2f}" for kind in kinds for key in ("most", "median")]
+        cells += [""] * (4 - len(cells))
+        held = ", ".join(f"{100 * kind['held']:.0f} %" for kind in kinds)
+        spent = ", ".join(f"{kind['seconds']:.0f}" for kind in kinds)
+        rows.append((name, *cells, held, spent, f"{100 * each['change']:.2f}"))
+    head = ("body, mm", "at most, %", "median, %", "`--fine`: at most", "median", "within the error that is said",
+            "CPU, s", "the solution's change, %")  # fmt: skip
+    return f"{_machine(found | {'quick': False})}\n\n{table(head, rows)}"
 
 
 def web() -> str:

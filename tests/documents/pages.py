@@ -35,6 +35,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "speed": figures.speed,
     "space": figures.space,
     "exports": figures.web,
+    "meshes": figures.meshes,
     "swarms": figures.swarms,
     "compile time": figures.compiling,
     "edits": figures.edits,
