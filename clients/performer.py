@@ -91,7 +91,7 @@ class Performer:
             self.engine = _Engine(options.rate, channels, room, not options.calibrated, sensors)
         self.scene = Session(self.engine, self.presets, steers_ended, scale)
         self.scene.on_sent = self._remember
-        self.scene.sensors.grows = True
+        self.scene.sensors.grows = not score
         self.stems = stems
         self.contacts = contacts
         self.warnings: list[str] = []  # for the next report

@@ -470,6 +470,7 @@ SETTINGS = {
 CHANNELS = Parameter(
     "channels", 1, CAPACITY.channels, "", "of the output; 2: left and right, else a ring", default=2, whole=True
 )
+SENSED = Parameter("sensors", 0, CAPACITY.sensors, "", "channels after those of the sound", whole=True)
 FULL_SCALE = Parameter(
     "full_scale", 1e-6, 1e6, "Pa", "that a sample of 1.0 is, of an object whose level is 0 dB",
     default=FULL_SCALE_PRESSURE, useful=(0.1, 100.0),

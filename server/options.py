@@ -15,6 +15,7 @@ from ..dsp.wording import expected
 from .osc.wire import DEFAULT_PORT, Argument, Message
 from .render import HIGHEST_RATE, LOWEST_RATE
 from .scene.scale import Scale
+from .scene.sensing import last_of_sensors
 
 BUDGET = (16, 8_192)
 """Budget at a server's start (/budget): steps per sample of a coupled contact, and modes coupled at once."""
@@ -115,14 +116,16 @@ class Options:
         """Meaning of its channels, for the metadata of recordings."""
         if self.sensors == 0:
             return self.scale.said
-        return f"{self.scale.said}; the last {self.sensors} channels are sensors': m/s^2 or m/s over `full`"
+        return f"{self.scale.said}; {last_of_sensors(self.sensors)}"
 
     @property
     def head(self) -> list[Message]:
         """The messages that a log begins with."""
         limiter = "on" if self.limiter else "off"
         return [
-            Message("/channels", (self.channels,)), Message("/full_scale", (self.full_scale,)),
+            Message("/channels", (self.channels,)),
+            *([Message("/sensors", (self.sensors,))] if self.sensors else []),
+            Message("/full_scale", (self.full_scale,)),
             Message("/limiter", (limiter,)), Message("/gain", (self.gain,)),
             Message("/budget", BUDGET), Message("/bank", (self.bank,)),
         ]  # fmt: skip

@@ -15,7 +15,7 @@ from ..dsp.engine.memory.capacity import MODES, OBJECTS, STEMS
 from ..dsp.engine.memory.mounted import SENSORS
 from ..dsp.engine.memory.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
-from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN, ROOM, STEPS, Parameter
+from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN, ROOM, SENSED, STEPS, Parameter
 from ..dsp.wording import expected
 from ..presets import PresetError, Presets
 from .files.spool import Spool, StemSpools
@@ -28,7 +28,7 @@ from .osc.sensor_verbs import SENSOR
 from .osc.wire import Argument, Message
 from .scene.limits import LONGEST_BOUNCE
 from .scene.scale import Scale
-from .scene.sensing import said_of
+from .scene.sensing import last_of_sensors, meaning_of
 from .scene.session import Session
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
@@ -170,19 +170,28 @@ def _chosen(number: Parameter, given: float | None, score: Sequence[Line]) -> fl
 
 def sensors_said(score: Sequence[Line], channels: int) -> str:
     """Describe the channels of a score's sensors, which follow so many. ScoreError names a line that mounts none."""
-    said: dict[Argument, str] = {}
-    for line in score:
+    said: dict[Argument, list[str]] = {}
+    for line in sorted(score, key=lambda line: line.time):
         if line.message.address == SENSOR:
             try:
                 values = VERBS[SENSOR].parse(line.message.args)
-                said.setdefault(line.message.args[0], said_of(values, channels + len(said)))
+                meanings, meaning = said.setdefault(line.message.args[0], []), meaning_of(values)
             except (Refused, PresetError) as error:
                 raise ScoreError(f"{line.where}: {SENSOR}: {error}") from None
-    return "; ".join(said.values())
+            meanings += [] if meanings[-1:] == [meaning] else [meaning]
+    count = sensors_of(score)
+    if count < len(said):
+        return last_of_sensors(count)
+    names = [str(name).encode("ascii", "replace").decode() for name in said]
+    told = enumerate(zip(names, said.values(), strict=True), channels + 1)
+    return "; ".join(f"channel {n} ({name}): 1.0 is {', then '.join(meanings)}" for n, (name, meanings) in told)
 
 
 def sensors_of(score: Sequence[Line]) -> int:
-    """Return how many sensors a score mounts, by their names: each has a channel."""
+    """Return how many channels a score has for sensors: as many as it says, else one for each name. ScoreError names a
+    line that says no number of them."""
+    if any(line.message.address == f"/{SENSED.name}" for line in score):
+        return int(_chosen(SENSED, None, score))
     return len({line.message.args[:1] for line in score if line.message.address == SENSOR})
 
 

@@ -70,7 +70,7 @@ export class Listener {
   /** Tell where an object, with the copies of it that notes are played on, lies. */
   tell(name) {
     const object = this.scene.objects.get(name);
-    if (!this.on || !object) return;
+    if (!this.on || !this.scene.isKnown || !object) return; // a server that was started anew has no object yet
     const place = this.metres(object.x, object.y);
     for (const each of this.scene.namesOf(object)) {
       const before = this.told.get(each);

@@ -24,6 +24,7 @@ from ...dsp.schema import (
     RESISTANCE,
     RESTITUTION,
     ROOM,
+    SENSED,
     SETTINGS,
     STEERABLE,
     STEPS,
@@ -219,6 +220,12 @@ _ENGINE = (
         "/channels",
         "sets the number of channels that a score is rendered with; a server refuses any other number than its own",
         (CHANNELS,),
+    ),
+    Verb(
+        "/sensors",
+        "sets how many channels for sensors a score is rendered with, in place of one for each name of a sensor; a "
+        "server refuses any other number than its own",
+        (SENSED,),
     ),
     Verb(
         "/full_scale",

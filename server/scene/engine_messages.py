@@ -78,6 +78,12 @@ def _channels(transaction: Transaction, call: Call, values: Values) -> None:
         raise Refused(f"channels = {asked}: expected {there}, as many as were opened at the start")
 
 
+def _sensors(transaction: Transaction, call: Call, values: Values) -> None:
+    asked, table, there = int(values.numbers["sensors"]), transaction.sensors, transaction.engine.sensors
+    if asked != there and not table.grows:
+        raise Refused(f"sensors = {asked}: expected {there}, as many channels as were opened at the start")
+
+
 def _full_scale(transaction: Transaction, call: Call, values: Values) -> None:
     asked, scale = values.numbers["full_scale"], transaction.scale
     if not scale.calibrated and not math.isclose(asked, scale.full_scale, rel_tol=_AS_TOLD):
@@ -110,6 +116,7 @@ ENGINE_HANDLERS: dict[str, Handler] = {
     "/gain": _gain,
     "/limiter": _limiter,
     "/channels": _channels,
+    "/sensors": _sensors,
     "/full_scale": _full_scale,
     "/panic": _panic,
 }

@@ -22,10 +22,14 @@ def sensor_asked(values: Values) -> Sensor:
     return sensor_of(values.words.get("preset", "ideal"))._replace(**changes)
 
 
-def said_of(values: Values, before: int) -> str:
-    """Describe the channel of a sensor that a message asks for, after so many, for the metadata of a file."""
-    name = values.words["name"].encode("ascii", "replace").decode()
-    return f"channel {before + 1} ({name}): 1.0 is {values.number('full'):g} {sensor_asked(values).unit}"
+def meaning_of(values: Values) -> str:
+    """Return the value of a sample of 1.0 of a sensor that a message asks for, with its unit."""
+    return f"{values.number('full'):g} {sensor_asked(values).unit}"
+
+
+def last_of_sensors(count: int) -> str:
+    """Describe channels that several sensors may have, one after the other."""
+    return f"the last {count} channels are sensors': m/s^2 or m/s over `full`"
 
 
 def _mount(transaction: Transaction, call: Call, values: Values) -> None:
@@ -40,7 +44,7 @@ def _mount(transaction: Transaction, call: Call, values: Values) -> None:
         near = transaction.suggestion(target, known)
         raise Refused(f"object = {shown(target)}: no such object{f'; {near}' if near else ''}")
     obj = found[target]
-    sensor, full, number = sensor_asked(values), values.number("full"), table.free_number()
+    sensor, full, number = sensor_asked(values), values.number("full"), table.free_number(name)
     place = sensed_place(target, obj, values)
     transaction.on_undo(table.add(name, Mounted(target, place["position"], number, sensor, full)))
     mounted = {

@@ -34,11 +34,14 @@ class SensorTable:
         self.grows = False
         """True if an engine gets a channel for each sensor as it is mounted."""
 
-    def free_number(self) -> int:
-        """Return the number of a channel that no sensor has. Refused if there is none."""
+    def free_number(self, name: str) -> int:
+        """Return the number of a channel that no sensor has: the last one of this name, else one that no sensor ever
+        had, if there is such a one. Refused if all are taken."""
         taken = {each.number for each in self.there.values()}
         most = SENSORS if self.grows else self._engine.sensors
-        number = next((n for n in range(most) if n not in taken), -1)
+        former = [n for n, (last, _) in self.channels.items() if last == name]
+        fresh = [n for n in range(most) if n not in self.channels]
+        number = next((n for n in (*former, *fresh, *range(most)) if n not in taken), -1)
         if number < 0:
             chosen = "" if self.grows else ", as was chosen at the start"
             raise Refused(f"no channel for another sensor: expected at most {most}{chosen}")

@@ -5,6 +5,7 @@ import pytest
 import soundfile
 
 import carom
+from carom.clients.cli import main
 
 SCORE = """
 0    /object/new bar marimba-bar
@@ -44,6 +45,31 @@ def test_a_file_says_the_unit_of_each_channel(tmp_path):
         sound.save(tmp_path / "bar.flac")
     calibrated, normalized = (carom.render(SCORE, seconds=0.1, **each) for each in ({}, {"normalize": -1}))
     assert np.array_equal(calibrated.sensors["tip"].samples, normalized.sensors["tip"].samples)
+
+
+def test_each_sensor_has_a_channel_of_its_own_after_others_were_freed(tmp_path):
+    lines = [
+        "0.05 /sensor/b/free", "0.05 /sensor/a/free", "0.05 /sensor/c/free", "0.06 /sensor/new a bar 0.9",
+        "0.06 /object/bar/impact 1", "0.01 /object/bar/impact 1", "0.03 /sensor/new c bar 0.1 full 10",
+        "0 /object/new bar marimba-bar", "0 /sensor/new b bar 0.9", "0 /sensor/new a bar 0.2 quantity velocity",
+    ]  # fmt: skip
+    sound = carom.render("\n".join(lines), seconds=0.1)
+    sounding = {name: [each.samples[:2400].any(), each.samples[2880:].any()] for name, each in sound.sensors.items()}
+    assert sounding == {"b": [True, False], "a": [True, True], "c": [True, False]}
+    with soundfile.SoundFile(_rendered(tmp_path, lines)) as file:
+        said, samples = file.comment, file.read(dtype="float32")
+    assert "channel 3 (b): 1.0 is 1 m/s^2; channel 4 (a): 1.0 is 1 m/s, then 1 m/s^2; channel 5 (c): 1.0 is 10 m" in said
+    np.testing.assert_array_equal(samples[:, 2:].T, [each.samples for each in sound.sensors.values()])
+    with soundfile.SoundFile(_rendered(tmp_path, ["0 /sensors 2", *lines[:2], *lines[3:6], *lines[7:]])) as file:
+        assert file.channels == 4
+    with pytest.raises(carom.ScoreError, match="no channel for another sensor: expected at most 2"):
+        carom.render("\n".join(["0 /sensors 2", *lines]), seconds=0.1)
+
+
+def _rendered(folder, lines):
+    (folder / "score.txt").write_text("\n".join(lines))
+    assert main(["render", str(folder / "score.txt"), str(folder / "out.wav"), "--seconds", "0.1"]) == 0
+    return folder / "out.wav"
 
 
 def test_a_world_senses_blows_on_its_bodies():

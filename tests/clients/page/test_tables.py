@@ -48,6 +48,7 @@ def test_a_restarted_server_finds_the_pages_table_again(browser, tmp_path):
                 client.new("pane", "glass-plate", length=0.3, edges=["free", "free", "clamped", "free"])
             table.settle("carom.scene.objects.get('pane')?.modes")
             page.keyboard.press("Escape")
+            page.get_by_role("button", name="Space").click()
             before = table.ask(LAID)
             table.settle("/ glass-ball tune 12.*[^]*edges/.test(localStorage.getItem('carom-table'))")
         (tmp_path / "log.txt").unlink()
@@ -59,6 +60,7 @@ def test_a_restarted_server_finds_the_pages_table_again(browser, tmp_path):
         assert keys(Message("", made["glass-ball"][2:])) == {"tune": 12.0}
         kept = keys(Message("", made["pane"][2:]))
         assert kept == {"length": 0.3, "edges": ("free", "free", "clamped", "free")}
+        assert len({line.message.address for line in table.until("/place", 8)}) == 8
         assert page.locator("#notices .bad").count() == 0
 
 

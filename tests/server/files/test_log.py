@@ -223,7 +223,7 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
 
 @pytest.mark.slow
 def test_a_log_with_sensors_places_and_a_gong_renders_to_its_recording(tmp_path):
-    options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--sensors", "1")
+    options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--sensors", "2")
     with serving(tmp_path, *options) as server:
         with server.client() as client:
             client.new("a", "wood-block")
@@ -239,6 +239,11 @@ def test_a_log_with_sensors_places_and_a_gong_renders_to_its_recording(tmp_path)
             time.sleep(0.3)
             client.impact("a", 1.0)
             client.unmount("tip")
+            client.sensor("disc", "gong", preset="piezo-27", full=1000)
+            client.sensor("tip", "gong", full=1000)
+            client.unmount("disc")
+            client.sensor("other", "a", full=1000)
+            client.impact("a", 1.0)
             client.ask("/sync", 2)
             time.sleep(0.3)
         server.quit()
@@ -246,7 +251,7 @@ def test_a_log_with_sensors_places_and_a_gong_renders_to_its_recording(tmp_path)
     assert Message("/sensor/new", ("tip", "a", "full", 1000)) in [line.message for line in lines]
     recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
     rendered = render_lines(lines, seconds=len(recorded) / rate)
-    assert recorded.shape[1] == 3 and recorded[:, 2].any()
+    assert recorded.shape[1] == 4 and recorded[:, 2].any() and recorded[:, 3].any()
     np.testing.assert_array_equal(rendered, recorded)
 
 
