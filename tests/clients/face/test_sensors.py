@@ -58,9 +58,10 @@ def test_each_sensor_has_a_channel_of_its_own_after_others_were_freed(tmp_path):
     assert sounding == {"b": [True, False], "a": [True, True], "c": [True, False]}
     with soundfile.SoundFile(_rendered(tmp_path, lines)) as file:
         said, samples = file.comment, file.read(dtype="float32")
-    assert "channel 3 (b): 1.0 is 1 m/s^2; channel 4 (a): 1.0 is 1 m/s, then 1 m/s^2; channel 5 (c): 1.0 is 10 m" in said
+    assert "channel 3 (b): 1.0 is 1 m/s^2; channel 4 (a): 1.0 is 1 m/s, then 1 m/s^2; channel 5 (c): 1.0 is 10" in said
     np.testing.assert_array_equal(samples[:, 2:].T, [each.samples for each in sound.sensors.values()])
-    with soundfile.SoundFile(_rendered(tmp_path, ["0 /sensors 2", *lines[:2], *lines[3:6], *lines[7:]])) as file:
+    fewer = ["0 /sensors 2", *lines[:2], *lines[3:6], *lines[7:]]
+    with soundfile.SoundFile(_rendered(tmp_path, fewer)) as file:
         assert file.channels == 4
     with pytest.raises(carom.ScoreError, match="no channel for another sensor: expected at most 2"):
         carom.render("\n".join(["0 /sensors 2", *lines]), seconds=0.1)
