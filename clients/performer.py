@@ -21,6 +21,7 @@ from ..dsp.schema import GESTURES, SETTINGS
 from ..presets import Presets
 from ..server.bridge.requests import Request, Slide
 from ..server.osc.score import LONGEST_SCORE, Line, sample_at
+from ..server.osc.sensor_verbs import SENSOR
 from ..server.osc.wire import Argument, Message
 from ..server.render import Options, sensors_of
 from ..server.scene.direct import Direct
@@ -171,7 +172,7 @@ class Performer:
                 name = str(each.message.args[0])
                 if self._names.setdefault(each.serial, name) == name and self.contacts:
                     self._striking[number] = Striking(name, "", "", "rest", each.mass, 0.0)  # of one that stands
-            elif self.contacts and each.serial:
+            elif self.contacts and each.serial and each.message.address != SENSOR:
                 striker = self._names.get(each.by, "") if each.by else ""
                 keys = _keys(each.message.args[1:] if begun and begun.what else each.message.args)
                 by_position = self.scene.objects[striker].preset.position if striker in self.scene.objects else 0.0

@@ -39,8 +39,8 @@ class NotLinear(CaromError, ValueError):
 def rebuild(row: Row) -> NDArray[np.float64]:
     """Return the sound of a clip in Pa, (frames, channels), from its row of a data set's table.
 
-    NotLinear where an object glides in pitch, was retuned meanwhile, or was touched off its strike path (`linear` is
-    false).
+    NotLinear where an object glides in pitch, was retuned meanwhile, was heard from a place in space, or was touched
+    off its strike path (`linear` is false).
     """
     frames, rate = int(row["frames"]), float(row["rate"])
     channels = len(row["exposure"])

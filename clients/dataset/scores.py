@@ -14,7 +14,9 @@ from ...server.osc.addresses import calls, unknown
 from ...server.osc.arguments import Refused
 from ...server.osc.score import Line, ScoreError
 from ...server.osc.score import read as read_score
+from ...server.osc.sensor_verbs import SENSOR
 from ...server.osc.wire import Argument, Message
+from ...server.scene.sensing import sensor_asked
 from ..errors import plain
 from .spread import Spread, Value
 
@@ -118,9 +120,12 @@ def require_performable(lines: Sequence[Line], presets: Presets) -> None:
                     raise unknown(call.message.address)
                 if not call.verb.scored:
                     raise Refused("expected an address that a score may hold")
-                words = call.verb.parse(call.message.args).words
+                values = call.verb.parse(call.message.args)
+                if call.verb.address == SENSOR:
+                    sensor_asked(values)
+                    continue
                 for key, find in NAMED.items():
-                    if words.get(key):
-                        find(presets, words[key])
+                    if values.words.get(key):
+                        find(presets, values.words[key])
             except (Refused, PresetError) as error:
                 raise PresetError(f"{line.where}: {call.message.address}: {error}") from None

@@ -59,11 +59,15 @@ class Followed:
 
     def __init__(self) -> None:
         self._seen: dict[int, list[_Seen]] = {}
+        self._in_space: set[int] = set()
 
     def look(self, performer: Performer) -> None:
         """Take notice of a quantum that was computed."""
         channels = performer.engine.channels
         sides = [0, 1] if channels == 2 else [0] * channels
+        space = performer.engine.state[0]["surroundings"]
+        if space["on"]:
+            self._in_space.update(space["lines"]["serial"][space["lines"]["used"] == 1].tolist())
         for serial, placed in performer.engine.placed.items():
             record = performer.engine.state[0]["objects"][placed.handle.slot]
             if record["serial"] == serial:
@@ -93,8 +97,8 @@ class Followed:
         return whole
 
     def stayed(self, serial: int) -> bool:
-        """True if an object rang on as it was made."""
-        return len({each.settings for each in self._seen.get(serial, ())}) <= 1
+        """True if an object rang on as it was made, and was never heard from a place in space."""
+        return serial not in self._in_space and len({each.settings for each in self._seen.get(serial, ())}) <= 1
 
 
 def about_object(

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from carom.clients.dataset.check import require_sound
-from carom.clients.dataset.clip import ItemError, render
+from carom.clients.dataset.clip import ItemError, render, row_of
 from carom.clients.dataset.design import items
 from carom.clients.dataset.files import FolderError
 from carom.clients.dataset.plan import make, planned
 from carom.clients.dataset.recipe import find, read
 from carom.clients.dataset.run import Workers, run
 from carom.clients.dataset.truth import AMPLIFIED
+from carom.clients.rebuilding import rebuild
 from carom.dsp.runtime.engine import Engine
 from carom.presets import PresetError, Presets
 from carom.server.osc.score import parse
@@ -102,6 +103,24 @@ def test_a_word_that_another_score_says_is_no_factor(tmp_path):
         said = {"hard"} if item.values["score"]["file"] == "one.txt" else {"material", "velocity", "position"}
         assert {name.partition(".")[2] for name in item.factors} == {"file", *said}
         assert item.differs in item.factors
+
+
+def test_sensors_rests_and_space_in_scores(tmp_path):
+    """A score has presets of sensors; what rests is rebuilt from its contacts, what is heard from a place is not."""
+    sensing = SCORE + "0.01 /sensor/new tip bar 0.9 preset piezo-27 full 10\n0.05 /object/bar/rest felt 0.3\n"
+    for more, linear in (("", True), ("0.01 /listener 0 0 1\n0.02 /object/bar/place 2 1 0\n", False)):
+        recipe = read(placed(tmp_path, two=sensing + more))
+        require_sound(recipe, Presets())
+        (item,) = items(recipe, range(1))
+        clip = render(recipe, item, Presets())
+        assert clip.truth["linear"] is linear
+        assert [each["name"] for each in clip.truth["sensors"]] == ["tip"] and clip.sensed.any()
+        if linear:
+            heard = clip.samples * clip.truth["full_scale"]
+            assert np.abs(rebuild(row_of(clip)) - heard).max() < 1e-4 * np.abs(heard).max()
+    wrong = read(placed(tmp_path, two=sensing.replace("piezo-27", "piezo-2")))
+    with pytest.raises(PresetError, match=r"two.txt:6: /sensor/new: .*piezo-2.*did you mean piezo-2"):
+        require_sound(wrong, Presets())
 
 
 def test_scores_go_along_to_a_worker(tmp_path):
