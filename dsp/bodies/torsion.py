@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -9,8 +10,7 @@ from .bending import Motion, Series, motion_of
 from .eigen import eigh
 from .material import Array, Material
 from .ritz import basis, converged, quadrature, terms_for
-
-_SERIES = np.arange(1.0, 40.0, 2.0)[:, None]  # Saint-Venant's series falls as n^-5
+from .twisting import MOTIONS, Constants, constants
 
 
 def torsion(
@@ -25,59 +25,83 @@ def torsion(
     """Return the modes of a bar that twists, up to `top` (Hz), free or clamped at -1; an angle theta is its unknown.
 
     depth: the thickness (m) and its derivative along -1..1, at points there, smooth between `kinks`. Ritz's method with
-    Legendre polynomials on 1/2 int G J theta'^2 + E Gamma chi'^2, masses rho I theta^2 + rho Gamma chi^2: J is
-    Saint-Venant's constant (Timoshenko and Goodier, Theory of Elasticity, art. 109), I the polar moment,
-    Gamma = w^3 t^3/144. The section's points move along the bar by y z chi, chi = -(w^2 - t^2)/(w^2 + t^2) theta',
-    which is Vlasov's warping where t is small against w, and none in a square.
+    Legendre polynomials for each of the section's motions (`twisting`): it turns, warps and is distorted. A clamp holds
+    them all.
     """
-    half = length / 2
-    thinnest = depth(np.zeros(1))[0]
-    terms = terms_for(half * _wavenumber(material, width, thinnest, top))
+    half = length / 2 / width  # all lengths are over the width here
+    waves = partial(_wavenumber, material, width, constants(depth(np.zeros(1))[0] / width, material.poisson_ratio))
+    terms = terms_for(length / 2 * waves(top))
     nodes, weights = quadrature(4 * terms, kinks)
-    thickness, slope = depth(nodes)
-    constant, polar, warping, gamma = _section(width, thickness)
-    bent = -4 * width**2 * thickness * slope / (width**2 + thickness**2) ** 2  # the derivative of `warping`
-    # Theta is kept times half the length, so that the unknown is a length and x is in -1..1.
-    theta, twist, change = basis(nodes, terms, clamped, derivatives=2)
-    rate = warping[:, None] * change + bent[:, None] * twist
-    gj = weights * material.shear_modulus * constant / half**3
-    eg = weights * material.youngs_modulus * gamma / half**5
-    mass = weights * material.density * polar / half
-    warp = weights * material.density * gamma * warping**2 / half**3
-    eigenvalue, vector = eigh(
-        twist.T * gj @ twist + rate.T * eg @ rate,
-        theta.T * mass @ theta + twist.T * warp @ twist,
-    )
+    thickness, change = depth(nodes)
+    section = _carved(material, constants(thickness / width, material.poisson_ratio), change / width / half)
+    # One term less for all but the angle, so that slender bars can be free of shear.
+    series = [basis(nodes, terms if motion else terms + 1, clamped) for motion in range(MOTIONS)]
+    eigenvalue, vector = eigh(*_forms(material, section, series, weights * half, half))
     kept = converged(terms, 0 if clamped else 1)
+    speed = math.sqrt(material.shear_modulus / material.density)
     return motion_of(
         Series(
-            np.sqrt(np.maximum(eigenvalue[kept], 0)) / (2 * math.pi),
-            vector[:, kept] / half,
-            lambda positions: basis(2 * positions - 1, terms, clamped)[0],
-            lambda positions: basis(2 * positions - 1, terms, clamped)[1] / half,
+            np.sqrt(np.maximum(eigenvalue[kept], 0)) * speed / (2 * math.pi * width),
+            vector[: terms + 1, kept] / math.sqrt(material.density * width**5),
+            lambda positions: basis(2 * positions - 1, terms + 1, clamped)[0],
+            lambda positions: basis(2 * positions - 1, terms + 1, clamped)[1] * (2 / length),
         ),
         top,
-        terms + 1,
-        lambda highest: _wavenumber(material, width, thinnest, highest),
+        terms + 2,
+        waves,
     )
 
 
-def _section(width: float, thickness: Array) -> tuple[Array, Array, Array, Array]:
-    """Return Saint-Venant's constant (m^4), polar moment (m^4), -chi/theta' and Gamma (m^6), each (p,)."""
-    long, short = np.maximum(width, thickness), np.minimum(width, thickness)
-    series = (np.tanh(_SERIES * math.pi / 2 * long / short) / _SERIES**5).sum(axis=0)
-    constant = long * short**3 / 3 * (1 - 192 / math.pi**5 * short / long * series)
-    polar = width * thickness * (width**2 + thickness**2) / 12
-    warping = (width**2 - thickness**2) / (width**2 + thickness**2)
-    return constant, polar, warping, (width * thickness) ** 3 / 144
+def _forms(
+    material: Material, section: Constants, series: list[list[Array]], weights: Array, half: float
+) -> tuple[Array, Array]:
+    """Return the quadratic forms of stiffness, over the shear modulus, and inertia, over the density.
+
+    series: of each motion, values and derivatives (p, terms) at points in -1..1 of a bar of length 2 `half`; weights
+    (p,): of their quadrature along it.
+    """
+    axial = _axial(material, section)
+    stiffness, inertia = [], []
+    for i, (value, slope) in enumerate(series):
+        rows = []
+        for j, (other, other_slope) in enumerate(series):
+            along = slope.T * (weights / half**2 * axial[:, i, j]) @ other_slope
+            one = slope.T * (weights / half * section.mixed[:, i, j]) @ other
+            two = value.T * (weights / half * section.mixed[:, j, i]) @ other_slope
+            rows.append(along + one + two + value.T * (weights * section.value[:, i, j]) @ other)
+        stiffness.append(rows)
+        inertia.append([value.T * (weights * section.mass[:, i, j]) @ other for j, (other, _) in enumerate(series)])
+    return np.block(stiffness), np.block(inertia)
 
 
-def _wavenumber(material: Material, width: float, thickness: Array, frequency: float) -> float:
-    """Return the wavenumber (rad/m) of a section's torsional wave at a frequency (Hz)."""
-    constant, polar, warping, gamma = (float(value[0]) for value in _section(width, thickness))
-    square = (2 * math.pi * frequency) ** 2
-    gamma *= warping**2
-    b = material.shear_modulus * constant - material.density * gamma * square
-    c = 4 * material.youngs_modulus * gamma * material.density * polar * square
-    # E Gamma k^4 + b k^2 = rho I omega^2
-    return math.sqrt(2 * material.density * polar * square / (b + math.sqrt(b**2 + c)))
+def _carved(material: Material, section: Constants, change: Array) -> Constants:
+    """Return the constants of sections with what the warping stretches as it changes with the thickness over the width,
+    by its derivative along the bar (p,)."""
+    stiff = material.youngs_modulus / material.shear_modulus * section.changing
+    mixed, value = section.mixed.copy(), section.value.copy()
+    mixed[:, 1, 1] += stiff[:, 0] * change
+    value[:, 1, 1] += stiff[:, 1] * change**2
+    return section._replace(mixed=mixed, value=value)
+
+
+def _axial(material: Material, section: Constants) -> Array:
+    """Return what weighs the slopes of the section's motions along the bar (p, 4, 4), over the shear modulus."""
+    return np.asarray(material.youngs_modulus / material.shear_modulus * section.stretch + section.slope)
+
+
+def _wavenumber(material: Material, width: float, section: Constants, frequency: float) -> float:
+    """Return the largest wavenumber (rad/m) of the waves of twist at a frequency (Hz), by the constants of a section
+    (1, 4, 4)."""
+    square = (2 * math.pi * frequency * width) ** 2 * material.density / material.shear_modulus
+    # k^2 axial + i k (mixed^T - mixed) + value - square mass is singular.
+    lead = np.linalg.inv(_axial(material, section)[0])
+    mixed = section.mixed[0]
+    whole = np.block(
+        [
+            [np.zeros((MOTIONS, MOTIONS)), np.eye(MOTIONS)],
+            [-lead @ (section.value - square * section.mass)[0], -1j * lead @ (mixed.T - mixed)],
+        ]
+    )
+    found = np.linalg.eigvals(whole)
+    running = found.real[np.abs(found.imag) < 1e-6 * np.abs(found)]
+    return float(running.max()) / width

@@ -151,9 +151,28 @@ def test_a_long_bar_twists_as_a_shaft(slenderness, k, ends):
     twisted = np.setdiff1d(both, bent)
     polar = w * t * (w**2 + t**2) / 12
     speed = math.sqrt(HEAVY.shear_modulus * k * w * t**3 / (HEAVY.density * polar))
-    order = np.arange(1, twisted.size + 1) - (0.5 if ends == "cantilever" else 0.0)
+    order = np.arange(1, twisted.size + 1)
+    if ends == "cantilever":  # a clamp holds the warping, too: Vlasov's shaft is shorter by what that stiffens
+        warping = (w * t) ** 3 / 144 * ((w**2 - t**2) / (w**2 + t**2)) ** 2
+        length -= math.sqrt(HEAVY.youngs_modulus * warping / (HEAVY.shear_modulus * k * w * t**3))
+        order = order - 0.5
     assert twisted.size >= 3 and both.size == bent.size + twisted.size
     assert twisted[:3] == pytest.approx(order[:3] * speed / (2 * length), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("sides", "poisson_ratio"),
+    [((0.24, 0.03, 0.01), 0.22), ((0.2, 0.04, 0.008), 0.29), ((0.3, 0.03, 0.02), 0.35), ((0.2, 0.01, 0.03), 0.29)],
+)
+def test_a_thick_bar_twists_as_the_solid_body(sides, poisson_ratio):
+    """A section warps and is distorted: without that the third twist is up to 1.3 % too high."""
+    material = replace(HEAVY, poisson_ratio=poisson_ratio)
+    solid = Solid(material, sides, 0.0, odd=True, degrees=(12, 6, 4) if sides[1] > sides[2] else (12, 4, 6))
+    edge = solid.displacement(np.array([-1.0]), 0.0, 1.0)[1, 0], solid.displacement(np.array([-1.0]), 0.0, 0.0)[1, 0]
+    twisted = solid.frequency[np.abs(edge[0]) > 10 * np.abs(edge[1])]
+    arguments = {"length": sides[0], "width": sides[1], "thickness": sides[2], "top": 1.1 * twisted[2]}
+    straight, both = (bodies.bar(material, **arguments, across=across, tilt=0.0).frequency for across in (0.0, 1.0))
+    assert np.setdiff1d(both, straight)[:3] == pytest.approx(twisted[:3], rel=0.003)
 
 
 def test_twists_are_orthonormal_over_the_polar_inertia():
