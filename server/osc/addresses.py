@@ -47,7 +47,7 @@ from .world_verbs import WORLD
 
 STRIKER = Word("striker", "a preset; the object's own for such a gesture, or for a strike, if none is given")
 
-_ON = "for one with a surface, in place of its position: the point of that, in its own frame, nearest to there"
+_ON = "in place of its position: the point of its surface or strike path, in its own frame, nearest to there"
 ON_SURFACE = Vector("point", POINT, f"{_ON} (m)")
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "the same of the object that strikes")
 _DIRECTED = Vector(
@@ -169,7 +169,7 @@ _RUNNING = (
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
         "/gesture/ID/point",
-        "steers a gesture on an object with a surface to the point of that nearest to there, or along a list of points",
+        "steers a gesture to the point of its object's surface or path nearest to there, or along a list of points",
         POINT,
     ),
     Move("/gesture/ID/by_point", "steers a rest to such a point of the object on which it lies", BY_POINT),

@@ -24,7 +24,7 @@ SENSORS = (
             RESONANCE,
             DAMPING,
             FULL,
-            Vector("point", POINT, "of one with a surface, in place of its position: the nearest point of it (m)"),
+            Vector("point", POINT, "in place of its position: the nearest point of its surface or strike path (m)"),
             Vector("direction", DIRECTION, "beside a point, in the object's own frame: in which it senses"),
         ),
     ),

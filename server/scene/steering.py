@@ -5,7 +5,7 @@ from itertools import islice
 
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT
+from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT, POSITION
 from ...dsp.wording import MOST_COMPARED, expected, some_of, suggestion
 from ..osc.addresses import Call
 from ..osc.arguments import GestureEnded, Refused, Values
@@ -13,7 +13,7 @@ from ..osc.points import Change, Move
 from ..osc.wire import Message
 from .engine_messages import changes, send
 from .gesture_ids import GestureId
-from .touching import require_surface
+from .touching import position_on, require_surface
 from .transaction import Transaction
 
 _ON_SURFACE = ("point", *(each.name for each in POINT))
@@ -35,8 +35,9 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         ids = _lying(transaction, call, ids, values)
     elif action not in ("stop", "point"):
         _warn_of_nothing(transaction, call, ids)
+    elsewhere = _on_paths(transaction, call, ids, values) if isinstance(call.verb, Move) else {}
     if action in _ON_SURFACE:
-        _require_surfaces(transaction, ids, action, values)
+        _require_surfaces(transaction, [id for id in ids if id.number not in elsewhere], action, values)
     if isinstance(call.verb, Move):
         commands = [
             each._replace(parameter=number.name)
@@ -51,7 +52,7 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
     transaction.selection.charge(CHANGE_WORK * (len(ids) * len(commands) - 1), call.target)
     for id in ids:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
-        for command in commands:
+        for command in elsewhere.get(id.number, commands):
             send(transaction, message, command._replace(gesture=id.number))
 
 
@@ -71,6 +72,28 @@ def _require_borne(ids: list[GestureId], load: float) -> None:
     for id in ids:
         if load > id.most_load:
             raise Refused(f"load = {load:g}: expected at most {id.most_load:g} N of {id.name}")
+
+
+def _on_paths(transaction: Transaction, call: Call, ids: list[GestureId], values: Values) -> dict[int, list[Command]]:
+    """Return the commands, by number, of gestures on objects without a surface: a point is a position on their path."""
+    assert call.verb
+    action = call.verb.action
+    number = BY_POSITION if action == "by_point" else POSITION
+    found = {}
+    for id in ids:
+        names = [id.under] if action == "by_point" else [address.split("/")[2] for address, _ in id.running]
+        there = {name: transaction.objects.at(name, transaction.time).get(name) for name in names}
+        known = [(name, obj) for name, obj in there.items() if obj]
+        if not known or any(obj.modes.faces is not None for _, obj in known):
+            continue
+        points = []
+        for each in zip(*values.paths, strict=True):
+            place = position_on(*known[0], action, tuple(axis.value for axis in each))
+            assert place is not None
+            points.append(each[0]._replace(value=place))
+        steering = changes(Kind.STEER, number, replace(values, points=tuple(points)))
+        found[id.number] = [each._replace(parameter=number.name) for each in steering]
+    return found
 
 
 def _require_surfaces(transaction: Transaction, ids: list[GestureId], action: str, values: Values) -> None:
@@ -95,7 +118,8 @@ def _lying(transaction: Transaction, call: Call, ids: list[GestureId], values: V
         transaction.replies.append(Message("/warning", (text,)))
     there = {id.under: transaction.objects.at(id.under, transaction.time).get(id.under) for id in lying}
     known = {name: obj for name, obj in there.items() if obj}
-    if call.verb.action in _ON_OTHER and known and all(obj.modes.faces is None for obj in known.values()):
+    axes = _ON_OTHER[1:]
+    if call.verb.action in axes and known and all(obj.modes.faces is None for obj in known.values()):
         point = tuple(values.numbers[each.name] for each in BY_POINT if each.name in values.numbers)
         for name, obj in known.items():
             require_surface(name, obj, call.verb.action, point)

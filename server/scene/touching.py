@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...dsp.bodies.places import position_of
 from ...dsp.engine.memory.capacity import DIRECTED
 from ...dsp.schema import BY_DIRECTION, BY_POINT, DIRECTION, POINT, SPREAD, Gesture, Parameter
 from ..osc.arguments import Refused, Values
@@ -62,10 +63,12 @@ def gathered(to: ObjectCall, values: Mapping[str, float]) -> dict[str, float]:
     return {**values, SPREAD.name: 0.0}
 
 
-def given_of(gesture: Gesture, values: Values) -> list[str]:
+def given_of(gesture: Gesture, to: ObjectCall) -> list[str]:
     """Return the names of the values that a message gives a gesture that goes on."""
-    given = [name for name in gesture.steerable if name in values.numbers]
-    return given + [each.name for each in POINT if "point" in values.vectors]
+    given = [name for name in gesture.steerable if name in to.values.numbers]
+    if "point" not in to.values.vectors:
+        return given
+    return [*given, *(["position"] if to.obj.modes.faces is None else (each.name for each in POINT))]
 
 
 def sensed_place(name: str, obj: PlayedObject, values: Values) -> dict[str, Any]:
@@ -75,13 +78,33 @@ def sensed_place(name: str, obj: PlayedObject, values: Values) -> dict[str, Any]
     """
     position, point = values.numbers.get("position"), values.vectors.get("point")
     if point is not None:
-        require_surface(name, obj, "point", point)
+        place = position_on(name, obj, "point", point)
         if position is not None:
             raise Refused(f"position = {position:g}, point = {_shown(point)}: expected one of the two")
+        if place is not None:
+            position, point = place, None
     found = {"position": obj.preset.position if position is None else position, "on_surface": int(point is not None)}
     way = _vector(values, "direction", "point")
+    if way != _NOWHERE:
+        require_surface(name, obj, "direction", way)
     length = math.hypot(*way) or 1.0
     return {**found, "spot": point or _NOWHERE, "direction": tuple(each / length for each in way)}
+
+
+def position_on(name: str, obj: PlayedObject, key: str, point: tuple[float, ...]) -> float | None:
+    """Return the position on the strike path that a point of an object is; None of one with a surface.
+
+    Refused of an object whose path has no place in its frame, and of a point that is far from the path.
+    """
+    if obj.modes.faces is not None:
+        return None
+    try:
+        found = position_of(obj.preset.shape, obj.preset.geometry, point)
+    except ValueError as error:
+        raise Refused(f"{key} = {_shown(point)}: {error}") from None
+    if found is None:
+        require_surface(name, obj, key, point)
+    return found
 
 
 def require_surface(name: str, obj: PlayedObject, key: str, point: tuple[float, ...]) -> None:
@@ -100,9 +123,11 @@ def _place(to: ObjectCall, key: str, vector: str, touched: tuple[str, PlayedObje
     point = to.values.vectors.get(vector)
     if point is None:
         return position, _on_path(obj, position), 0.0
-    require_surface(name, obj, vector, point)
+    place = position_on(name, obj, vector, point)
     if key in to.values.numbers:
         raise Refused(f"{key} = {position:g}, {vector} = {_shown(point)}: expected one of the two")
+    if place is not None:
+        return place, _NOWHERE, 0.0
     if travel := to.values.numbers.get("travel"):
         raise Refused(f"travel = {travel:g}: it is along the strike path; expected none beside a point")
     return position, point, 1.0
@@ -113,6 +138,8 @@ def _direction(values: Values, key: str, beside: str, touched: tuple[str, Played
     name, modes = touched[0], touched[1].modes
     count = len(modes.frequency) + (len(modes.unheard.frequency) if modes.unheard else 0)
     way = _vector(values, key, beside)
+    if way != _NOWHERE:
+        require_surface(name, touched[1], key, way)
     if way != _NOWHERE and count > MOST_DIRECTED:
         raise Refused(f"{key}: {name} has {count} modes: expected at most {MOST_DIRECTED}")
     return way

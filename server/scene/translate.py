@@ -230,7 +230,7 @@ def _roll(to: ObjectCall) -> None:
         require_rollable(radius, surface, roughness)
     number = to.start(id)
     motion = {**_own_values(to, ROLL), "speed": speed, "radius": radius or _ANY_RADIUS, "seed": to.seed(number)}
-    given = given_of(ROLL, values)
+    given = given_of(ROLL, to)
     command = Command(NOW, "roll", gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
 
@@ -255,7 +255,7 @@ def _slide(to: ObjectCall) -> None:
         motion["along"] = values.numbers.get("along", 1.0)
     if "press" in values.words:
         motion["press"] = _press_of(to, values.words["press"])
-    given = given_of(SLIDE, values)
+    given = given_of(SLIDE, to)
     command = Command(NOW, "slide", gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
 

@@ -188,9 +188,11 @@ def test_what_lies_on_an_object_is_moved_over_its_surface(mug, modes):
 
 def test_what_lies_on_nothing_with_a_surface_takes_no_point_there(played):
     say(played, "/object/new", "bar", "marimba-bar")
+    say(played, "/object/new", "cup", "ceramic-bowl")
     say(played, "/object/bar/rest", "pane", "id", "g")
+    say(played, "/object/bar/rest", "cup", "id", "c")
     say(played, "/object/bar/rest", "felt", 0.1, "id", "pad")
-    assert "pane has no surface" in refusal(played, "/gesture/g/by_point", 0.0, 0.0, 0.0)
+    assert "cup has no surface" in refusal(played, "/gesture/c/by_point", 0.0, 0.0, 0.0)
     assert "pane has no surface" in refusal(played, "/gesture/g/by_x", 0.0)
     for action, args in (("by_point", (0.0, 0.0, 0.0)), ("by_y", (0.1,)), ("by_position", (0.1,))):
         (reply,) = played.perform([Message(f"/gesture/pad/{action}", args)], NOW)
@@ -200,26 +202,65 @@ def test_what_lies_on_nothing_with_a_surface_takes_no_point_there(played):
 @pytest.mark.parametrize(
     ("address", "args", "said"),
     [
-        ("pane/impact", (1.0, "point", 0.0, 0.0, 0.1), "pane has no surface, only a strike path: expected position"),
+        ("cup/impact", (1.0, "point", 0.0, 0.0, 0.1), "cup has no surface, only a strike path: expected position"),
+        ("pane/impact", (1.0, "point", -0.2, 0.2, 0.0), "m from the strike path .* other keys path_from and path_to"),
+        ("pane/impact", (1.0, "point", 0.0, 0.0, 0.0, "direction", 0.0, 0.0, 1.0), "direction = 0 0 1: pane has no"),
+        ("pane/impact", (1.0, 0.5, "point", 0.0, 0.0, 0.0), r"position = 0.5, point = 0 0 0: expected one of the two"),
         ("mug/impact", (1.0, 0.5, "point", 0.0, 0.0, 0.1), r"position = 0.5, point = 0 0 0.1: expected one of the two"),
         ("mug/impact", (1.0, "point", 0.0, 0.0), r"point = .*: expected three numbers"),
         ("mug/impact", (1.0, "point", 0.0, 0.0, 2e3), r"z = 2000: expected a number from -1000 to 1000 m"),
         ("mug/impact", (1.0, "point", 0.0, "a", 0.0), r"y = a: expected a number"),
         ("mug/impact", (1.0, "by_point", 0.0, 0.0, 0.0), "expected it beside an object that touches"),
-        ("mug/impact", (1.0, "by", "pane", "by_point", 0.0, 0.0, 0.0), "pane has no surface"),
+        ("mug/impact", (1.0, "by", "cup", "by_point", 0.0, 0.0, 0.0), "cup has no surface"),
         ("mug/roll", (1.0, "point", 0.0, 0.0, 0.0, "travel", 0.1), "travel = 0.1: it is along the strike path"),
         ("mug/rain", (9.0, "point", 0.0, 0.0, 0.0, "spread", 0.1), "spread = 0.1: expected none beside a point"),
     ],
 )
 def test_what_does_not_fit_is_said(mug, address, args, said):
     say(mug, "/object/new", "pane", "glass-plate")
+    say(mug, "/object/new", "cup", "ceramic-bowl")
     assert re.search(said, refusal(mug, f"/object/{address}", *args))
 
 
 def test_a_gesture_on_an_object_without_a_surface_takes_no_point(played):
+    say(played, "/object/new", "cup", "ceramic-bowl")
     say(played, "/object/pane/press", 1.0, "id", "g")
-    for action, args in (("point", (0.0, 0.0, 0.0)), ("x", (0.0,))):
-        assert "pane has no surface" in refusal(played, f"/gesture/g/{action}", *args)
+    say(played, "/object/cup/press", 1.0, "id", "c")
+    assert "cup has no surface" in refusal(played, "/gesture/c/point", 0.0, 0.0, 0.0)
+    for id in "gc":
+        assert "has no surface" in refusal(played, f"/gesture/{id}/x", 0.0)
+    assert "m from the strike path" in refusal(played, "/gesture/g/point", -0.2, 0.2, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("preset", "point", "position"),
+    [
+        ("marimba-bar", (0.25, 0.3, 0.1), 0.75),  # of the length; the bar is set to 1 m
+        ("guitar-string", (-9.0, 0.0, 0.0), 0.0),
+        ("glass-plate", None, 0.3),
+        ("gong", (-0.3, 0.4, 0.0), 0.25),  # of the radius
+        ("tom", (0.3, -0.4, 0.0), 0.75),
+    ],
+)
+def test_a_point_of_a_shape_with_a_path_is_the_nearest_position(preset, point, position):
+    """The same sound, struck there, felt there, and led there."""
+    known = Presets().object(preset).geometry
+    scale = known.get("length", known.get("radius", 1.0))
+    if point is None:
+        sides = np.array([known["length"], known["width"]])
+        ends = [(np.array(each) - 0.5) * sides for each in (known["path_from"], known["path_to"])]
+        point = (*(ends[0] + position * (ends[1] - ends[0])), 0.1)
+    else:
+        point = tuple(scale * each for each in point)
+    sounds = []
+    for place in ({"position": position}, {"point": point}):
+        with carom.Scene() as scene:
+            struck = scene.new("it", preset)
+            struck.impact(1.0, **place)
+            struck.press(1.0, position=0.6, id="hand")
+            scene.steer("hand", over=0.1, at=0.05, **place)
+            sounds.append(scene.render(seconds=0.2).samples)
+    assert np.abs(sounds[0]).max() > 0 and np.abs(sounds[1] - sounds[0]).max() < 1e-9 * np.abs(sounds[0]).max()
 
 
 def stiffness_of(session, *keys):
@@ -272,10 +313,10 @@ def test_a_sensor_senses_in_any_direction():
 
 
 def test_a_sensor_at_a_point_that_cannot_be_is_refused(mug):
-    say(mug, "/object/new", "bar", "marimba-bar")
+    say(mug, "/object/new", "cup", "ceramic-bowl")
     mug.engine.sensors = 1
     for name, keys, reason in (
-        ("bar", ("point", 0, 0, 0), "bar has no surface"),
+        ("cup", ("point", 0, 0, 0), "cup has no surface"),
         ("mug", (0.5, "point", 0, 0, 0), "position = 0.5, point = 0 0 0: expected one of the two"),
         ("mug", ("direction", 0, 0, 1), "direction = 0 0 1: expected it beside a point"),
         ("mug", ("point", 0, 0, 0, "direction", 0, 0, 0), "expected a vector of some length"),
