@@ -17,7 +17,7 @@ from .clients.performer import Folders, Performer, Placed
 from .dsp.schema import SETTINGS
 from .server.closing import Closing
 from .server.osc.score import LONGEST_SCORE
-from .server.osc.wire import Message
+from .server.osc.wire import Argument, Message
 from .server.render import Options
 from .sound import Sound
 
@@ -141,8 +141,17 @@ class Scene(Actions, Closing):
         raise TypeError("a Scene is an engine at work: it cannot be copied or pickled")
 
     def _send(self, messages: list[Message], at: SupportsFloat | None) -> None:
+        named = [each._replace(args=tuple(map(self._name_of, each.args))) for each in messages]
         with self._alone(messages[0].address) as performer:
-            performer.perform(messages, at)
+            performer.perform(named, at)
+
+    def _name_of(self, value: Argument) -> Argument:
+        """Return the name of an Object, and anything else as it is."""
+        if not isinstance(value, Object):
+            return value
+        if value.scene is not self:
+            raise CommandError(f"{value!r}: expected an object of this scene")
+        return value.name
 
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> Object:
         """Make an object from a preset.
@@ -160,7 +169,7 @@ class Scene(Actions, Closing):
 
 @with_methods_of(Actions)
 class Object(ObjectMethods):
-    """An object of a scene; its methods are the scene's, without the name.
+    """An object of a scene; its methods are the scene's, without the name. It may stand where its name is expected.
 
     name: its name; mass: of the whole body, kg.
     """
@@ -174,6 +183,9 @@ class Object(ObjectMethods):
 
     def __repr__(self) -> str:
         return f"<carom.Object {self.name}>"
+
+    def __str__(self) -> str:
+        return self.name
 
     def modes(self, position: SupportsFloat | None = None) -> ModeTable:
         """Return the modes that a strike at a position 0 to 1 (None: the preset's) excites: frequencies, decays, gains.

@@ -29,8 +29,8 @@ class Relief(NamedTuple):
 
 def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: float, rows: int | None = None) -> Relief:
     """Return the relief of modes: frequency (Hz), decay (1/s) (n,), weights (s, n), shapes (P, n); none above `top`
-    (Hz). The first `rows` of them, or all, say how loud a mode is."""
-    if not frequency.size:
+    (Hz). The first `rows` of them, or all, say how loud a mode is. What is not heard has none."""
+    if not sides.any():
         return Relief(np.empty(0), np.empty(0), np.empty((len(sides), len(strike), 0)))
     omega = 2 * np.pi * frequency
     weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force

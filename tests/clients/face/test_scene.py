@@ -79,6 +79,22 @@ def test_a_scene_makes_the_bits_of_the_score_that_says_the_same():
     assert sound.report == expected.report
 
 
+def test_an_object_stands_for_its_name():
+    with carom.Scene() as first, carom.Scene() as second:
+        sounds = []
+        for scene, named in ((first, False), (second, True)):
+            one, other = scene.new("one", "wine-glass"), scene.new("other", "glass-plate")
+            a, b = ("one", "other") if named else (one, other)
+            scene.rest(a, b, 0.5, by_position=0.3)
+            scene.impact(b, 1.0, by=a, at=0.01)
+            scene.sensor("tip", a)
+            sounds.append(scene.render(0.1))
+        assert sounds[0].samples.any() and sounds[0].sensors["tip"].samples.any()
+        np.testing.assert_array_equal(sounds[0].samples, sounds[1].samples)
+        with pytest.raises(carom.CommandError, match=r"<carom\.Object other>: expected an object of this scene"):
+            first.rest("one", other)
+
+
 def test_every_address_of_a_score_is_a_method():
     """World has those of a simulation."""
     for address, verb in VERBS.items():

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from carom.dsp.bodies import Modes
+from carom.dsp.bodies.ground import ground
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.runtime.plan import planned
 from carom.dsp.runtime.relief import relief
 from tests.dsp.engine.support import RATE, strike
 
@@ -60,3 +62,13 @@ def test_a_hard_blow_rings_as_without():
     columns = np.concatenate([waves.real, waves.imag], axis=1)
     found, *_ = np.linalg.lstsq(columns, sound, rcond=None)
     assert np.linalg.norm(columns @ found - sound) < 1e-5 * np.linalg.norm(sound)
+
+
+def test_what_is_silent_has_none():
+    """The ground of a table is as small as its modes: it is computed for as long as what lies there rings."""
+    modes = ground(2_000.0, 20_000.0)
+    assert modes.unheard and len(modes.frequency) + len(modes.unheard.frequency) == 16
+    plan = planned(modes, 20_000.0, RATE / 2, True)
+    assert (plan.felt, plan.bent, plan.columns.shape[1]) == (13, 13, 24)
+    heard = planned(BODY, 20_000.0, RATE / 2, True)
+    assert heard.bent > heard.felt == 6
