@@ -23,7 +23,7 @@ from ..server.bridge.requests import Request, Slide
 from ..server.osc.score import LONGEST_SCORE, Line, sample_at
 from ..server.osc.sensor_verbs import SENSOR
 from ..server.osc.wire import Argument, Message
-from ..server.render import Options, sensors_of
+from ..server.render import Options
 from ..server.scene.direct import Direct
 from ..server.scene.session import Session
 from ..server.scene.transaction import Sent
@@ -88,7 +88,7 @@ class Performer:
         self.presets = chosen(presets)
         scale, room = options.scale_of(score)._replace(amplified=amplified), STEMS if stems else OBJECTS
         with _compiling:
-            channels, sensors = options.channels_of(score), sensors_of(score)
+            channels, sensors = options.channels_and_sensors(score)
             self.engine = _Engine(options.rate, channels, room, not options.calibrated, sensors)
         self.scene = Session(self.engine, self.presets, steers_ended, scale)
         self.scene.on_sent = self._remember

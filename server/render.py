@@ -11,7 +11,7 @@ from typing import NamedTuple, SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dsp.engine.memory.capacity import MODES, OBJECTS, STEMS
+from ..dsp.engine.memory.capacity import MODES, MOST_CHANNELS, OBJECTS, STEMS
 from ..dsp.engine.memory.mounted import SENSORS
 from ..dsp.engine.memory.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
@@ -130,11 +130,17 @@ class Options:
         """Return the scale of the samples in the render of a score. ScoreError names a line that says no full scale."""
         return Scale(True) if self.calibrated else Scale(False, _chosen(FULL_SCALE, self.full_scale, score))
 
-    def engine(self, score: Sequence[Line], objects: int = OBJECTS) -> Engine:
-        """Make an engine for the render of a score. ScoreError as in `channels_of`."""
+    def channels_and_sensors(self, score: Sequence[Line]) -> tuple[int, int]:
+        """Return how many channels the render of a score has, and how many more for sensors. RenderError if these are
+        too many, ScoreError as in `channels_of`."""
         channels, sensors = self.channels_of(score), sensors_of(score)
-        if sensors > min(SENSORS, CHANNELS.high - channels):
-            raise RenderError(f"{sensors} sensors: expected at most {min(SENSORS, CHANNELS.high - channels):g}")
+        if sensors > (most := min(SENSORS, MOST_CHANNELS - channels)):
+            raise RenderError(f"{sensors} sensors: expected at most {most} beside {channels} channels")
+        return channels, sensors
+
+    def engine(self, score: Sequence[Line], objects: int = OBJECTS) -> Engine:
+        """Make an engine for the render of a score. Errors are those of `channels_and_sensors`."""
+        channels, sensors = self.channels_and_sensors(score)
         return Engine(self.rate, channels, MODES, objects, limited=not self.calibrated, sensors=sensors)
 
     def lines_of(self, score: Sequence[Line]) -> list[Line]:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ...dsp.bodies.sensor import Sensor
+from ...dsp.engine.memory.capacity import MOST_CHANNELS
 from ...dsp.engine.memory.mounted import SENSORS
 from ...dsp.runtime.engine import Engine
 from ..osc.arguments import Refused
@@ -38,12 +39,12 @@ class SensorTable:
         """Return the number of a channel that no sensor has: the last one of this name, else one that no sensor ever
         had, if there is such a one. Refused if all are taken."""
         taken = {each.number for each in self.there.values()}
-        most = SENSORS if self.grows else self._engine.sensors
+        most = min(SENSORS, MOST_CHANNELS - self._engine.channels) if self.grows else self._engine.sensors
         former = [n for n, (last, _) in self.channels.items() if last == name]
         fresh = [n for n in range(most) if n not in self.channels]
         number = next((n for n in (*former, *fresh, *range(most)) if n not in taken), -1)
         if number < 0:
-            chosen = "" if self.grows else ", as was chosen at the start"
+            chosen = f" beside {self._engine.channels} channels" if self.grows else ", as was chosen at the start"
             raise Refused(f"no channel for another sensor: expected at most {most}{chosen}")
         return number
 

@@ -67,6 +67,18 @@ def test_each_sensor_has_a_channel_of_its_own_after_others_were_freed(tmp_path):
         carom.render("\n".join(["0 /sensors 2", *lines]), seconds=0.1)
 
 
+def test_more_sensors_than_there_is_room_for_are_refused():
+    with carom.Scene(channels=63) as scene:
+        bar = scene.new("bar", "marimba-bar")
+        bar.sensor("one", 0.5)
+        with pytest.raises(carom.CommandError, match="no channel for another sensor: expected at most 1 beside 63"):
+            bar.sensor("two", 0.5)
+        bar.impact(1.0)
+        assert scene.render(0.01).sensors["one"].samples.any()
+    with pytest.raises(carom.RenderError, match="2 sensors: expected at most 1 beside 63 channels"):
+        carom.render("0 /sensors 2\n0 /channels 63\n0 /object/new a marimba-bar", seconds=0.1)
+
+
 def _rendered(folder, lines):
     (folder / "score.txt").write_text("\n".join(lines))
     assert main(["render", str(folder / "score.txt"), str(folder / "out.wav"), "--seconds", "0.1"]) == 0
