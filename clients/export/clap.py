@@ -48,6 +48,8 @@ def write_plugin(scenes: Sequence[Scene], folder: Path) -> Path:
 def _described(scenes: Sequence[Scene]) -> str:
     """Return the header that says what a plug-in is made of."""
     baked = scenes[0].baked
+    if baked.engine.sensors:
+        raise ExportError(f"{scenes[0].title}: expected no sensor, as a plug-in has channels of sound alone")
     objects, descriptors = [], []
     for name, obj in baked.objects.items():
         if not obj.modes.frequency.size:

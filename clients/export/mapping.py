@@ -84,7 +84,7 @@ def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
     engine = baked.engine
     return {
         "rate": engine.rate,
-        "channels": engine.channels,
+        "channels": engine.width,
         "delay": engine.delay,
         "frames": len(baked.sound),
         "quantum": QUANTUM,

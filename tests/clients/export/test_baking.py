@@ -1,11 +1,18 @@
-"""Scores that can't be baked, and why."""
+"""Scores that can't be baked, and why; the channels of those that can."""
+
+from pathlib import Path
 
 import pytest
 
 from carom import Presets, ScoreError
-from carom.clients.export.baking import bake
+from carom.clients.export.baking import Baked, bake
+from carom.clients.export.clap import write_plugin
+from carom.clients.export.mapping import Strikers, scene_map
+from carom.clients.export.scene import ExportError, Scene
+from carom.dsp.runtime.engine import Engine
 from carom.server.osc.score import parse
 from carom.server.render import Options
+from carom.server.scene.session import Session
 
 
 def test_more_sensors_than_there_are_channels_for_are_refused():
@@ -13,3 +20,14 @@ def test_more_sensors_than_there_are_channels_for_are_refused():
     score = parse(b"0 /object/new a glass-plate\n" + mounted, "x")
     with pytest.raises(ScoreError, match="an export has 64 channels: there are 2 of sound and 63 of sensors"):
         bake(score, Presets(), Options(48_000))
+
+
+def test_a_sensor_has_a_channel_of_what_is_exported_and_a_plug_in_has_none():
+    """Programs and pages make room for as many channels as the engine fills."""
+    engine = Engine(48_000.0, 1, sensors=1)
+    baked = Baked(engine, Session(engine, Presets()), [], [], engine.process(64))
+    strikers = Strikers(Presets())
+    strikers.names, strikers.surfaces = [], []
+    assert scene_map(baked, strikers)["channels"] == 2 == baked.sound.shape[1]
+    with pytest.raises(ExportError, match="x: expected no sensor, as a plug-in has channels of sound alone"):
+        write_plugin([Scene(baked, strikers, "x", {})], Path("never"))
