@@ -256,9 +256,10 @@ def _is_over(state: State, obj: Object) -> bool:
 
 @kernel
 def _goes_on(obj: Object) -> bool:
-    """True if an object has to be looked at in each quantum: it sounds, is touched or waits for that, or changes."""
+    """True if an object has to be looked at in each quantum: it sounds, is touched or waits for that, changes, or was
+    freed and goes once nothing rests on it."""
     if obj.contact >= 0 or obj.voice >= 0 or obj.fading > 0 or obj.stale_modes > 0 or obj.stretch != 0.0:
         return True
     if obj.spectral > 0:
         return obj.returns == 1 or obj.dying == 2
-    return obj.live > 0 or obj.static[0] != 0.0 or obj.static[1] != 0.0
+    return obj.live > 0 or obj.static[0] != 0.0 or obj.static[1] != 0.0 or obj.dying == 1

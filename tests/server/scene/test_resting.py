@@ -55,6 +55,23 @@ def test_the_words_of_the_declaration_are_the_supports():
     assert all(name in REST.what for name in SUPPORTS)
 
 
+@pytest.mark.parametrize("what", ["pane", "table"])
+@pytest.mark.parametrize("at_once", [False, True])
+def test_what_was_freed_under_a_rest_that_slept_goes_with_its_end(played, what, at_once):
+    """A ground, or an object, below what has been still for long; its end, or that of what lies there."""
+    played.engine.process(64)
+    used = played.engine.state["objects"][0]["used"].sum()
+    say(played, "/object/cup/rest", what, "id", "x")
+    seconds(played, 1.0)
+    if what == "pane":
+        say(played, "/object/pane/free")
+    seconds(played, 1.0)
+    assert resting(played)[0]["asleep"] == 1
+    say(played, *(("/object/cup/free", 1) if at_once else ("/gesture/x/stop",)))
+    seconds(played, 0.1)
+    assert played.engine.state["objects"][0]["used"].sum() == used - (what == "pane") - at_once
+
+
 def test_a_plates_resistance_is_eight_times_the_root_of_stiffness_and_mass():
     assert plate_resistance(12.0, 0.0, 4.0, 1.0) == pytest.approx(16.0)
 
