@@ -67,8 +67,7 @@ def test_a_hard_blow_rings_as_without():
 def test_what_is_silent_has_none():
     """The ground of a table is as small as its modes: it is computed for as long as what lies there rings."""
     modes = ground(2_000.0, 20_000.0)
-    assert modes.unheard and len(modes.frequency) + len(modes.unheard.frequency) == 16
     plan = planned(modes, 20_000.0, RATE / 2, True)
-    assert (plan.felt, plan.bent, plan.columns.shape[1]) == (13, 13, 24)
+    assert len(modes.frequency) == plan.felt == plan.bent == plan.columns.shape[1] == 8
     heard = planned(BODY, 20_000.0, RATE / 2, True)
     assert heard.bent > heard.felt == 6
