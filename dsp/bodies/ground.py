@@ -22,12 +22,12 @@ class _Series(NamedTuple):
 
     @property
     def natural(self) -> Array:
-        """Their natural frequencies (rad/s)."""
+        """Natural frequencies (rad/s)."""
         return 2.0 * math.pi * self.lowest * np.float64(self.ratio) ** np.arange(self.count)
 
     @property
     def turn(self) -> float:
-        """Their frequencies over the natural ones."""
+        """Frequencies over the natural ones."""
         return math.sqrt(1.0 - self.damping**2)
 
     def squares(self, resistance: float) -> Array:
@@ -38,9 +38,9 @@ class _Series(NamedTuple):
 
 
 _ALONE = _Series(13.5, 3.18, 8, 0.998, 1.2)
-"""Of one point: few, for 1 % and 4 degrees from 60 Hz to 10 kHz. Ratio, damping and ends were fitted to that."""
+"""Modes of one point: few, for 1 % and 4 degrees from 60 Hz to 10 kHz. Ratio, damping and ends were fitted to that."""
 _APART = _Series(4.0, 2.0, 16, 0.7, 1.0)
-"""Of several, between which the mobility changes from mode to mode."""
+"""Modes of several points, between which the mobility changes from mode to mode."""
 _ROWS = 4  # of shapes that a position is read between
 _LEAST = 1e-4  # share of a mode's mobility in a pattern of points, below which it is left out
 
