@@ -47,24 +47,29 @@ def lay_rows(
     rung = modes.y1, modes.y2, modes.a1, modes.a2
     for i in range(samples * len(weights) * LANES):
         room[i] = 0.0
-    place = 0.0
+    now = begin + (4 * len(weights) + 1) * LANES
+    for i in range(LANES):
+        room[now + i] = 0.0
     for first in range(0, size - LANES, 2 * LANES):
         second = first + LANES
-        place += _put(modes, point, weights, room, (first, begin))
-        place += _put(modes, point, weights, room, (second, begin + 2 * len(weights) * LANES))
+        _put(modes, point, weights, room, (first, begin))
+        _put(modes, point, weights, room, (second, begin + 2 * len(weights) * LANES))
         add_courses(room, rung, (first, second), weights, samples)
     if size % (2 * LANES) > 0:
-        place += _put(modes, point, weights, room, (size - LANES, begin))
+        _put(modes, point, weights, room, (size - LANES, begin))
         add_courses(room, rung, (size - LANES,), weights, samples)
     add_lanes(out, room, weights, samples)
+    place = 0.0
+    for i in range(LANES):
+        place += room[now + i]
     return place
 
 
 @simd_kernel
 def _put(
     modes: Modes, point: Point, weights: tuple[tuple[float, ...], ...], room: View[float], at: tuple[int, int]
-) -> float:
-    """Write the factors of LANES modes in rows; return what the last row would have been a sample before its first.
+) -> None:
+    """Write the factors of LANES modes in rows.
 
     at: the first mode, and the factors' place in `room`, in which one more value for each mode follows.
     """
@@ -77,8 +82,3 @@ def _put(
     put_product(room, aside, scale, dot(modes.a2, first, 0, (1.0,)))
     # As `observe` does: by the state a sample later and the one before that.
     put_factors(room, begin, (scale, dot(room, aside, 0, (1.0,))), modes.response, group, weights)
-    place, last = 0.0, aside - 2 * LANES - first
-    for i in range(first, first + LANES):
-        after = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i]
-        place += room[last + i] * after + room[last + LANES + i] * modes.y1[i]
-    return place

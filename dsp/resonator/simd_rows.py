@@ -63,10 +63,10 @@ def add_courses(
 ) -> Lowered[None]:  # fmt: skip
     """Add groups of LANES modes, from `firsts` on, to rows of so many samples, each mode in a lane of its own.
 
-    modes: their y1, y2, a1 and a2.
-
-    In `room` lie the lanes of each row at the first sample, then those at the next one, and so on; after them the
-    factors, as `put_factors` has them with those weights, one group's after the other's.
+    modes: their y1, y2, a1 and a2. In `room` lie the lanes of each row at the first sample, then those at the next one,
+    and so on; after them the factors, as `put_factors` has them with those weights, one group's after the other's; and
+    behind room for those of two groups and LANES more values, the lanes of what the last row would have been a sample
+    before its first.
     """
 
     def codegen(context, builder, signature, args):
@@ -84,6 +84,9 @@ def add_courses(
             begin = AHEAD * count + 2 * count * g
             factors = [builder.load(place(int64((begin + i) * LANES)), align=8) for i in range(2 * count)]
             begun = _plus(builder, _times(builder, p, y1), _times(builder, q, y2))
+            total = place(int64((AHEAD * count + 4 * count + 1) * LANES))
+            last = _plus(builder, _times(builder, factors[-2], begun), _times(builder, factors[-1], y1))
+            builder.store(_plus(builder, builder.load(total, align=8), last), total, align=8)
             # A row's first sample is the one after the next: of that and the one before.
             coming = _plus(builder, _times(builder, p, begun), _times(builder, q, y1))
             motion = [cgutils.alloca_once_value(builder, each) for each in (coming, begun)]

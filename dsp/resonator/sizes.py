@@ -21,5 +21,5 @@ SENSED = 4
 ROWS = 1 + 2 * SENSED + 4 + 2
 """Values for each mode that slides at a point: its shape there, and what `set_rows` finds (`velocity.py`)."""
 
-ROOM_FOR_ROWS = (4 * AT_ONCE + AHEAD * AT_ONCE + 2) * LANES
+ROOM_FOR_ROWS = (4 * AT_ONCE + AHEAD * AT_ONCE + 3) * LANES
 """Values that `lay_rows` needs room for (`rows.py`)."""

@@ -62,6 +62,8 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
 def trace_roll(state: State, contact: Contact, feed: View2D[float], frames: tuple[int, int], fed: int) -> None:
     """Keep the force of a roll or a rest, beyond its weight, or of a slide over frames of a quantum, from the first up
     to the second; fed: as in Trace."""
+    if state.trace.on == 0:
+        return
     for n in range(frames[0], frames[1]):
         entry = _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), 1.0, feed[n])
         if entry >= 0:
