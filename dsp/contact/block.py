@@ -18,8 +18,9 @@ Several contacts are solved in turn, forwards and backwards, each with the force
 
 Energy: V = k x^(a+1)/(a+1) may grow by the work of the force that later samples feel, and by a small share of the
 greatest V. Where it would grow by more, the force is changed by the least that takes the excess: in proportion to x' at
-the nodes. Where that is too much, as where a hard contact begins amid a sample, the block ends: that sample is taken by
-steps as fine as they have to be (coupled_group.py), and another block begins after it.
+the nodes. A body that rolls is mended so, too, where it lands or leaves amid a sample: what touches after the last node
+pushes there. Where the change is too much, the block ends: that sample is taken by steps as fine as they have to be
+(coupled_group.py), and another block begins after it.
 """
 
 import math
@@ -47,6 +48,9 @@ _LONG = 0.1  # the same of a blow: it lasts for 40 samples on a wall
 
 _ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
 _MENDED = 1e-3  # share of the force by which it may be changed for that
+_EDGE = 0.03
+"""The same of a roll's force at the sample's end or of its weight: it may land or leave amid a sample of one part."""
+
 _ROUNDS = 6  # of such changes
 _SWEEPS = 3  # of them, after which several contacts may be found anew
 _CHANGED = 2e-3  # relative change of the forces that ends Newton's method: what is left is about its square
@@ -111,8 +115,9 @@ def forget_energy(block: Block) -> None:
 
 
 @kernel
-def begin_block(block: Block, contact: Coupled, place: float) -> None:
+def begin_block(block: Block, contact: Coupled, place: float, rolls: bool) -> None:
     """Begin a block with a coupled contact as it is; place (m): of the object's point now, by its free motion."""
+    block.edge = _EDGE if rolls and block.parts == 1 else 0.0
     contact.position = contact.motion[0] + place
     block.springs = contact.k / (contact.a + 1.0)
     block.stored = _stored(contact, block, contact.motion[0])
@@ -190,7 +195,7 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
                 return False
             if excess > 0.0:
                 grows = True
-                far |= not _mend(block, excess)
+                far |= not _mend(contacts[net.contact[i]].coupled, block, excess)
         if not grows:
             return True
         if far and (size == 1 or turn >= _SWEEPS):
@@ -210,20 +215,27 @@ def _pushes(block: Block) -> bool:
 
 
 @kernel
-def _mend(block: Block, excess: float) -> bool:
-    """Change the forces by the least that does so much more work (J), as the rates are; false if that is too much."""
+def _mend(contact: Coupled, block: Block, excess: float) -> bool:
+    """Change the forces by the least that does so much more work (J), as the rates are; false if that is too much.
+
+    What a body lands on after the last node pushes at that node.
+    """
+    last = forces_of(block) - 1
+    begins = block.edge > 0.0 and block.end > 0.0 and block.v[last] > 0.0
     square = most = 0.0
-    for k in range(forces_of(block)):
-        if block.force[k] > 0.0:
+    for k in range(last + 1):
+        if block.force[k] > 0.0 or (begins and k == last):
             square += SHARES[block.parts, k] * block.v[k] * block.v[k]
             most = max(most, block.force[k])
-    for k in range(forces_of(block)):
-        if block.force[k] > 0.0:
+    deep = (contact.a + 1.0) * block.left / block.end if block.end > 0.0 else 0.0  # N: without loss, at the end
+    bound = max(_MENDED * most, block.edge * max(deep, contact.rest_force))
+    for k in range(last + 1):
+        if block.force[k] > 0.0 or (begins and k == last):
             change = excess / max(square, _LEAST) * block.v[k]
-            if not abs(change) <= min(_MENDED * most, block.force[k]):
+            if not (abs(change) <= bound and change >= -block.force[k]):
                 return False
             block.force[k] += change
-    return most > 0.0
+    return begins or most > 0.0
 
 
 @kernel

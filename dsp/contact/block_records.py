@@ -92,6 +92,7 @@ class Block(Record):
     slope: Annotated[View[float], FORCES]  # m per sample
     rise: float  # m: and at the sample's end
     leaves: int  # 1: the block ends where the contact does
+    edge: float  # share of the force at its end by which that of a sample may be mended, where a body lands or leaves
     even: int  # 1: the body rolls evenly
     pace: float  # m in a part of the sample, if it does
     per_pace: float  # 1/m

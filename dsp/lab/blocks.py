@@ -58,7 +58,7 @@ def begin_alone(block: Block, contact: Coupled, bank: Bank, room: tuple[View[flo
     """Begin a block of one contact with the modes as they are."""
     place = lay(block, bank.modes, bank.point, room)
     take_rows(block, room[1], 1.0)
-    begin_block(block, contact, place)
+    begin_block(block, contact, place, contact.rest_force > 0.0)
 
 
 @njit(error_model="numpy")

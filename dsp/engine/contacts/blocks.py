@@ -282,8 +282,9 @@ def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
             modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
             place += scale * lay_point(state, block.parts, samples, modes, where)
     take_rows(block, state.scratch.rows, scale)
-    begin_block(block, contact.coupled, place)
-    if contact.trait.rolls == 1:
+    rolls = contact.trait.rolls == 1
+    begin_block(block, contact.coupled, place, rolls)
+    if rolls:
         begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
     else:
         project_path(contact.coupled, block)  # which is level
@@ -373,8 +374,9 @@ def _hand_on(state: State, contact: Contact, frame: int) -> None:
     fed = feed_of(state, contact)
     if contact.ahead > frame and state.objects[contact.point[0].slot].ahead == 0:
         for n in range(QUANTUM):
-            for k in range(KEPT):
-                fed[n, k] = fed[n, k] if frame <= n < contact.ahead and k < MOMENTS_AHEAD else 0.0
+            if not frame <= n < contact.ahead:
+                for k in range(KEPT):
+                    fed[n, k] = 0.0
         register_roll(state, contact.index)
         if _bends(contact):
             press_striker(state, contact)

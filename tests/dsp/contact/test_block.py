@@ -175,7 +175,7 @@ def decibels(wrong, right):
 
 @pytest.mark.parametrize(("parts", "bound"), [(1, -50), (2, -60), (3, -60)])
 @pytest.mark.parametrize(
-    ("light", "height", "steps"), [(0.1, 1e-9, 0), (1.0, 1e-9, 0), (1.0, 1e-8, 99), (4.0, 3e-9, 0)]
+    ("light", "height", "steps"), [(0.1, 1e-9, 0), (1.0, 1e-9, 0), (1.0, 1e-8, 60), (4.0, 3e-9, 0)]
 )
 def test_rolls_against_dop853(light, height, steps, parts, bound):
     case, path = object_of(12, light, seed=3), rough(2 * AHEAD, height, seed=4)
@@ -183,6 +183,14 @@ def test_rolls_against_dop853(light, height, steps, parts, bound):
     leaves = 2.0 if steps > 0 else 0.0  # dB: it lands amid samples, too
     near = decibels(found[:, 0], reference(case, 0.0, path)) < bound + leaves
     assert near and (fine <= steps or parts == 3)
+
+
+def test_a_body_that_lands_and_leaves_gently_stays_in_blocks():
+    """Samples of one part amid which it does so are mended: hardly any is taken by steps."""
+    case = object_of(12, 1.0, seed=3)
+    courses = [run(case, 0.0, rough(2 * AHEAD, 1e-8, seed), 1) for seed in range(4, 12)]
+    lands = sum(((found[:-1, 2] <= 0.0) & (found[1:, 2] > 0.0)).sum() for found, _ in courses)
+    assert lands > 8 and sum(fine != 0 for _, fine in courses) <= 2
 
 
 @pytest.mark.parametrize("parts", [1, 2, 3])

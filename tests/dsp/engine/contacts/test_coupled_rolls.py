@@ -220,7 +220,7 @@ def test_a_pane_is_a_dashpot_for_less():
     rigid = rolled(pane(0.5e6), "-80")[0] + 60.0
     assert np.abs(dashpot - full).max() < 5.0 < (rigid - full).mean()
     cheapest, counted = rolled(pane(0.5), "-40")
-    assert counted.coupled == 1 and np.abs(cheapest - full).max() < 1.0
+    assert counted.coupled == 1 and np.abs(cheapest - full).max() < 1.5
 
 
 def test_a_roll_in_blocks_goes_on_so_where_time_is_short():
