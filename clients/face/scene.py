@@ -169,9 +169,9 @@ class Scene(Actions, Closing):
 
 @with_methods_of(Actions)
 class Object(ObjectMethods):
-    """An object of a scene; its methods are the scene's, without the name. It may stand where its name is expected.
+    """An object of a scene; its methods are the scene's, without the name.
 
-    name: its name; mass: of the whole body, kg.
+    It may stand where its name is expected. name: its name; mass: of the whole body, kg.
     """
 
     def __init__(self, scene: Scene, name: str, placed: Placed, settings: Settings) -> None:
