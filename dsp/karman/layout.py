@@ -16,6 +16,9 @@ SPACE = 65_536
 LEVELS = 2
 """Grids of a plate: of all of its coupled modes, and of half of them."""
 
+FAINT = 1e-18
+"""Numbers of float32 below are 0, in a grid's tables and fields: the square of the least is no denormal yet."""
+
 
 class Grid(Record):
     """A polar grid on a plate: its tables, as places in those of all grids, and sizes.

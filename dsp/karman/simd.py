@@ -1,13 +1,15 @@
 """Products of small matrices of float32, and what is done point by point, with sums in registers.
 
 Arrays count as flat. Rows are multiples of LANES long. A tile of up to ROWS rows and WIDE vectors stays in registers
-while the sum runs.
+while the sum runs. What is written is 0 where it is FAINT: no product of two such numbers is a denormal, which many
+processors multiply by a hundred times more slowly, and a page can't have flushed.
 """
 
 from typing import Any
 
 from ..native.jit import Lowered, cgutils, intrinsic, ir, types
 from ..native.typed import View, f32
+from .layout import FAINT
 
 LANES = 8
 """Numbers of float32 in a vector: one register of AVX2."""
@@ -51,12 +53,19 @@ class _Arrays:
 
     def store(self, n: int, at: Any, value: Any) -> None:
         pointer = self._builder.bitcast(self.place(n, at), _vector().as_pointer())
-        self._builder.store(value, pointer, align=4)
+        self._builder.store(_without_faint(self._builder, value), pointer, align=4)
 
     def spread(self, n: int, at: Any) -> Any:
         """Load one number into all lanes."""
         one = self._builder.insert_element(_zero(), self._builder.load(self.place(n, at)), ir.IntType(32)(0))
         return self._builder.shuffle_vector(one, _zero(), ir.Constant(ir.VectorType(ir.IntType(32), LANES), None))
+
+
+def _without_faint(builder: Any, value: Any) -> Any:
+    """Return a vector with 0 for numbers that are FAINT."""
+    low, high = (ir.Constant(_vector(), [ir.Constant(ir.FloatType(), sign * FAINT)] * LANES) for sign in (-1.0, 1.0))
+    faint = builder.and_(builder.fcmp_ordered(">", value, low), builder.fcmp_ordered("<", value, high))
+    return builder.select(faint, _zero(), value)
 
 
 def _times(builder: Any, a: Any, b: Any) -> Any:
@@ -183,7 +192,7 @@ def dots(
                 for s, other in enumerate(both):
                     total = sums[s * ROWS + r]
                     builder.store(_plus(builder, builder.load(total), _times(builder, value, other)), total)
-        total = _sums_of(builder, [builder.load(each) for each in sums])
+        total = _without_faint(builder, _sums_of(builder, [builder.load(each) for each in sums]))
         return cgutils.pack_array(builder, [builder.extract_element(total, ir.IntType(32)(i)) for i in range(LANES)])
 
     index = types.intp

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from ..native.jit import kernel, simd_kernel
 from ..native.typed import View, f32
-from .layout import Sheet
+from .layout import FAINT, Sheet
 
 _FLOOR = 0.05  # of c0: the least that psi^2 counts as, so that its gradient stays finite
 _LEAST = 1e-300  # J
@@ -69,17 +69,21 @@ def prepare(sheet: Sheet, heard: Heard, rate: float) -> None:
 
 @simd_kernel
 def displace(sheet: Sheet, y1: View[float], place: View[f32]) -> None:
-    """Write displacements into `place`, (3, functions): of cosines, of sines, and of cosines with the other sign."""
+    """Write displacements into `place`, (3, functions): of cosines, of sines, and of cosines with the other sign; 0
+    where they are FAINT."""
     n, plain = sheet.functions, sheet.plain
     cosine, sine, turned = place[:n], place[n : 2 * n], place[2 * n : 3 * n]
     moved = sheet.moved
     for i in range(n):
-        cosine[i] = y1[i] * moved[i]
-        turned[i] = -y1[i] * moved[i]
+        found = y1[i] * moved[i]
+        found = found if abs(found) >= FAINT else 0.0
+        cosine[i] = found
+        turned[i] = -found
     for i in range(plain):
         sine[i] = 0.0
     for i in range(plain, n):
-        sine[i] = y1[n - plain + i] * moved[n - plain + i]
+        found = y1[n - plain + i] * moved[n - plain + i]
+        sine[i] = found if abs(found) >= FAINT else 0.0
 
 
 @simd_kernel

@@ -19,7 +19,7 @@ from .images import Image, image_of, link
 from .portable import functions
 from .sources import compiler_digest, hash_of, sources
 from .store import Listed, Store, user_cache
-from .targets import PORTABLE, Target, targets
+from .targets import Target, targets
 from .units import Unit
 from .workers import Workers
 
@@ -98,7 +98,7 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[
                 units = translate_units(functions, submit, notice.translated)
                 own = _own_functions(kept, workers, wanted, notice.submitted)
                 workers.finish()
-            portable = {str(target) for target in wanted if target.processor == PORTABLE}
+            portable = {str(target) for target in wanted if target.is_portable}
             units_of = {str(target): units + own * (str(target) in portable) for target in wanted}
             before = next((listed.units for key, listed in kept.lists(module) if key == name), {})
             lists[module] = name, Listed(read, {**before, **units_of})
@@ -124,7 +124,7 @@ def _own_functions(
     kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[], None]
 ) -> list[str]:
     """Queue the mathematical functions of portable code, where that is wanted; return the keys of their units."""
-    portable = tuple(target for target in wanted if target.processor == PORTABLE)
+    portable = tuple(target for target in wanted if target.is_portable)
     units = [Unit(symbol, (bitcode,)) for symbol, bitcode in functions().items()] if portable else []
     for unit in units:
         _submit(kept, workers, portable, submitted, unit)

@@ -25,7 +25,8 @@ ARM = "aarch64"
 """The 64-bit processors of Arm, whatever they can do beyond the least."""
 
 PORTABLE = "portable"
-"""Any processor, by code whose bits are the same on all of them (`portable.py`)."""
+"""Any processor, by code whose bits are the same on all of them (`portable.py`). Before a level, as in
+portable-x86-64-v4: the same bits by the instructions of that level."""
 
 WASM = "wasm"
 """The system of WebAssembly, which has nothing of what other systems have."""
@@ -51,12 +52,22 @@ class Target(NamedTuple):
         return f"{self.system}-{self.processor}"
 
     @property
+    def is_portable(self) -> bool:
+        """True if its code gives the same bits as on all other processors."""
+        return self.processor.startswith(PORTABLE)
+
+    @property
+    def level(self) -> str:
+        """The one of LEVELS whose instructions its code may have, or an empty string."""
+        level = self.processor.removeprefix(f"{PORTABLE}-")
+        return level if level in LEVELS else ""
+
+    @property
     def triple(self) -> str:
         """LLVM's name of it; this machine's where it is none of those that wheels hold code for."""
         if self.system == WASM:
             return "wasm32-unknown-unknown"
-        family = "x86_64" if self.processor in LEVELS else self.processor
-        family = _own_family() if self.processor == PORTABLE else family
+        family = "x86_64" if self.level else _own_family() if self.is_portable else self.processor
         return _TRIPLES.get((self.system, family)) or str(_llvm().get_process_triple())
 
     def machine(self) -> Any:
@@ -68,13 +79,13 @@ class Target(NamedTuple):
         return self._machine(f"{self.triple}-elf" if self.system == "darwin" else self.triple)
 
     def _machine(self, triple: str) -> Any:
-        cpu, features = (self.processor, "-prefer-256-bit") if self.processor in LEVELS else ("generic", "")
+        cpu, features = (self.level, "-prefer-256-bit") if self.level else ("generic", "")
         return _machine(triple, cpu, _WASM_FEATURES if self.system == WASM else features)
 
     def optimiser(self) -> Any:
         """Return what LLVM optimises code for: portable code for one machine, whatever runs it."""
         machine = self.machine()
-        return _machine("wasm64-unknown-unknown", "generic", _WASM_FEATURES) if self.processor == PORTABLE else machine
+        return _machine("wasm64-unknown-unknown", "generic", _WASM_FEATURES) if self.is_portable else machine
 
 
 _WASM_FEATURES = "+simd128,+bulk-memory,+bulk-memory-opt,+nontrapping-fptoint,+sign-ext,+mutable-globals"
@@ -115,20 +126,25 @@ def processors() -> tuple[str, ...]:
     """Return the kinds of processor whose code this one runs, the most able first; ValueError where VARIABLE asks for
     more."""
     asked = os.environ.get(VARIABLE)
+    if _own_family() != "x86_64":
+        return (PORTABLE if asked == PORTABLE else _own_family(),)
+    able = _able()
     if asked == PORTABLE:
-        return (PORTABLE,)
-    machine = _own_family()
-    if machine != "x86_64":
-        return (machine,)
+        return tuple(f"{PORTABLE}-{level}" for level in reversed(able))
+    if asked and asked not in able:
+        can = f"{', '.join(able)}, which this processor can do"
+        raise ValueError(f"{VARIABLE} = {asked!r}: expected {PORTABLE}, or one of {can}")
+    return tuple(reversed(able[: able.index(asked) + 1] if asked else able))
+
+
+def _able() -> list[str]:
+    """Return the levels of x86-64 that this processor can do, from the least on."""
     has, able = _features(), []
     for level, added in _ADDED.items():
         if not all(has.get(name, True) for name in added.split()):
             break
         able.append(level)
-    if asked and asked not in able:
-        can = f"{', '.join(able)}, which this processor can do"
-        raise ValueError(f"{VARIABLE} = {asked!r}: expected {PORTABLE}, or one of {can}")
-    return tuple(reversed(able[: able.index(asked) + 1] if asked else able))
+    return able
 
 
 def _features() -> dict[str, bool]:

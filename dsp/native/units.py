@@ -55,7 +55,7 @@ def _compiler() -> str:
 
 def make_object(store: Store, key: str, target: Target) -> None:
     """Make a unit's machine code for a target, and keep it. TypeError if it needs Python."""
-    if target.processor == PORTABLE:
+    if target.is_portable:
         best = _portable(store, key, target)
     else:
         best = optimised(store.read_unit(key, "source", "bc") or b"", target)
@@ -93,7 +93,7 @@ def _can_fail(module: Any) -> bool:
 
 def _with_system(module: Any, target: Target) -> Any:
     """Return LLVM's module with what it calls of a target's system."""
-    support = llvm.parse_assembly(assembly(target.system, target.triple, flushes=target.processor != PORTABLE))
+    support = llvm.parse_assembly(assembly(target.system, target.triple, flushes=not target.is_portable))
     support.triple, support.data_layout = module.triple, module.data_layout
     names = [each.name for each in support.functions if not each.is_declaration]
     module.link_in(support)
@@ -112,7 +112,7 @@ def _optimised(module: Any, target: Target, unrolls: bool = True) -> Any:
     machine = target.optimiser()
     module.triple, module.data_layout = machine.triple, str(machine.target_data)
     optimise(module, target, unrolls)
-    tidy(module, target.machine())
+    tidy(module, machine)
     python = [each.name for each in module.functions if each.name.startswith(("Py", "numba_", "NRT_"))]
     if python:
         names = [each.name for each in module.functions if not each.is_declaration]

@@ -11,7 +11,7 @@ from ..bodies.material import Array
 from ..bodies.modes import Faces, Modes
 from ..engine.memory.capacity import FACE, MODES_PER_OBJECT
 from ..kept import Kept
-from ..native.targets import PORTABLE, processors
+from ..native.targets import targets
 from ..resonator.simd import LANES
 from ..resonator.sizes import CLICK_MODES
 from .arena import EngineFull
@@ -107,7 +107,7 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
         plan.shape[:, start : start + CLICK_MODES] = 1.0
     _fill(plan, heard, unheard.frequency, unheard.decay, _least(sides), 1.0)
     plan.shape[:, heard:count] = unheard.strike
-    if plan.faces.size == 0 and PORTABLE in processors():
+    if plan.faces.size == 0 and targets()[0].is_portable:
         plan.shape[:] = rounded(plan.shape)
     return plan
 

@@ -19,7 +19,11 @@ from tests.bench.clips import timed
 from tests.bench.web import LOADS
 
 RATE = 48_000
-SCORES = {"the demo": (BUILT_IN / "scores" / "demo.txt").read_text(encoding="utf-8"), **LOADS}
+SCORES = {
+    "the demo": (BUILT_IN / "scores" / "demo.txt").read_text(encoding="utf-8"),
+    **LOADS,
+    "a tam-tam": "0 /object/new gong tam-tam\n0.01 /object/gong/impact 2\n2 /panic\n",
+}
 
 
 def shares(rounds: int) -> dict[str, float]:

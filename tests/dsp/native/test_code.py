@@ -367,6 +367,9 @@ def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_tak
         processors()
     monkeypatch.setenv(targets.VARIABLE, "x86-64-v2")
     assert processors() == ("x86-64-v2", "x86-64")
+    processors.cache_clear()
+    monkeypatch.setenv(targets.VARIABLE, "portable")
+    assert processors()[-2:] == ("portable-x86-64-v2", "portable-x86-64")
     monkeypatch.delenv(targets.VARIABLE)
     processors.cache_clear()
     assert processors()[-1] == "x86-64"

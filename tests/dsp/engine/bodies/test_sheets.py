@@ -12,6 +12,7 @@ from carom.dsp.bodies.material import Material
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import COUPLED_SHEETS, QUANTUM, Quality
 from carom.dsp.karman.grid import stretch
+from carom.dsp.karman.layout import FAINT
 from carom.dsp.karman.step import displace
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.dsp.engine.bodies.test_glide import energies, place
@@ -63,6 +64,24 @@ def true_energy(engine, handle):
     grid = sheet["grids"][sheet["level"]]
     stored = stretch(grid, state["curves"], int(sheet["functions"]), state["space"])
     return float(energies(engine, handle).sum() + sheet["tension"] * stored)
+
+
+@pytest.mark.parametrize("dome", [0.0, 0.008])
+def test_no_product_on_a_grid_is_a_denormal(dome):
+    """Near the middle high orders are all but 0, where float32 has no more digits, and a page can't flush them."""
+    engine = Engine(48_000)
+    handle = engine.add(plate(60, dome))
+    strike(engine, handle, BEATER, velocity=1e-2, position=0.8)
+    for _ in range(40):
+        engine.process(QUANTUM)
+    assert is_coupled(engine, handle)
+    space, grid = engine.state[0]["space"], sheet_of(engine, handle)["grids"][0]
+    shapes = engine.state[0]["curves"][grid["shapes"] : grid["cosine"][0]]
+    for name in ("place", "waves", "parts", "fields", "bends", "strains", "sums"):
+        values = np.abs(space[name])
+        assert values.any(), name
+        assert values[values > 0.0].min() >= np.float32(FAINT), name
+    assert np.abs(shapes[shapes != 0.0]).min() >= np.float32(FAINT)
 
 
 @pytest.mark.slow
