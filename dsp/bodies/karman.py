@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..karman.layout import FAINT
 from ..sizes import MOST_SCATTERED
 from .dome import Waves, strains
 from .material import Array, Indices, Material
@@ -336,5 +335,4 @@ def _packed(pieces: dict[str, Array], points: int, angles: int, indices: _FiveIn
     for name in ("cosine", "sine", "stress_cosine", "stress_sine"):
         places[name] = places.pop(f"{name}0"), places.pop(f"{name}1")  # type: ignore[assignment]
     packed = np.concatenate(values).astype(np.float32)
-    packed[np.abs(packed) < FAINT] = 0.0
     return Tables(points, angles, *indices, places, packed)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..karman.layout import LEVELS, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
+from ..karman.layout import FAINT, LEVELS, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
 from ..sizes import MOST_COUPLED
 from .arena import Arena, EngineFull
 
@@ -54,7 +54,7 @@ class Sheets:
         if users == 0:
             values = np.concatenate([grid.values for grid in laid.grids])
             begin = self._room.take(values.size)
-            self._values[begin : begin + values.size] = values
+            self._values[begin : begin + values.size] = np.where(np.abs(values) < FAINT, 0.0, values)
         self._tables[id(laid)] = begin, users + 1
         return begin
 
