@@ -16,14 +16,14 @@ class _Series(NamedTuple):
 
     lowest: float  # Hz: the natural frequency of the first one
     ratio: float  # of each to the one before
-    count: int
+    modes: int
     damping: float  # their damping ratio
     ends: float  # factor of the mobility of the first and the last one, in whose place there were more
 
     @property
     def natural(self) -> Array:
         """Natural frequencies (rad/s)."""
-        return 2.0 * math.pi * self.lowest * np.float64(self.ratio) ** np.arange(self.count)
+        return 2.0 * math.pi * self.lowest * np.float64(self.ratio) ** np.arange(self.modes)
 
     @property
     def turn(self) -> float:
