@@ -7,7 +7,8 @@
 
 Accuracy: the 20 lowest frequencies beside those of an independent solution, and how much the last refinement changed
 it: of boxes and bodies of revolution by polynomials of high degree (`elastic`), of a lump by quadratic tetrahedra
-(scikit-fem) that fill it, curved with it and extrapolated from two sizes. Broken: meshes with faces that are missing,
+(scikit-fem) that fill it, curved with it and extrapolated from two sizes, of a mug and a wrench by
+quadratic hexahedra. Broken: meshes with faces that are missing,
 flipped, doubled, moved, cut, mirrored or not finite. Of a folder, all files of meshes in it and below, in m or mm.
 """
 
@@ -31,7 +32,7 @@ from carom.dsp.mesh.model import Wanted, model_of
 from carom.dsp.mesh.surface import MeshError, Surface
 from carom.dsp.numerics.blas import on_one_thread
 from carom.presets.meshes import FORMATS, read_mesh
-from tests.bench import elastic
+from tests.bench import elastic, hexahedra
 from tests.bench.machine import machine
 
 METAL = Material("metal", 7.85e7, 2e15, 0.29, 1.0, 0.0)
@@ -84,6 +85,26 @@ def can(wall: float, at: np.ndarray) -> np.ndarray:
     return np.stack([radius * np.cos(turn), radius * np.sin(turn), height])
 
 
+_INNER = [[35, 0], [0, 0], [0, 78], [0, 82], [20, 92], [32, 118], [30, 160]]
+_OUTER = [[35, 2], [4, 3], [4, 76], [8, 80], [21, 90.5], [33.5, 118], [31.2, 160]]
+_CUTS = [0, 0.6, 0.9, 0.98, 1, 1.02, 1.1, 2, 3, 4, 5, 6]  # between their corners, where pieces begin
+
+
+def wine_glass(at: np.ndarray) -> np.ndarray:
+    """Return places of a wine glass of 160 mm: a foot of 70 mm, a stem of 8 mm, a bowl with walls of some 1.5 mm."""
+    lines = np.array([_INNER, _OUTER]) * 1e-3
+    along, share = np.interp(at[1] * (len(_CUTS) - 1), np.arange(len(_CUTS)), _CUTS), at[0]
+    radius, height = (
+        sum(
+            weight * np.interp(along, np.arange(len(line)), line[:, axis])
+            for weight, line in zip((1 - share, share), lines, strict=True)
+        )
+        for axis in (0, 1)
+    )
+    turn = 2 * np.pi * at[2]
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn), height])
+
+
 def block(*sides: float) -> Map:
     """Return the map to a box."""
     return lambda at: at * np.array(sides)[:, None]
@@ -91,12 +112,21 @@ def block(*sides: float) -> Map:
 
 class Body(NamedTuple):
     """A body: the cells along the three coordinates of its surface, the map from these, 0 to 1, to the body, and its
-    known frequencies (Hz), by an effort of 0 or 1. wall (m): it is a sheet, given by its middle."""
+    known frequencies (Hz), by an effort of 0 or 1. wall (m): it is a sheet, given by its middle. built: of blocks that
+    no single map makes."""
 
     counts: tuple[int, int, int]
     place: Map
     known: Callable[[int], np.ndarray]
     wall: float | None = None
+    built: list[hexahedra.Block] | None = None
+
+    @property
+    def surface(self) -> Surface:
+        """The surface that a model is made of."""
+        if self.built is not None:
+            return hexahedra.skin(self.built)
+        return (skin if self.wall is None else middle)(self.counts, self.place)
 
 
 def _box(sides: tuple[float, float, float], degrees: tuple[int, int, int], counts: tuple[int, int, int]) -> Body:
@@ -116,6 +146,13 @@ def _turned(place: Map, pieces: int, counts: tuple[int, int, int], wall: float |
     return Body(counts, place, known, wall)
 
 
+def _of_blocks(blocks: list[hexahedra.Block]) -> Body:
+    def known(effort: int) -> np.ndarray:
+        return hexahedra.known(blocks, METAL, COUNT, effort)
+
+    return Body((0, 0, 0), block(), known, built=blocks)
+
+
 _WAVES = 14  # round the axis
 BODIES = {
     "bar 240 x 30 x 10": _box((0.24, 0.03, 0.01), (18, 6, 3), (90, 12, 6)),
@@ -124,10 +161,14 @@ BODIES = {
     "disc of 200, 4, with a hole of 60": _turned(disc, 2, (3, 18, 144)),
     "ring of 50, 6 x 6": _turned(ring, 1, (6, 6, 192)),
     "bowl of 80, 4": _turned(bowl, 3, (6, 24, 96)),
+    "bowl of 80, `--wall` 4": _turned(bowl, 3, (2, 24, 96), 0.004),
+    "wine glass of 160": _turned(wine_glass, 11, (3, 66, 96)),
     "cup 66 x 115, wall and bottom of 3": _turned(partial(can, 0.003), 9, (3, 54, 144)),
     "cup 66 x 115, wall and bottom of 2": _turned(partial(can, 0.002), 9, (3, 54, 144)),
     "can 66 x 115, `--wall` 1": _turned(partial(can, 0.001), 9, (2, 18, 48), 0.001),
     "can 66 x 115, `--wall` 0.25": _turned(partial(can, 0.00025), 9, (2, 18, 48), 0.00025),
+    "mug 84 x 90 with a handle, wall of 4": _of_blocks(hexahedra.mug()),
+    "wrench of 130": _of_blocks(hexahedra.wrench()),
     "lump of 60": Body((18, 18, 18), blob, lambda effort: lump(effort)),
 }
 
@@ -233,7 +274,7 @@ def accuracy(fine: bool, names: str) -> dict[str, dict[str, float]]:
         once, known = body.known(0), body.known(1)
         change = float(np.abs(once / known - 1).max())
         begun = time.process_time()
-        surface = (skin if body.wall is None else middle)(body.counts, body.place)
+        surface = body.surface
         model_of(*surface, METAL, Wanted(body.wall, modes=60, fine=fine))
         took = time.process_time() - begun
         model = model_of(*surface, METAL, Wanted(body.wall, modes=COUNT + 5, fine=fine, errors=True))

@@ -1,0 +1,25 @@
+"""Blocks that are put together, against one box."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.mesh.surface import volume_of
+from tests.bench import elastic, hexahedra
+from tests.bench.meshes import METAL
+
+SIDES = (0.1, 0.08, 0.06)
+Y, Z = (0.0, SIDES[1]), (0.0, SIDES[2])
+BLOCKS = [hexahedra.box((0.0, 0.06), Y, Z, (2, 2, 2)), hexahedra.box((0.06, SIDES[0]), Y, Z, (2, 2, 2))]
+
+
+def test_two_blocks_ring_as_the_box_that_they_are():
+    known = elastic.box(METAL, SIDES, (6, 6, 6), 6)
+    assert hexahedra.known(BLOCKS, METAL, 6, 1)[:6] == pytest.approx(known, rel=0.002)
+
+
+@pytest.mark.parametrize(("blocks", "volume"), [(BLOCKS, np.prod(SIDES)), (hexahedra.wrench(), 11.088e-6)])
+def test_a_skin_is_closed_and_turned_outward(blocks, volume):
+    surface = hexahedra.skin(blocks)
+    sides = np.sort(np.concatenate([surface.faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
+    assert (np.unique(sides, axis=0, return_counts=True)[1] == 2).all()
+    assert volume_of(surface) == pytest.approx(volume)
