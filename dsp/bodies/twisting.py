@@ -57,7 +57,7 @@ def constants(ratio: Array, poisson_ratio: float) -> Constants:
     if high - low < 1e-9 * high:
         return Constants(*(np.broadcast_to(each, (len(ratio), *each.shape)) for each in _section(low, nu)))
     turns = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
-    found = [_section((low + high + turn * (high - low)) / 2, poisson_ratio) for turn in turns]
+    found = [_section((low + high + turn * (high - low)) / 2, nu) for turn in turns]
     at = np.polynomial.chebyshev.chebvander((2 * ratio - low - high) / (high - low), _NODES - 1)
     onto = at @ np.linalg.inv(np.polynomial.chebyshev.chebvander(turns, _NODES - 1))
     return Constants(*(np.tensordot(onto, np.stack(each), 1) for each in zip(*found, strict=True)))

@@ -2,8 +2,9 @@
 
 A wheel of this checkout is installed with its dependencies in a new virtual environment, by the pip that this one
 begins with and from pip's cache, which a first installation fills. Then a church bell is written. It is told whether
-that takes longer than LIMIT; the virtual environment's own time stands beside. `--json FILE` keeps all times, `--each`
-tells what each package costs, alone.
+that takes longer than LIMIT. The virtual environment's own time stands beside, and an installation by `--no-compile`:
+Python then compiles what it imports, as it does. `--json FILE` keeps all times, `--each` tells what each package costs,
+alone.
 """
 
 import argparse
@@ -42,15 +43,17 @@ def built(folder: Path, code: str) -> Path:
 
 
 def measure(wheel: Path) -> dict[str, tuple[float, float]]:
-    """Return what each step takes: seconds, and those of processors."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        pip = (folder / "venv/bin/python", "-m", "pip", "install", "-qq", "--disable-pip-version-check")
-        return {
-            "a virtual environment": timed(sys.executable, "-m", "venv", folder / "venv", folder=folder),
-            "pip install": timed(*pip, wheel, folder=folder),
-            "first sound": timed(folder / "venv/bin/carom", "strike", "church-bell", "bell.wav", folder=folder),
-        }
+    """Return what each step takes: seconds, and those of processors; without bytecode, too, which pip makes of all."""
+    found = {}
+    for option in ("", " --no-compile"):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            pip = (folder / "venv/bin/python", "-m", "pip", "install", "-qq", "--disable-pip-version-check")
+            found["a virtual environment"] = timed(sys.executable, "-m", "venv", folder / "venv", folder=folder)
+            found[f"pip install{option}"] = timed(*pip, *option.split(), wheel, folder=folder)
+            sound = (folder / "venv/bin/carom", "strike", "church-bell", "bell.wav")
+            found[f"first sound{option and ' after it'}"] = timed(*sound, folder=folder)
+    return found
 
 
 def of_each(wheel: Path) -> dict[str, tuple[float, float]]:
@@ -90,12 +93,13 @@ def main() -> None:
     for place, kind in enumerate(("seconds", "of processors")):
         found[kind] = {step: [run[step][place] for run in runs] for step in runs[0]}
         for step, times in found[kind].items():
-            print(f"{step:24} {median(times):6.2f} s {'of processors' * place}")
-    whole = median(run["pip install"][0] + run["first sound"][0] for run in runs)
-    found["to a first sound s"] = whole
-    print(f"{'to a first sound':24} {whole:6.2f} s, limit {LIMIT:g} s{': LATE' * (whole > LIMIT)}")
+            print(f"{step:36} {median(times):6.2f} s {'of processors' * place}")
+    for install, sound in (("pip install", "first sound"), ("pip install --no-compile", "first sound after it")):
+        whole = median(run[install][0] + run[sound][0] for run in runs)
+        found[f"{install}, to a first sound s"] = whole
+        print(f"{install + ', to a sound':36} {whole:6.2f} s, limit {LIMIT:g} s{': LATE' * (whole > LIMIT)}")
     for package, (_, spent) in sorted(parts.items(), key=lambda part: part[1][1]):
-        print(f"{package:24} {spent:6.2f} s of processors")
+        print(f"{package:36} {spent:6.2f} s of processors")
     if args.json:
         args.json.write_text(json.dumps(found, indent=1) + "\n")
 

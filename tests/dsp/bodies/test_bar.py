@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 from carom.dsp import bodies
 from carom.dsp.bodies.air import IMPEDANCE
 from carom.dsp.bodies.bending import Section, bending
+from carom.dsp.bodies.material import Material
 from carom.dsp.bodies.radiation.board import BOX
 from carom.dsp.bodies.shearing import rectangles_shear
 from tests import accuracy
@@ -120,6 +121,14 @@ def test_a_bars_modes_are_the_same_beside_any_others(undercut):
 
 
 @pytest.mark.slow
+def test_a_carved_bar_of_rubber_twists():
+    """A Poisson's ratio of a half keeps the volume: Lamé's first modulus has no bound."""
+    rubber = Material("rubber", 1100.0, 5e6, 0.5, 0.3, 0.0, 1e-4)
+    sides = {"length": 0.3, "width": 0.04, "thickness": 0.02}
+    whole, carved = (bodies.bar(rubber, **sides, undercut=each, top=2_000.0) for each in (0.0, 1e-6))
+    assert carved.frequency == pytest.approx(whole.frequency, rel=1e-5)
+
+
 def test_an_undercut_tunes_the_second_mode_up_to_two_octaves():
     def ratio(undercut):
         arguments = {"length": 0.35, "width": 0.05, "thickness": 0.02, "undercut": undercut, **STRAIGHT}
