@@ -26,7 +26,7 @@ _VOID = 1e-6  # of the stiffness: outside of the body
 _SLIVER = 1e-2  # of the stiffness, times the cube of the filling: of cells that hold little
 _LEAST_FILLED = 1e-3  # of a cell
 _THIN = 0.3  # of a cell's side: sheets are thinner
-_BENT = 0.06  # of the normals' squares: across the first direction, where sheets meet
+_BENT = 0.01  # of a cell's volume, with normals over 45 degrees from the first direction: where sheets meet
 _LEFT = 0.4  # share of the stiffness along a sheet's normal that stays, over (thickness/side of a cell)^2
 _AGREED = 0.02  # of the volume, by triangles and by rays: within that the triangles' counts
 _SHIFT = 0.02  # of a wave's frequency along the body
@@ -299,8 +299,8 @@ def _of_cell(places: Array, weights: Array, mesh: Mesh, material: Material) -> t
 
 def _is_bent(weights: Array, normals: Array) -> bool:
     """Return whether sheets meet at an angle in a cell, by the normals (n, 3) at its points."""
-    tensor = np.einsum("p,pi,pj->ij", weights, normals, normals) / weights.sum()
-    return bool(np.linalg.eigvalsh(tensor)[1] > _BENT)
+    first = np.linalg.eigh(np.einsum("p,pi,pj->ij", weights, normals, normals))[1][:, 2]
+    return bool(weights[(normals @ first) ** 2 < 0.5].sum() > _BENT * weights.sum())
 
 
 def _held_across(places: Array, weights: Array, normals: Array, mesh: Mesh, material: Material) -> Array:
