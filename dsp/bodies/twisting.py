@@ -15,6 +15,7 @@ wave. The two parts of d have one each.
 Across the grain, a material of a shear modulus of its own counts as an isotropic one of that.
 """
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -30,6 +31,7 @@ _SERIES = np.arange(1.0, 40.0, 2.0)  # Saint-Venant's falls as n^-5
 _ODD, _EVEN = np.arange(1, _DEGREE + 1, 2), np.arange(0, _DEGREE + 1, 2)
 _STEP = 1e-4  # of a thickness, by which a section is differentiated
 _STIFFEST = 0.49  # Poisson's ratio
+_LEAST = 1e-3  # of its size: at 0 a stretched bar narrows nowhere, and one of both distortions is none
 _NODES = 12  # of the sections between which those of a carved bar are found
 _TERMS = {"u": (_ODD, _ODD), "v": (_EVEN, _ODD), "w": (_ODD, _EVEN)}  # in y and z, of a twist
 
@@ -52,7 +54,7 @@ class Constants(NamedTuple):
 
 def constants(ratio: Array, poisson_ratio: float) -> Constants:
     """Return the constants of sections by their thickness over their width (p,)."""
-    nu = min(poisson_ratio, _STIFFEST)
+    nu = min(math.copysign(max(abs(poisson_ratio), _LEAST), poisson_ratio), _STIFFEST)
     low, high = float(ratio.min()), float(ratio.max())
     if high - low < 1e-9 * high:
         return Constants(*(np.broadcast_to(each, (len(ratio), *each.shape)) for each in _section(low, nu)))
@@ -147,10 +149,9 @@ def _warping_change(ratio: float) -> Array:
     """Return the series of the warping's derivative by the thickness, at a place that stays."""
     step = _STEP * ratio
     series = [_turning(ratio + sign * step)[2] for sign in (-1, 0, 1)]
-    nodes, weights = legendre.leggauss(_DEGREE + 1)
-    slopes = np.stack([legendre.legval(nodes, legendre.legder(row)) for row in np.eye(_DEGREE + 1)], axis=1)
+    values, slopes, weights, nodes = _polynomials()
     norm = np.arange(_DEGREE + 1)[:, None] + 0.5
-    moved = norm * (legendre.legvander(nodes, _DEGREE).T * (weights * nodes)) @ slopes  # zeta times the slope
+    moved = norm * (values.T * (weights * nodes)) @ slopes  # zeta times the slope
     moving = np.kron(np.eye(len(_ODD)), moved[np.ix_(_ODD, _ODD)]) @ series[1] / ratio
     return np.asarray((series[2] - series[0]) / (2 * step) - moving)
 
@@ -167,12 +168,18 @@ def _integrals(ratio: float, first: str, second: str) -> Array:
     return whole * (0.5 ** (1 - powers[0]) * (0.5 * ratio) ** (1 - powers[1]))
 
 
+def _polynomials() -> tuple[Array, Array, Array, Array]:
+    """Return Legendre's polynomials and their slopes at the nodes of a quadrature over -1..1, its weights and nodes."""
+    nodes, weights = legendre.leggauss(_DEGREE + 1)
+    slopes = np.stack([legendre.legval(nodes, legendre.legder(row)) for row in np.eye(_DEGREE + 1)], axis=1)
+    values = np.asarray(legendre.legvander(nodes, _DEGREE), np.float64)
+    return values, np.asarray(slopes, np.float64), weights, nodes
+
+
 @lru_cache(maxsize=64)
 def _plain(first: str, second: str) -> tuple[Array, tuple[int, int]]:
     """Return the same over -1..1 in both directions, and how many slopes are taken along each."""
-    nodes, weights = legendre.leggauss(_DEGREE + 1)
-    values = legendre.legvander(nodes, _DEGREE)
-    slopes = np.stack([legendre.legval(nodes, legendre.legder(row)) for row in np.eye(_DEGREE + 1)], axis=1)
+    values, slopes, weights, _ = _polynomials()
     parts, powers = [], []
     for number, axis in enumerate("yz"):
         one, other = (slopes if axis in each[1:] else values for each in (first, second))
