@@ -40,6 +40,7 @@ from .server.bridge.mujoco.model import (
 )
 from .server.bridge.mujoco.stepping import listening, take_step
 from .server.bridge.step import Pose
+from .server.closing import Closing
 from .world import Blocks, World
 
 NO_STEPS = "its time goes on without mujoco.mj_step, so that nothing is heard: expected steps by mujoco.mj_step"
@@ -53,7 +54,7 @@ def bare(given: Any, kind: type[Any]) -> Any:
     raise WorldError(f"{given!r}: expected a {kind.__name__} of MuJoCo")
 
 
-class Bridge:
+class Bridge(Closing):
     """Tells a World what happens in MuJoCo's `data`.
 
     Each body is one of the World, with all its geoms that collide: shaped as the largest of them, or, if that is less
@@ -77,7 +78,8 @@ class Bridge:
 
     model, data: MuJoCo's own, or as dm_control and robosuite wrap them. Of a step MuJoCo knows the contacts at its
     beginning (with `RK4` at its end): that is the time of hits, and the World's. The sound of a moment of `data.time`
-    comes `latency` (s) later. WorldError for names that the model does not have.
+    comes `latency` (s) later. WorldError for names that the model does not have. The end of a `with` closes the World,
+    unless `world` gave it.
     """
 
     def __init__(
@@ -109,6 +111,7 @@ class Bridge:
         self._modes = modes
         self._by_simulator = restitution == "simulator"
         gravity = float(np.linalg.norm(model.opt.gravity))
+        self._lent = world is not None
         self.world = world or World(**{"gravity": gravity, "start": self._now, **options})
         if world is not None and world.simulation.steps == 0:
             world.simulation.begin(min(world.time, self._now))
@@ -281,6 +284,11 @@ class Bridge:
         """
         self.tell()
         return self.world.block()
+
+    def close(self) -> None:
+        """Close the World, unless it was given."""
+        if not self._lent:
+            self.world.close()
 
     def restart(self) -> None:
         """Begin anew where `data` is now, in silence; to be called after MuJoCo's data was reset."""

@@ -242,7 +242,8 @@ def _decaying(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) ->
     keep = ~(standing(found, s, amplitude) | filtered | (s.imag * rate < 2 * np.pi * LOWEST_HEARD))
     if (dead and longest > _TELLS * rate) or not keep.any():
         raise RecordingError("nothing that is heard decays: expected the sound of a strike")
-    if energy[keep & (-s.real < _BRIEFEST / rate)].sum() < _RINGS * sum(np.sum(hit.samples**2) for hit in found):
+    rings = keep & (-s.real < np.minimum(_BRIEFEST / rate, _RINGING * s.imag))
+    if energy[rings].sum() < _RINGS * sum(np.sum(hit.samples**2) for hit in found):
         raise RecordingError("a click, in which nothing rings for 15 ms: expected the sound of a strike")
     return keep
 

@@ -124,14 +124,13 @@ def test_a_site_of_a_model_is_a_place_for_a_sensor():
 
     model = mujoco.MjModel.from_xml_string(MODEL)
     data = mujoco.MjData(model)
-    bridge = carom.mujoco.Bridge(model, data, sensors={"tip": {"site": "tip", "preset": "mems"}})
     sensed = []
-    for _ in range(300):
-        mujoco.mj_step(model, data)
-        bridge.update()
-        sensed.append(bridge.world.sensed["tip"])
+    with carom.mujoco.Bridge(model, data, sensors={"tip": {"site": "tip", "preset": "mems"}}) as bridge:
+        for _ in range(300):
+            mujoco.mj_step(model, data)
+            bridge.update()
+            sensed.append(bridge.world.sensed["tip"])
     assert np.abs(np.concatenate(sensed)).max() > 1.0
-    bridge.world.close()
     with pytest.raises(carom.WorldError, match="the model has no such site"):
         carom.mujoco.Bridge(model, data, sensors={"tip": {"site": "top"}})
 
