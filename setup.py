@@ -40,6 +40,24 @@ compiling.build(sys.argv[1:], {targets}, store.PACKAGED)
 """
 
 
+PACK = """
+import sys
+from carom.clients.export import c
+from carom.dsp import sizes
+from carom.dsp.native import compiling, store, targets, wasm
+from carom.dsp.runtime import callback
+exports = sizes.NAME == "small"
+wanted = compiling.portable(targets.built()[:1] if exports else targets.built())
+files = [c.engine_file(), wasm.object_file(callback.__name__)] if exports else []
+compiling.pack(sys.argv[1:], wanted, files, store.PACKAGED)
+"""
+"""Packs portable code for this system, and processors of this one's family: of the engine that plays here, or of that
+of exports, with what these are made of."""
+
+PORTABLE = ("everywhere", "family")
+"""For which of TARGETS a wheel holds portable code, too."""
+
+
 class BuildWithCode(build_py):
     """Copies the package, and has the copy compile itself, which takes long where no code of it is cached."""
 
@@ -52,8 +70,13 @@ class BuildWithCode(build_py):
             # A front end that builds apart from what is installed, as pip does, says in PYTHONPATH where numba is.
             paths = [str(Path(self.build_lib).resolve()), os.environ.get("PYTHONPATH")]
             environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
-            build = [sys.executable, "-c", BUILD.format(targets=TARGETS[asked]), *COMPILED]
-            subprocess.run(build, env=environment, cwd=self.build_lib, check=True)
+            subprocess.run(
+                [sys.executable, "-c", BUILD.format(targets=TARGETS[asked]), *COMPILED],
+                env=environment, cwd=self.build_lib, check=True,
+            )  # fmt: skip
+            for sizes in ("full", "small") if asked in PORTABLE else ():
+                own = environment | {"CAROM_SIZES": sizes}
+                subprocess.run([sys.executable, "-c", PACK, *COMPILED], env=own, cwd=self.build_lib, check=True)
 
 
 setup(cmdclass={"build_py": BuildWithCode})

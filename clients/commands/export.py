@@ -35,10 +35,8 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     from ...dsp import sizes
-    from ...dsp.errors import require_compiler
     from ...dsp.native import targets
 
-    require_compiler("carom export")
     wanted = {sizes.VARIABLE: "small", targets.VARIABLE: targets.PORTABLE}
     if any(os.environ.get(name) != value for name, value in wanted.items()):
         # The scene is laid out as the engine of the page has it: by a process that has its sizes, and its bits.

@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from ...dsp.native.targets import PORTABLE, Target, system
-from ...dsp.native.whole import whole_object
+from ...dsp.native.whole import Whole
 from ...dsp.runtime import callback
 from .scene import ExportError, Scene
 
@@ -24,6 +24,11 @@ _ALL = {
 }.get(system(), ("-Wl,--whole-archive", "libcarom.a", "-Wl,--no-whole-archive"))
 """The words by which a linker takes all of the static library."""
 _FLAGS = ("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden")
+
+
+def engine_file() -> Whole:
+    """Return the engine as the library has it."""
+    return Whole(callback.__name__, Target(system(), PORTABLE), PREFIX)
 
 
 def write_library(scene: Scene, folder: Path) -> None:
@@ -48,7 +53,7 @@ def write_static(folder: Path) -> list[str]:
     shutil.copyfile(_FILES / "carom.h", folder / "carom.h")
     with tempfile.TemporaryDirectory() as made:
         engine = Path(made) / "engine.o"
-        engine.write_bytes(whole_object(callback.__name__, Target(system(), PORTABLE), prefix=PREFIX))
+        engine.write_bytes(engine_file().content())
         rest = Path(made) / "library.o"
         run(*compiler, *_FLAGS, "-c", _FILES / "library.c", "-o", rest)
         static = folder / "libcarom.a"

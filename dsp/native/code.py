@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import COMPILER, NoCodeError
+from . import carried
 from . import store as stores
 from .digests import digest
 from .images import Image, image_of
@@ -40,12 +41,14 @@ def load(module: str) -> Code:
         return found
     kept = Store(user_cache())
     found = _found(module, kept, "cache")
+    if found is None and carried.unpacked(kept):
+        found = _found(module, kept, "cache")
     if found:
         return found
     try:
         compiling = importlib.import_module(f"{__package__}.compiling")  # it imports llvmlite, later numba
     except ModuleNotFoundError as error:
-        raise NoCodeError(_lacking(module, packaged)) from error
+        raise NoCodeError(lacking(module, targets()[0])) from error
     with kept.alone(module):
         made: Code = _found(module, kept, "cache") or compiling.compiled(module)
     return made
@@ -87,15 +90,15 @@ def _found(module: str, kept: Store, origin: str) -> Code | None:
     return None
 
 
-def _lacking(module: str, packaged: Store) -> str:
-    """Say why a module has no code, and what helps."""
-    lists = list(packaged.lists(module))
-    found = sorted({target for _, listed in lists for target in listed.units})
-    wanted = targets()[0]
+def lacking(module: str, wanted: Target) -> str:
+    """Say why a module has no code for a target, and what helps."""
+    found = sorted({target for _, listed in Store(stores.PACKAGED).lists(module) for target in listed.units})
     if not found:
         why = "this Carom came without machine code"
-    elif str(wanted) not in found and not {str(each) for each in targets()} & set(found):
-        why = f"the machine code that came along is for {', '.join(found)}, and this machine is {wanted}"
-    else:
+    elif wanted.is_portable and not carried.place(stores.PACKAGED).exists():
+        why = "this Carom came without portable machine code, of which exports are made, for this machine"
+    elif wanted.is_portable or {str(each) for each in targets()} & set(found):
         why = f"the machine code that came along is of other sources of {module}"
+    else:
+        why = f"the machine code that came along is for {', '.join(found)}, and this machine is {wanted}"
     return f"{why}; `{COMPILER}` installs what compiles it here"

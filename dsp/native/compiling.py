@@ -7,19 +7,20 @@ Kernels are looked at one by one (`translation.py`): those that changed are tran
 import gc
 import importlib
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
 import llvmlite.binding as llvm
 
+from . import carried, whole
 from .code import Code, functions_of, image_key, loaded
 from .compile_notice import CompileNotice
 from .images import Image, image_of, link
 from .portable import functions
 from .sources import compiler_digest, hash_of, sources
 from .store import Listed, Store, user_cache
-from .targets import Target, targets
+from .targets import PORTABLE, Target, targets
 from .units import Unit
 from .workers import Workers
 
@@ -54,6 +55,29 @@ def build(modules: list[str], wanted: tuple[Target, ...], root: Path) -> None:
         for target in wanted:
             units = listed.units[str(target)]
             packaged.write_unit(image_key(units), str(target), "image", _image(kept, module, units, target)[1])
+
+
+def portable(wanted: tuple[Target, ...]) -> tuple[Target, ...]:
+    """Return targets of portable code, for the processors of others."""
+    return tuple(Target(each.system, f"{PORTABLE}-{each.level}" if each.level else PORTABLE) for each in wanted)
+
+
+def pack(modules: list[str], wanted: tuple[Target, ...], wholes: Sequence[whole.Whole], root: Path) -> None:
+    """Write code of modules for some targets, and object files of some of them, into a folder, as one file."""
+    kept, packed = Store(user_cache()), carried.Carried()
+    for module, (key, _) in _compile(modules, wanted).items():
+        own = [each for each in wholes if each.module == module]
+        made = [each.content() for each in own]
+        said = next(each for name, each in kept.lists(module) if name == key)
+        for target in wanted:
+            units = said.units[str(target)]
+            packed.add_unit(image_key(units), str(target), "image", _image(kept, module, units, target)[1])
+        for each, content in zip(own, made, strict=True):
+            packed.add_unit(each.key(said.units[str(each.target)]), str(each.target), whole.KIND, content)
+        targets = [str(target) for target in (*wanted, *(each.target for each in own))]
+        packed.add_list(module, key, Listed(said.sources, {each: said.units[each] for each in targets}))
+    root.mkdir(parents=True, exist_ok=True)
+    carried.place(root).write_bytes(packed.packed())
 
 
 def bitcode(module: str) -> bytes:

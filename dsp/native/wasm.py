@@ -1,21 +1,24 @@
 """A module's functions of C as one WebAssembly module: 32 bits of memory, vectors of 128 bits, no import but memory.
 
-The units' portable code is linked by LLVM. Its object file for WebAssembly is a module already, whose data lie from
-address 0 on: what is taken from it is what only a linker would read, and what is added is a list of exports. So neither
-a linker nor a C compiler is needed.
+LLVM makes one object file of all units' portable code. What a scene does without is left out when that file is linked,
+here: neither a linker nor a compiler is needed once it is made.
 """
 
+import re
+import struct
 from collections.abc import Collection, Iterator
 
+from . import wasm_object
 from .code import functions_of
 from .targets import PORTABLE, WASM, Target
-from .whole import whole_object
+from .wasm_object import ADDRESSES, CALL, DATA, FUNCTION, PLAIN_ADDRESS, Object, Part, leb
+from .whole import Whole
 
 TARGET = Target(WASM, PORTABLE)
 
-_CUSTOM, _IMPORT, _FUNCTION, _EXPORT = 0, 2, 3, 7  # sections
-_SYMBOLS = 8  # a part of the section "linking"
-_UNDEFINED, _NAMED = 0x10, 0x40  # flags of a symbol
+_CUSTOM, _FUNCTIONS, _EXPORT, _CODE, _DATA, _DATA_COUNT = 0, 3, 7, 10, 11, 12  # sections
+_NOTHING = Part(b"\x00\x41\x00\x0b", [])  # a function's code: no variables; it returns 0, that nothing failed
+_PADDED = 5  # bytes of a number that a linker fills in
 
 
 def wasm(module: str, without: Collection[str] = ()) -> bytes:
@@ -25,91 +28,112 @@ def wasm(module: str, without: Collection[str] = ()) -> bytes:
     i32. without: beginnings of the names of kernels (carom.dsp.karman.) that do nothing: no unit of theirs is linked.
     """
     names = [each.py_func.__name__ for each in functions_of(module)]
-    return _trimmed(whole_object(module, TARGET, without), names)
+    return linked(object_file(module).content(), names, tuple(without))
+
+
+def object_file(module: str) -> Whole:
+    """Return the object file that `wasm` links."""
+    return Whole(module, TARGET)
 
 
 def data_end(wasm: bytes) -> int:
     """Return the first address after the data of a WebAssembly module of `wasm`."""
     ends = [0]
-    for number, at, end in _sections(wasm):
-        if number == 11:
-            count, at = _number(wasm, at)
+    for number, at, end in wasm_object.sections(wasm):
+        if number == _DATA:
+            count, at = leb(wasm, at)
             for _ in range(count):
                 at += 2  # flags, and the instruction i32.const
-                address, at = _number(wasm, at)
-                size, at = _number(wasm, at + 1)
+                address, at = leb(wasm, at)
+                size, at = leb(wasm, at + 1)
                 ends.append(address + size)
                 at += size
             assert at == end
     return max(ends)
 
 
-def _trimmed(made: bytes, names: Collection[str]) -> bytes:
-    """Return a WebAssembly object file as a module that exports functions of some names."""
-    indices: dict[str, int] = {}
-    for number, at, end in _sections(made):
-        if number == _CUSTOM:
-            name, at = _text(made, at)
-            if name == "linking":
-                indices = _functions(made, at + 1, end)
-    entries = b"".join(_sized(name.encode()) + b"\0" + _leb(indices[name]) for name in names)
-    exported = bytes([_EXPORT]) + _sized(_leb(len(names)) + entries)
+def linked(made: bytes, names: Collection[str], without: tuple[str, ...] = ()) -> bytes:
+    """Return an object file as a module that exports functions of some names, with all that these need."""
+    read = wasm_object.read(made)
+    numbers = {each.name: each.number for each in read.symbols if each.kind == FUNCTION}
+    for name, number in numbers.items():
+        if without and re.sub(r"^_ZN\d+", "", name).startswith(without):
+            read.functions[number] = _NOTHING
+    functions, segments = _needed(read, [numbers[name] for name in names])
+    addresses = dict(zip(segments, _laid_out([read.segments[each] for each in segments]), strict=True))
+    new = {number: place for place, number in enumerate(functions)}
+    code = [_filled(read, read.functions[each], new, addresses) for each in functions]
+    data = [(addresses[each], _filled(read, read.segments[each], new, addresses)) for each in segments]
+    content = {
+        _FUNCTIONS: _vector(_types(read, functions)),
+        _EXPORT: _vector([_sized(name.encode()) + b"\0" + _leb(new[numbers[name]]) for name in names]),
+        _CODE: _vector([_sized(each) for each in code]),
+        _DATA: _vector([b"\0\x41" + _signed(at) + b"\x0b" + _sized(each) for at, each in data]),
+        _DATA_COUNT: _leb(len(data)),
+    }
     out = [made[:8]]
-    for number, at, end in _sections(made):
-        if number > _EXPORT and exported:
-            out.append(exported)
-            exported = b""
+    for number, plain in read.sections:
+        if number in (_CODE, _DATA, _DATA_COUNT) and _EXPORT in content:
+            out.append(bytes([_EXPORT]) + _sized(content.pop(_EXPORT)))
         if number != _CUSTOM:
-            out.append(bytes([number]) + _sized(made[at:end]))
+            out.append(bytes([number]) + _sized(content.get(number, plain)))
     return b"".join(out)
 
 
-def _functions(made: bytes, at: int, end: int) -> dict[str, int]:
-    """Return the numbers of the functions that an object file's table of symbols names."""
-    found: dict[str, int] = {}
-    while at < end:
-        kind, (size, inner) = made[at], _number(made, at + 1)
-        at = inner + size
-        if kind != _SYMBOLS:
-            continue
-        count, inner = _number(made, inner)
-        for _ in range(count):
-            symbol, (flags, inner) = made[inner], _number(made, inner + 1)
-            if symbol == 1:  # data: a name, and a place where it is defined
-                _, inner = _text(made, inner)
-                for _ in range(0 if flags & _UNDEFINED else 3):
-                    _, inner = _number(made, inner)
-                continue
-            number, inner = _number(made, inner)
-            if symbol != 3 and (not flags & _UNDEFINED or flags & _NAMED):
-                name, inner = _text(made, inner)
-                if symbol == 0:
-                    found[name] = number
-    return found
+def _needed(read: Object, functions: list[int]) -> tuple[list[int], list[int]]:
+    """Return the numbers of all functions and segments that some functions need, in their order."""
+    parts = {FUNCTION: read.functions, DATA: read.segments}
+    waiting = [(FUNCTION, number) for number in functions]
+    found = set(waiting)
+    while waiting:
+        kind, number = waiting.pop()
+        for reference in parts[kind][number].refers:
+            symbol = read.symbols[reference.symbol]
+            needed = symbol.kind, symbol.number
+            if reference.kind in (CALL, *ADDRESSES) and needed not in found:
+                found.add(needed)
+                waiting.append(needed)
+    needs = {wanted: sorted(each for kind, each in found if kind == wanted) for wanted in parts}
+    return needs[FUNCTION], needs[DATA]
 
 
-def _sections(made: bytes) -> Iterator[tuple[int, int, int]]:
-    """Yield each section's number, and where its content begins and ends."""
-    at = 8
-    while at < len(made):
-        number, (size, begin) = made[at], _number(made, at + 1)
-        at = begin + size
-        yield number, begin, at
+def _laid_out(segments: list[Part]) -> Iterator[int]:
+    """Yield the address of each segment."""
+    at = 0
+    for each in segments:
+        at += -at % each.align
+        yield at
+        at += len(each.content)
 
 
-def _number(made: bytes, at: int) -> tuple[int, int]:
-    """Return a number that is written as LEB128, and where it ends."""
-    value = shift = 0
-    while True:
-        byte = made[at]
-        value, shift, at = value | (byte & 0x7F) << shift, shift + 7, at + 1
-        if not byte & 0x80:
-            return value, at
+def _types(read: Object, functions: list[int]) -> list[bytes]:
+    """Return the numbers of the types of functions."""
+    ((_, plain),) = (each for each in read.sections if each[0] == _FUNCTIONS)
+    count, at = leb(plain, 0)
+    types = []
+    for _ in range(count):
+        kind, at = leb(plain, at)
+        types.append(_leb(kind))
+    return [types[each] for each in functions]
 
 
-def _text(made: bytes, at: int) -> tuple[str, int]:
-    size, at = _number(made, at)
-    return made[at : at + size].decode(), at + size
+def _filled(read: Object, part: Part, functions: dict[int, int], addresses: dict[int, int]) -> bytes:
+    """Return a part's content with the numbers and addresses to which it refers."""
+    content = bytearray(part.content)
+    for at, kind, number, added in part.refers:
+        symbol = read.symbols[number]
+        if kind == CALL:
+            content[at : at + _PADDED] = _padded(functions[symbol.number])
+        elif kind in ADDRESSES:
+            address = addresses[symbol.number] + symbol.place + added
+            filled = struct.pack("<i", address) if kind == PLAIN_ADDRESS else _padded(address)
+            content[at : at + len(filled)] = filled
+    return bytes(content)
+
+
+def _padded(value: int) -> bytes:
+    """Return a number of 32 bits, which may be below 0, as LEB128 of 5 bytes."""
+    return bytes([*(value >> shift & 0x7F | 0x80 for shift in (0, 7, 14, 21)), value >> 28 & 0x7F])
 
 
 def _leb(value: int) -> bytes:
@@ -121,5 +145,15 @@ def _leb(value: int) -> bytes:
     return bytes([*out, value])
 
 
+def _signed(value: int) -> bytes:
+    """Return a number as LEB128 that is read as a signed one."""
+    plain = _leb(value)
+    return plain if plain[-1] < 0x40 else bytes([*plain[:-1], plain[-1] | 0x80, 0])
+
+
 def _sized(content: bytes) -> bytes:
     return _leb(len(content)) + content
+
+
+def _vector(parts: Collection[bytes]) -> bytes:
+    return _leb(len(parts)) + b"".join(parts)

@@ -1,69 +1,60 @@
 """A module's functions of C as one object file, in which nothing else can be seen: for what is linked by others."""
 
-import re
-from collections.abc import Collection
-from typing import Any
+import importlib
+from typing import NamedTuple
 
-import llvmlite.binding as llvm
-
-from .code import functions_of
-from .compiling import units_of
+from ..errors import NoCodeError
+from . import carried
+from .code import functions_of, lacking
 from .digests import digest
-from .linking import show_only, tidy
 from .sources import hash_of
 from .store import Store, user_cache
-from .targets import WASM, Target
+from .targets import Target
 
-_FAILED = re.compile(r"^define [^@]*i32 @")
+KIND = "whole"
+"""The kind of its files in a store."""
 
 
-def whole_object(module: str, target: Target, without: Collection[str] = (), prefix: str = "") -> bytes:
-    """Return the object file of a module's functions of C for a target.
+class Whole(NamedTuple):
+    """An object file: of which module, for which target.
 
-    prefix: of their names, which then are hidden in a shared library that the object file is linked into.
-    without: beginnings of the names of kernels (carom.dsp.karman.) that do nothing: no unit of theirs is linked.
+    prefix: of the functions' names, which then are hidden in a shared library that the object file is linked into.
     """
-    kept, names = Store(user_cache()), [each.py_func.__name__ for each in functions_of(module)]
-    units = units_of(module, target)
-    key = digest(f"{units} {sorted(without)} {prefix} {names} {hash_of([__name__])}")
-    made = kept.read_unit(key, str(target), "whole")
-    if made is None:
-        parts = [kept.read_unit(unit, str(target), "bc") or b"" for unit in units]
-        whole = _linked(parts, names, target, tuple(without))
-        for name in names if prefix else ():
-            function = whole.get_function(name)
-            function.name, function.visibility = prefix + name, "hidden"
-        made = target.machine().emit_object(whole)
-        kept.write_unit(key, str(target), "whole", made)
-    content: bytes = made
-    return content
 
+    module: str
+    target: Target
+    prefix: str = ""
 
-def _linked(parts: list[bytes], names: Collection[str], target: Target, without: tuple[str, ...]) -> Any:
-    """Return LLVM's module of all units' bitcode, in which only the functions of some names can be seen."""
-    machine = target.machine()
-    whole = llvm.parse_assembly("")
-    for part in parts:
-        module = llvm.parse_bitcode(part)
-        whole.link_in(_emptied(module) if _is_without(module, without) else module)
-    show_only(whole, names)
-    whole.triple, whole.data_layout = target.triple, str(machine.target_data)
-    tidy(whole, machine)
-    if target.system == WASM:
-        missing = [each.name for each in whole.functions if each.is_declaration and not each.name.startswith("llvm.")]
-        if missing:
-            raise TypeError(f"{', '.join(missing)}: a web page has no such function")
-    return whole
+    def content(self) -> bytes:
+        """Return it: from the cache, else from what came along with the package, else compiled now.
 
+        NoCodeError where it is in neither, and there is no compiler.
+        """
+        importlib.import_module(self.module)
+        kept = Store(user_cache())
+        found = self.found(kept)
+        if found is None and carried.unpacked(kept):
+            found = self.found(kept)
+        if found is None:
+            try:
+                merging = importlib.import_module(f"{__package__}.merging")  # it imports llvmlite and numba
+            except ModuleNotFoundError as error:
+                raise NoCodeError(lacking(self.module, self.target)) from error
+            merging.make_whole(self)
+            found = self.found(kept)
+        if found is None:
+            raise OSError(f"the compiled code in {kept.root} has gone while it was compiled")
+        return found
 
-def _is_without(module: Any, without: tuple[str, ...]) -> bool:
-    """True if the one function that a unit's module shows is to be left out."""
-    shown = [each.name for each in module.functions if not each.is_declaration and each.linkage.name == "external"]
-    return any(re.sub(r"^_ZN\d+", "", name).startswith(without) for name in shown) if without else False
+    def found(self, kept: Store) -> bytes | None:
+        """Return it if it lies in a store."""
+        for name, listed in kept.lists(self.module):
+            units = listed.units.get(str(self.target), [])
+            if units and name == hash_of(listed.sources):
+                return kept.read_unit(self.key(units), str(self.target), KIND)
+        return None
 
-
-def _emptied(module: Any) -> Any:
-    """Return a unit's module whose function does nothing."""
-    (head,) = (line for line in str(module).split("\n") if _FAILED.match(line) and "internal" not in line)
-    head = re.sub(r" (#\d+|personality .*|align \d+)(?=[ {])", "", head)
-    return llvm.parse_assembly(f"{head}\n  ret i32 0\n}}\n")
+    def key(self, units: list[str]) -> str:
+        """Return the name by which it is kept, if it is made of some units."""
+        names = [each.py_func.__name__ for each in functions_of(self.module)]
+        return digest(f"{units} {self.prefix} {names} {hash_of([f'{__package__}.merging'])}")

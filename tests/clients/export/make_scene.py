@@ -188,7 +188,7 @@ def _field(entry: Any, path: str) -> float:
 def use(name: str) -> None:
     """Put a module's callback in the place of the engine's."""
     other = importlib.import_module(name)
-    engine.callback = other.callback
+    engine.callback, engine.MODULE = other.callback, name
     web.callback = c.callback = other
 
 
