@@ -34,7 +34,7 @@ sys.meta_path.insert(0, Refuses())
 """The module `sitecustomize` of processes that cannot import the compilers of kernels."""
 
 LACKS = (
-    "this Carom came without portable machine code, of which exports are made, for this machine; "
+    "this Carom came without portable machine code, of which exports are made; "
     "`pip install 'carom[compile]'` installs what compiles it here"
 )
 """The reason why a wheel for one processor alone makes no exports."""

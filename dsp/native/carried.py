@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import sizes
+from ..errors import NoCodeError
 from . import store as stores
 from .store import Listed, Store
 from .targets import targets
@@ -50,20 +51,25 @@ class Carried:
         return lzma.compress(content, _XZ, lzma.CHECK_CRC32, filters=filters)
 
 
+def held() -> set[str]:
+    """Return the targets of the code that came along. NoCodeError if the file cannot be read."""
+    file = place(stores.PACKAGED)
+    said = _read(file)[0] if file.exists() else {"lists": {}}
+    return {target for _, listed in said["lists"].values() for target in listed["units"]}
+
+
 def unpacked(kept: Store) -> bool:
-    """Write what came along into a store, once in a process; False where nothing did, or other code plays here."""
+    """Write what came along into a store, once in a process; False where nothing did, or other code plays here.
+
+    NoCodeError if the file cannot be read.
+    """
     file = place(stores.PACKAGED)
     return targets()[0].is_portable and file.exists() and _unpack(file, kept.root)
 
 
 @cache
 def _unpack(file: Path, root: Path) -> bool:
-    import lzma
-
-    content, kept = lzma.decompress(file.read_bytes()), Store(root)
-    (length,) = struct.unpack_from("<I", content)
-    at = 4 + length
-    said = json.loads(content[4:at])
+    (said, content), kept, at = _read(file), Store(root), 0
     for key, what, kind, size in said["units"]:
         kept.write_unit(key, what, kind, content[at : at + size])
         at += size
@@ -71,3 +77,17 @@ def _unpack(file: Path, root: Path) -> bool:
         before = next((each.units for name, each in kept.lists(module) if name == key), {})
         kept.write_list(module, key, Listed(listed["sources"], {**before, **listed["units"]}))
     return True
+
+
+def _read(file: Path) -> tuple[dict[str, Any], bytes]:
+    """Return what the file says of itself, and the contents of its units' files, one after the other."""
+    try:
+        import lzma
+    except ImportError as error:
+        raise NoCodeError(f"{file}: to unpack it, Python needs its module lzma, which this one lacks") from error
+    try:
+        content = lzma.decompress(file.read_bytes())
+    except (OSError, EOFError, lzma.LZMAError) as error:
+        raise NoCodeError(f"{file}: this file is damaged ({error}); to install Carom again mends it") from error
+    (length,) = struct.unpack_from("<I", content)
+    return json.loads(content[4 : 4 + length]), content[4 + length :]

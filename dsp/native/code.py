@@ -92,13 +92,14 @@ def _found(module: str, kept: Store, origin: str) -> Code | None:
 
 def lacking(module: str, wanted: Target) -> str:
     """Say why a module has no code for a target, and what helps."""
-    found = sorted({target for _, listed in Store(stores.PACKAGED).lists(module) for target in listed.units})
-    if not found:
+    own = {target for _, listed in Store(stores.PACKAGED).lists(module) for target in listed.units}
+    found = carried.held() if wanted.is_portable else own
+    if not own:
         why = "this Carom came without machine code"
-    elif wanted.is_portable and not carried.place(stores.PACKAGED).exists():
-        why = "this Carom came without portable machine code, of which exports are made, for this machine"
-    elif wanted.is_portable or {str(each) for each in targets()} & set(found):
+    elif not found:
+        why = "this Carom came without portable machine code, of which exports are made"
+    elif {str(wanted), *map(str, targets())} & found:
         why = f"the machine code that came along is of other sources of {module}"
     else:
-        why = f"the machine code that came along is for {', '.join(found)}, and this machine is {wanted}"
+        why = f"the machine code that came along is for {', '.join(sorted(found))}, and this machine is {wanted}"
     return f"{why}; `{COMPILER}` installs what compiles it here"

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from carom.dsp.errors import NoCodeError
+from carom.dsp.native import carried, code, store, targets
 from tests.clients.export.conftest import TINY
 from tests.clients.export.pages import ENGINE
 from tests.test_sdist import REFUSES
-
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler is installed")]
 
 MODULES = ("carom.dsp.native.atomics", "carom.dsp.swarm.making")
 """The modules whose code an export runs, but for the engine's."""
@@ -61,6 +61,8 @@ def exported(script: str, folder: Path, *words: object, **own: str) -> "subproce
     return subprocess.run(run, env=ENGINE | own, capture_output=True, text=True)
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler is installed")
 def test_an_export_without_a_compiler_has_the_same_bytes(tmp_path: Path) -> None:
     """All files of a page and of a library are those of an export with a compiler."""
     wanted, made, code = tmp_path / "wanted", tmp_path / "made", tmp_path / "objects"
@@ -74,3 +76,29 @@ def test_an_export_without_a_compiler_has_the_same_bytes(tmp_path: Path) -> None
     assert {"carom.wasm.lzma", "scene.carom.lzma", "scene.carom", "libcarom.a", "libcarom.so"} < names
     for name in names:
         assert (made / name).read_bytes() == (wanted / name).read_bytes(), name
+
+
+@pytest.mark.parametrize(
+    ("carries", "said"),
+    [
+        (None, "this Carom came without portable machine code, of which exports are made; `pip install"),
+        ("other", "came along is for linux-portable-other, and this machine is linux-portable"),
+        ("edited", "the machine code that came along is of other sources of module; `pip install"),
+        ("cut", "portable-.*xz: this file is damaged .*; to install Carom again mends it"),
+    ],
+)
+def test_what_keeps_a_wheel_from_exporting_is_said(
+    carries: str | None, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wheel without portable code, with that of another processor or of other sources, and a damaged file."""
+    monkeypatch.setattr(store, "PACKAGED", tmp_path)
+    wanted = targets.Target("linux", f"{targets.PORTABLE}-x86-64-v2")
+    monkeypatch.setattr(code, "targets", lambda: (wanted,))
+    store.Store(tmp_path).write_list("module", "key", store.Listed([], {"linux-x86-64-v2": ["unit"]}))
+    packed = carried.Carried()
+    target = str(wanted) if carries == "edited" else "linux-portable-other"
+    packed.add_list("module", "key", store.Listed([], {target: ["unit"]}))
+    if carries:
+        carried.place(tmp_path).write_bytes(packed.packed()[: 60 if carries == "cut" else None])
+    with pytest.raises(NoCodeError, match=said):
+        raise NoCodeError(code.lacking("module", wanted))
