@@ -129,6 +129,15 @@ def begin_block(block: Block, contact: Coupled, place: float, rolls: bool) -> No
 
 
 @kernel
+def add_beside(block: Block, contact: Coupled, first: float, second: float) -> None:
+    """Add the moments (N s) of another force at the contact's point over the last sample, by whose end it has moved
+    the point: it does what the contact's own does to the samples after it."""
+    block.moments[0] += first
+    block.moments[1] += second
+    block.stored = _stored(contact, block, contact.motion[0])
+
+
+@kernel
 def end_block(block: Block, contact: Coupled) -> None:
     """Leave the contact so that it can go on by samples, after as many of the block as were taken."""
     for j in range(NODES):

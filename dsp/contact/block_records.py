@@ -58,7 +58,9 @@ class Net(Record):
     size: int
     stop: int  # frame up to which they may be solved,
     end: int  # and up to which they are, -1: nobody has done so
+    begin: int  # at which their block began
     lasts: int  # 1: forces that last are not all those of bodies at rest, which are in no force here
+    rubs: int  # 1: friction acts on an object, too, sample by sample
     contact: Annotated[View[int], TOGETHER]  # places among the contacts
     block: Annotated[View[int], TOGETHER]  # and among the blocks
     objects: int
@@ -107,7 +109,7 @@ class Block(Record):
     free: Annotated[View[float], MOTIONS]  # compression and rate with no force but that at rest,
     seen: Annotated[View[float], MOTIONS]  # and with those of the others,
     v: Annotated[View[float], FORCES]  # m per sample
-    moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F
+    moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F, as far as the object gets it, and of friction beside it
 
 
 @kernel

@@ -5,7 +5,7 @@ from ..native.typed import Items, View
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, add_tables, line_of
 from .block_nodes import AT, RATES, SHARES, TO_NODES, TRAVELS
-from .block_records import Block, Net, Tables, forces_of, moments_of, motion_of, ratio_of, rows_of
+from .block_records import Block, Net, Tables, forces_of, moments_of, motion_of, rows_of
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
 from .power_series import POWERS
 
@@ -113,7 +113,7 @@ def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
     """Add what the forces of sample n do to the rows of the samples after it, of all contacts of a net of a size."""
     for i in range(size):
         for j in range(size):
-            ratio = ratio_of(net, i, j) if i != j else net.share[i]
+            ratio = net.gain[j] / net.gain[i] if i != j else 1.0
             _feel(blocks[net.block[i]], blocks[net.block[i]].tables[j], blocks[net.block[j]].moments, n, ratio)
 
 

@@ -47,6 +47,7 @@ def update_objects(state: State) -> None:
         obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = 0
         obj.rolls_head = -1
         obj.ahead = obj.resumes = 0
+        obj.laid = -1
         obj.energy = 0.0
         for channel in range(2):
             obj.static_before[channel], obj.static[channel] = obj.static[channel], 0.0

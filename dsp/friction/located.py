@@ -32,6 +32,9 @@ def step_located(friction: Friction, observed: View[float], moments: View[float]
             total += POWERS[n, k] * observed[k]
         friction.motion[n] = total
         moments[n] = 0.0
+    for n in range(FINE):
+        friction.motion[min(n + 1, FINE - 1)] += friction.beside[0] * friction.held[n]
+        friction.motion[min(n + 2, FINE - 1)] += friction.beside[1] * friction.rising[n]
     at = 0.0
     flips = friction.count = 0
     for piece in range(MOST_PIECES + 1):

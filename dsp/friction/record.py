@@ -24,6 +24,7 @@ class Friction(Record):
     # The driver at the sample's beginning and end.
     drive: Annotated[View[float], 2]  # m/s
     normal: Annotated[View[float], 2]  # N
+    beside: Annotated[View[float], 2]  # N: start and slope a sample of another force that moves the point along
     # The point: power series of its velocity after a unit impulse, m/(s N) a sample, and that for a unit force that
     # is held, and for one that rises by 1 N a sample; the first power of time that counts is 0, 1 and 2.
     impulse: Annotated[View[float], FINE]
@@ -32,6 +33,7 @@ class Friction(Record):
     whole: Annotated[View2D[float], 2, 2]  # as `give`, for a whole sample
     whole_held: Annotated[View[float], 2]  # response to a held force after a third and at the end of the sample
     whole_mean: float  # its mean
+    whole_moment: float  # and the mean of it times t
     form: Annotated[View[float], 3]  # int f v over the sample of the force's own velocity: of F0^2, F0 F1, F1^2
     motion: Annotated[View[float], FINE]  # power series of v_free from now
     # A piece: the equation at its nodes.

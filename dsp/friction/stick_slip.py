@@ -33,7 +33,7 @@ def begin_friction(friction: Friction, rate: float) -> None:
     friction.branch = 1.0
     friction.tank = friction.lost = friction.driven = 0.0
     friction.events = friction.holds = friction.count = 0
-    friction.tangential = friction.stored = 0.0
+    friction.tangential = friction.stored = friction.beside[0] = friction.beside[1] = 0.0
     for i in range(SPRINGS):
         friction.pull[i] = 0.0
 
@@ -50,9 +50,10 @@ def respond_along(friction: Friction, response: View[float]) -> None:
         friction.held[n] = friction.impulse[n] / (n + 1)
         friction.rising[n] = friction.held[n] / (n + 2)
     fill_give(friction, 1.0)
-    square = product = ramp = 0.0
+    square = product = ramp = friction.whole_moment = 0.0
     for n in range(FINE):
         square += friction.held[n] / (n + 2)
+        friction.whole_moment += friction.held[n] / (n + 3)
         product += friction.held[n] / (n + 3) + friction.rising[n] / (n + 3)
         ramp += friction.rising[n] / (n + 4)
     friction.form[0], friction.form[1], friction.form[2] = square, product, ramp
@@ -139,6 +140,18 @@ def _slip(friction: Friction) -> tuple[bool, float]:
             break
     friction.force[0], friction.force[1] = sign * f1, sign * f2
     return found, w2
+
+
+@kernel
+def move_beside(
+    friction: Friction, third: float, end: float, mean: float, moment: float
+) -> tuple[float, float, float, float]:
+    """Return what `velocity.sense` found, with what the force beside friction does to it over the sample."""
+    whole, start, slope = friction.whole, friction.beside[0], friction.beside[1]
+    first, last, middle = start + THIRD * slope, start + slope, start + 0.5 * slope
+    third += whole[0, 0] * first + whole[0, 1] * last
+    end += whole[1, 0] * first + whole[1, 1] * last
+    return third, end, mean + friction.whole_mean * middle, moment + friction.whole_moment * middle
 
 
 @kernel

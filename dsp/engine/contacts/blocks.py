@@ -1,11 +1,14 @@
-"""Rolls that feel all modes, rests, presses and long blows, solved a quantum at a time (contact/block.py) where nothing
-else acts on the object, or on those that share contacts with it.
+"""Rolls and slides that feel all modes, rests, presses and long blows, solved a quantum at a time (contact/block.py)
+where nothing else acts on the object, or on those that share contacts with it.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
 decided for each quantum anew: while a contact of another kind acts, or too many do, and where a contact is too stiff
 for the parts of a sample, they go on sample by sample (contact_groups.py). So does a sample that they don't follow;
 then another block begins. A body that moves over its object feels the modes at one place in each block; its
 force moves on meanwhile.
+
+Friction follows the normal force and the modes sample by sample (slides.py). So a block under it is solved a sample at
+a time, just before: later samples of all its contacts feel friction as they feel their own forces.
 """
 
 import math
@@ -35,6 +38,7 @@ from .coupled_rolls import position_of
 from .flights import release_spent
 from .linear_rests import may_be_linear, note_calm, run_linear
 from .rolls import feed_of, register_roll
+from .slides import rubs
 from .trace import trace_press, trace_roll
 
 _FEWEST = 8  # frames that are worth a block
@@ -48,70 +52,97 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
     obj.resumes = QUANTUM
     if PARTS[state.choices.accuracy] == 0:
         return
-    if not _gather(state, net, slot, frame):
+    goes_on = obj.laid >= 0
+    net.begin = obj.laid if goes_on else frame
+    if not _gather(state, net, slot, frame, goes_on):
         if frame + 2 * _FEWEST <= QUANTUM and _lasts(state, obj):
             obj.resumes = frame + _FEWEST  # what touches may have left
         return
-    parts = _look(state, net)
-    if parts == 0:
-        return
-    if not (may_be_linear(state, net, parts, frame) and run_linear(state, net)):
+    if not goes_on:
+        parts = _look(state, net)
+        if parts == 0:
+            return
+        if may_be_linear(state, net, parts, frame) and run_linear(state, net):
+            _hand_on_all(state, net, frame)
+            _resume(state, net, net.end)
+            return
         for i in range(net.size):
             _begin(state, net, i, parts, frame)
-        net.end = -1
-        if net.size == 1:
-            run_alone(state, frame)
-        if net.end < 0:
-            net.end = _run(state, net, net.size, frame)
-        _leave(state, net, frame, net.end)
-        note_calm(state, net, frame)
-    for i in range(net.size):
-        _hand_on(state, state.contacts[net.contact[i]], frame)
-    _resume(state, net, frame, net.end)
-
-
-@noinline_kernel
-def run_alone(state: State, frame: int) -> None:
-    """Solve the contact of a net that has no other from a frame on: by code of its own, which is faster, and gives the
-    same bits. What lacks it does without (clients/export)."""
-    state.scratch.net.end = _run(state, state.scratch.net, 1, frame)
+    _solve(state, net, frame)
 
 
 @kernel
-def _resume(state: State, net: Net, frame: int, end: int) -> None:
-    """Say when the objects of a net that was solved from a frame to another are to be looked at again.
+def _solve(state: State, net: Net, frame: int) -> None:
+    """Solve the contacts of a net from a frame on, as far as can be, or for a sample under friction."""
+    stop = frame + 1 if net.rubs == 1 else net.stop
+    net.end = -1
+    if net.size == 1:
+        run_alone(state, frame, stop)
+    if net.end < 0:
+        net.end = _run(state, net, net.size, frame, stop)
+    for i in range(net.size):
+        state.contacts[net.contact[i]].ahead = net.end
+    if net.end == stop < net.stop:
+        for i in range(net.objects):
+            obj = state.objects[net.object[i]]
+            obj.laid, obj.resumes = net.begin, net.end
+    else:
+        _leave(state, net, net.end)
+        note_calm(state, net, net.begin)
+        _resume(state, net, net.end)
+    _hand_on_all(state, net, frame)
+
+
+@noinline_kernel
+def _hand_on_all(state: State, net: Net, frame: int) -> None:
+    """Hand on the forces of a net's contacts from a frame on, as far as they are solved."""
+    for i in range(net.size):
+        _hand_on(state, state.contacts[net.contact[i]], frame)
+    for i in range(net.objects):
+        state.objects[net.object[i]].ahead |= net.end > frame
+
+
+@noinline_kernel
+def run_alone(state: State, frame: int, stop: int) -> None:
+    """Solve the contact of a net that has no other from a frame to another: by code of its own, which is faster, and
+    gives the same bits. What lacks it does without (clients/export)."""
+    state.scratch.net.end = _run(state, state.scratch.net, 1, frame, stop)
+
+
+@kernel
+def _resume(state: State, net: Net, end: int) -> None:
+    """Say when the objects of a net whose block ends at a frame are to be looked at again.
 
     After a sample that no block follows comes another block; after one that took none twice as many samples as then.
     """
     apart = 0
     for i in range(net.objects):
         apart = max(apart, state.objects[net.object[i]].apart)
-    apart = 1 if end > frame else min(max(2 * apart, 1), QUANTUM)
+    apart = 1 if end > net.begin else min(max(2 * apart, 1), QUANTUM)
     for i in range(net.objects):
         obj = state.objects[net.object[i]]
-        obj.apart = apart
-        if end > frame:
-            obj.ahead = 1
+        obj.apart, obj.laid = apart, -1
         obj.resumes = end + apart if end + apart <= QUANTUM - _FEWEST else QUANTUM
 
 
 @kernel
 def _lasts(state: State, obj: Object) -> bool:
-    """True if a contact of an object is a roll, a rest or a press."""
+    """True if a contact of an object is a roll, a slide, a rest or a press."""
     found = False
     index = obj.contact
     while index >= 0:
         trait = state.contacts[index].trait
-        found |= trait.rolls == 1 or trait.rests == 1 or trait.held == 1
+        found |= trait.along == 1 or trait.rests == 1 or trait.held == 1
         index = state.contacts[index].next
     return found
 
 
 @kernel
-def _gather(state: State, net: Net, slot: int, frame: int) -> bool:
+def _gather(state: State, net: Net, slot: int, frame: int, goes_on: bool) -> bool:
     """List the contacts that act on an object, and on those that share contacts with it, from a frame on, in the order
-    of their places; false if one can't be solved in blocks, or another one acts soon."""
-    net.size = net.lasts = net.objects = 0
+    of their places; false if one can't be solved in blocks, or another one acts soon. goes_on: their block has begun
+    before, so they can."""
+    net.size = net.lasts = net.rubs = net.objects = 0
     net.stop = QUANTUM
     if state.choices.method.method > 0:
         return False
@@ -121,15 +152,17 @@ def _gather(state: State, net: Net, slot: int, frame: int) -> bool:
         obj = state.objects[net.object[i]]
         if is_coupled(state, obj):
             return False
-        if obj.shares_contact == 0 and not _list(state, net, net.object[i], obj.contact, frame):
+        if obj.shares_contact == 0 and not _list(state, net, net.object[i], obj.contact, frame, goes_on):
             return False
         if obj.shares_contact == 1:
             for g in range(state.scratch.group_size):
                 first = state.objects[state.scratch.group[g]].contact
-                if not _list(state, net, net.object[i], first, frame):
+                if not _list(state, net, net.object[i], first, frame, goes_on):
                     return False
         i += 1
-    return net.size > 0 and net.stop >= frame + _FEWEST
+    for i in range(net.size):
+        net.gain[i] = state.contacts[net.contact[i]].now.gain
+    return net.size > 0 and (goes_on or net.stop >= frame + _FEWEST)
 
 
 @kernel
@@ -143,7 +176,7 @@ def _join(net: Net, slot: int) -> None:
 
 
 @kernel
-def _list(state: State, net: Net, slot: int, index: int, frame: int) -> bool:
+def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bool) -> bool:
     """Put those of a list's contacts into a net that act on an object at a frame, and their objects; false if one can't
     be. The net's block stops where others begin to act, also those whose strikers fly till then."""
     while index >= 0:
@@ -153,7 +186,7 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int) -> bool:
         if here and contact.asleep == 0 and waits > frame:
             net.stop = min(net.stop, waits)
         elif here and contact.asleep == 0 and not _is_listed(net, index):
-            if net.size == TOGETHER or not _can_be(state, contact):
+            if net.size == TOGETHER or not (goes_on or _can_be(state, contact)):
                 return False
             i = net.size
             while i > 0 and net.contact[i - 1] > index:
@@ -162,6 +195,7 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int) -> bool:
             net.contact[i], net.block[i] = index, contact.roll
             net.size += 1
             net.lasts |= _bends(contact)
+            net.rubs |= contact.trait.slips == 1 and rubs(contact)
             for side in range(2):
                 if contact.point[side].slot >= 0:
                     _join(net, contact.point[side].slot)
@@ -180,7 +214,7 @@ def _is_listed(net: Net, index: int) -> bool:
 
 @kernel
 def _can_be(state: State, contact: Contact) -> bool:
-    """True if a contact is a roll, a rest, a press or a long blow that may be solved over the quantum."""
+    """True if a contact is a roll, a slide, a rest, a press or a long blow that may be solved over the quantum."""
     begun = contact.start + contact.fraction <= state.position - 1
     if contact.solver != COUPLING or not begun:
         return False
@@ -188,7 +222,7 @@ def _can_be(state: State, contact: Contact) -> bool:
         return contact.touching == 1 and _has_place(state, contact)
     if contact.trait.held == 1:
         return _stays(state, contact) and _has_place(state, contact)
-    if contact.trait.rolls == 0:
+    if contact.trait.along == 0:
         blow = contact.trait.single == 1 and not _is_directed(contact)
         return blow and _stays(state, contact) and is_long(contact.coupled) and _has_place(state, contact)
     roll = state.rolls[contact.roll]
@@ -204,7 +238,7 @@ def _is_directed(contact: Contact) -> bool:
 @kernel
 def _bends(contact: Contact) -> bool:
     """True if objects bend under all of a contact's force: there is no other that is in balance with it."""
-    return contact.trait.rolls == 0 and contact.trait.rests == 0
+    return contact.trait.along == 0 and contact.trait.rests == 0
 
 
 @kernel
@@ -227,33 +261,25 @@ def _has_place(state: State, contact: Contact) -> bool:
 
 @kernel
 def _look(state: State, net: Net) -> int:
-    """Return the parts of a sample that follow all contacts; 0 if none do."""
+    """Return the parts of a sample that follow all contacts; 0 if none do. A body that moves over its object feels the
+    modes where it is amid the quantum."""
     level = state.choices.accuracy
     least: int = PARTS[level]
     parts = 1
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
         if contact.travel > 0.0:
-            _stand_between(state, contact)
+            put(state, state.objects[contact.point[0].slot], contact, position_of(contact, 0.5 * QUANTUM))
+            contact.unsettled = 1
         if contact.unsettled == 1:
             observe_points(state, contact)
         take_room_again(state, contact)
-        net.gain[i] = contact.now.gain
         blow = contact.trait.single == 1
         needed = parts_for(contact.coupled, 1 if blow else least, contact.trait.rests == 1, level > 0)
         if needed == 0:
             return 0
         parts = max(parts, needed)
     return parts
-
-
-@kernel
-def _stand_between(state: State, contact: Contact) -> None:
-    """Put a body that moves over its object where it will be after half a quantum: it feels the modes there."""
-    roll = state.rolls[contact.roll]
-    contact.rolled, contact.rolls = roll.s + 0.5 * QUANTUM * roll.modulated_speed / state.rate, 0.0
-    put(state, state.objects[contact.point[0].slot], contact, position_of(contact, 0))
-    contact.unsettled = 1
 
 
 @noinline_kernel
@@ -282,7 +308,7 @@ def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
             modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
             place += scale * lay_point(state, block.parts, samples, modes, where)
     take_rows(block, state.scratch.rows, scale)
-    rolls = contact.trait.rolls == 1
+    rolls = contact.trait.along == 1
     begin_block(block, contact.coupled, place, rolls)
     if rolls:
         begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
@@ -309,52 +335,43 @@ def _settle(state: State, contact: Contact, other: Contact, block: Block, tables
 
 
 @kernel
-def _run(state: State, net: Net, size: int, frame: int) -> int:
-    """Solve the contacts of a net, of a size, from a frame on, as far as blocks follow them: their forces' moments are
-    in their feeds. Return the frame of the end."""
-    for n in range(frame, net.stop):
+def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
+    """Solve the contacts of a net, of a size, from a frame to another, as far as blocks follow them: their forces'
+    moments are in their feeds. Return the frame of the end."""
+    for n in range(frame, stop):
+        if n > net.begin:
+            feel(state.blocks, net, size, n - 1 - net.begin)
         for i in range(size):
             net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]])
-        if not step_blocks(state.contacts, state.blocks, net, size, n - frame):
+        if not step_blocks(state.contacts, state.blocks, net, size, n - net.begin):
             return n
-        feel(state.blocks, net, size, n - frame)
         for i in range(size):
-            feed = state.feeds[net.block[i], BEHIND + n]
+            feed, moments = state.feeds[net.block[i], BEHIND + n], state.blocks[net.block[i]].moments
             for k in range(MOMENTS_AHEAD):
-                feed[k] = net.share[i] * state.blocks[net.block[i]].moments[k]
-    return net.stop
+                feed[k] = moments[k] = net.share[i] * moments[k]
+    return stop
 
 
 @kernel
-def _leave(state: State, net: Net, frame: int, end: int) -> None:
-    """End the blocks of a net's contacts, which are solved from a frame to another."""
+def _leave(state: State, net: Net, end: int) -> None:
+    """End the blocks of a net's contacts, which are solved up to a frame."""
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
         block = state.blocks[net.block[i]]
         end_block(block, contact.coupled)
-        contact.ahead = end
-        if contact.trait.rolls == 1:
+        if contact.trait.along == 1:
             contact.led = 1 if end < net.stop else 0
             if end < net.stop and block.piece >= 0:
                 roll_back(state.rolls[contact.roll], contact.coupled, block)
-            _roll_through(state, contact, end)
-        state.steps_taken += end - frame
-
-
-@kernel
-def _roll_through(state: State, contact: Contact, end: int) -> None:
-    """Tell where a roll's force acts over the quantum, whose frames up to `end` are solved."""
-    roll = state.rolls[contact.roll]
-    contact.rolls = QUANTUM * roll.modulated_speed / state.rate
-    contact.rolled = roll.s - contact.rolls * (end / QUANTUM)
-    if end < QUANTUM and contact.travel > 0.0:
-        contact.unsettled = 1  # its force moves on, and leaves it elsewhere
+            if end < QUANTUM and contact.travel > 0.0:
+                contact.unsettled = 1  # its force moves on, and leaves it elsewhere
+        state.steps_taken += end - net.begin
 
 
 @kernel
 def _lead(state: State, contact: Contact, block: Block) -> float:
     """Lay the path under a contact over the coming sample; return the share of its force that the object gets."""
-    if contact.trait.rolls == 0:
+    if contact.trait.along == 0:
         return 1.0
     roll = state.rolls[contact.roll]
     if contact.led == 0 and block.even == 1:

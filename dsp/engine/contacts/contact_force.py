@@ -166,7 +166,7 @@ def update_mode_count(state: State, contact: Contact) -> bool:
 @noinline_kernel
 def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
     """Give the modes the force of a contact over the sample that ends at a frame of the quantum; those of a coupled
-    contact have it already.
+    contact have it already, but a slide's.
 
     False where a closed or sampled contact ends.
     """
@@ -198,7 +198,7 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
         impulse = scratch.moments[0]
     if contact.sound >= 0 and impulse != 0.0:
         drive_striker(state, contact)
-    if contact.solver != COUPLING:
+    if contact.solver != COUPLING or contact.trait.slips == 1:
         drive(state, contact)
     return lasts
 
@@ -207,7 +207,7 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
 def gain_of(state: State, contact: Contact) -> float:
     """Return the factor on the force that the modes get: the gesture's gain, and what is left of a roll that has
     stopped."""
-    share = share_of(state.rolls[contact.roll]) if contact.trait.rolls == 1 else 1.0
+    share = share_of(state.rolls[contact.roll]) if contact.trait.along == 1 else 1.0
     return contact.now.gain * share
 
 
@@ -273,7 +273,7 @@ def observe_points(state: State, contact: Contact) -> None:
             receptance(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
                 scratch.receptance[n] += scratch.fine[n]
-            if contact.trait.rolls == 0 and contact.trait.rests == 0:
+            if contact.trait.along == 0 and contact.trait.rests == 0:
                 find_static(state, contact, side, obj, point.modes)
         if obj.live > 0:
             observe(modes, where, scratch.work, scratch.fine)

@@ -112,7 +112,7 @@ def _solve(state: State) -> None:
     price = 1 + group.size * group.size // _CHEAP
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
-        if contact.trait.rolls == 1:
+        if contact.trait.along == 1:
             lead_roll(state, contact)
         observe_points(state, contact)
         if contact.coupled.tolerance == HELD and not holds_steps(state):
@@ -131,7 +131,8 @@ def _solve(state: State) -> None:
         for n in range(FINE):
             contact.moments[n] = group.moments[i, n]
             state.scratch.fine[n] = gain * contact.moments[n]
-        drive(state, contact)
+        if contact.trait.slips == 0:  # else friction comes first
+            drive(state, contact)
 
 
 @kernel

@@ -177,12 +177,12 @@ def _add_static(state: State, contact: Contact) -> None:
 def _roll_on(state: State, index: int) -> bool:
     """Compute a rolling or sliding body's force for a quantum; true if it has come to its end."""
     contact = state.contacts[index]
-    if contact.solver == COUPLING:
-        return _roll_on_coupled(state, contact)
     roll = state.rolls[contact.roll]
     changed = update_mode_count(state, contact)
     if contact.trait.slips == 1:
         lead_slide(state, contact, changed)
+    if contact.solver == COUPLING:
+        return _roll_on_coupled(state, contact, changed)
     roll.path.coarseness = coarseness_of(state)
     met = roll.impacts
     feed_on(state, contact)
@@ -202,11 +202,14 @@ def _roll_on(state: State, index: int) -> bool:
 
 
 @kernel
-def _roll_on_coupled(state: State, contact: Contact) -> bool:
-    """Bring a roll that feels all modes to a new quantum; true if it has come to its end."""
+def _roll_on_coupled(state: State, contact: Contact, changed: bool) -> bool:
+    """Bring a roll or slide that feels all modes to a new quantum; true if it has come to its end. `changed`: it acts
+    on other modes than before."""
     roll = state.rolls[contact.roll]
-    if update_mode_count(state, contact):
+    if changed:
         contact.unsettled = 1
+    if contact.trait.rolls == 1:
+        contact.rolled, contact.rolls = roll.s, QUANTUM * roll.modulated_speed / state.rate
     contact.m = roll.m
     contact.ahead = 0
     state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
@@ -305,7 +308,7 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
             if contact.solver == COUPLING and contact.solved == 0:
                 solve_alone(state, contact)
             if apply_contact_force(state, contact, frame):
-                leaves = contact.solver == COUPLING and contact.trait.rolls == 0
+                leaves = contact.solver == COUPLING and contact.trait.along == 0
                 stays = not leaves or follow_coupled(state, contact, frame)
                 break
             stays = leave(state, contact, frame)

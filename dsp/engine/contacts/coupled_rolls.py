@@ -1,9 +1,9 @@
-"""Rolls that feel the modes of the object under them.
+"""Rolls and slides that feel the modes of the object under them.
 
 On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
 solved a quantum at a time where it can be (blocks.py). On one that hardly gives way, where steps are held, where
 `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the effective mass
-on the contact), and under a slide the object is a dashpot, which costs as much for any number of modes
+on the contact), and under a bow the object is a dashpot, which costs as much for any number of modes
 (rolling/contact_step.py).
 
 All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
@@ -26,7 +26,7 @@ from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
 from ..bodies.objects import is_felt, shape_at
 from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
-from ..memory.records import Contact
+from ..memory.records import SLID, Contact
 from ..memory.state import COUPLING, QUANTUM, State
 from .solver_choice import tolerance_of
 
@@ -36,6 +36,7 @@ GIVING = np.array([1e-3, 1e-3, 3e-4, 3e-5, 0.0])
 
 _FINE = LEVELS.index("-80")  # of the accuracies, from which on short steps err no more
 _SHARE = 1.0 / 7.0  # of the room for coupled modes, which rolls take at most: they last
+_TURNED = 0.25  # rad^2 of a swing on the contact in a sample, times friction: beyond, that comes too late for it
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _PLACED = 16  # frames after which one that feels all modes acts at another place
 
@@ -50,7 +51,7 @@ def couple_roll(state: State, contact: Contact) -> None:
     roll.mobility = mobility / omega_c
     gives_way = mass * greatest > GIVING[level]
     roll.brief = BRIEF if level < _FINE or gives_way else 0.0
-    if not gives_way or contact.trait.slips == 1 or holds_steps(state):
+    if not gives_way or holds_steps(state) or not _is_moved(state, contact):
         return
     modes = BY_ITSELF
     for side in range(2):
@@ -58,6 +59,8 @@ def couple_roll(state: State, contact: Contact) -> None:
             modes += state.objects[contact.point[side].slot].size
     room, steps = room_for_coupling(state), state.choices.budget.steps
     turn = omega_c * math.sqrt(1.0 + mass * _mobility_here(state, contact, math.inf)) / state.rate
+    if contact.trait.slips == 1 and _friction_of(contact) * turn * turn > _TURNED:
+        return
     crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
     if crowded or (steps > 0 and 1.0 + turn > steps):
         state.stats.over_budget += 1
@@ -69,6 +72,28 @@ def couple_roll(state: State, contact: Contact) -> None:
     state.stats.coupled_modes += modes
     begin_coupled_roll(roll, contact.coupled, state.rate, tolerance_of(state, contact))
     renew_block(state.blocks[contact.roll])
+
+
+@kernel
+def _is_moved(state: State, contact: Contact) -> bool:
+    """True for a roll, and for a slide whose normal motion is that of the modes: those move under a bow, whose contact
+    stays (sweep 0), along the slip. Not where friction has a direction of its own, feels a part of the modes alone, or
+    follows a press, which feels them."""
+    if contact.trait.slips == 0:
+        return True
+    way, asked = contact.direction[0], contact.target
+    apart = way[0] != 0.0 or way[1] != 0.0 or way[2] != 0.0
+    for side in range(2):
+        slot = contact.point[side].slot
+        apart |= slot >= 0 and state.objects[slot].size > SLID
+    return asked.sweep != 0.0 and state.slides[contact.roll].press == 0 and not (apart and asked.along > 0.0)
+
+
+@kernel
+def _friction_of(contact: Contact) -> float:
+    """Return friction against the normal force, as far as it moves modes."""
+    asked = contact.target
+    return asked.along * max(asked.static, asked.dynamic)
 
 
 @kernel
@@ -110,13 +135,12 @@ def lead_roll(state: State, contact: Contact) -> None:
         contact.led = 0
         return
     roll = state.rolls[contact.roll]
-    frame = int(roll.t * state.rate + 0.5)
+    frame = int(contact.origin + 1.0 + roll.t * state.rate + 0.5) - state.position  # in the quantum
     begin = contact.fraction if roll.t == 0.0 else 0.0
     if lead_coupled_roll(roll, contact.coupled, begin):
         contact.unsettled = 1
-    contact.rolled, contact.rolls = roll.s, 0.0
     if contact.travel > 0.0 and frame % _PLACED == 0:
-        put(state, state.objects[contact.point[0].slot], contact, position_of(contact, 0))
+        put(state, state.objects[contact.point[0].slot], contact, position_of(contact, frame))
         contact.unsettled = 1
 
 

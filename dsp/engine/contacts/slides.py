@@ -2,28 +2,30 @@
 
 Rolling and sliding are one state of contact: a speed at which the contact moves over the object (sweep) and one at
 which the surfaces slip. Asperities pass at the faster of the two. The normal force is the roll's, whose weight is the
-force that presses; a light object is a dashpot under it. Friction feels the modes, the SLID longest ringing ones,
-sample by sample (friction/stick_slip.py). Its bound follows the normal force, or that of a press on the same object,
-which feels them, too.
+force that presses. It feels the modes where a roll's does (coupled_rolls.py), with what friction does to them. Friction
+feels the SLID longest ringing ones, sample by sample (friction/stick_slip.py). Its bound follows the normal force, or
+that of a press on the same object, which feels the modes, too.
 """
 
 import math
 
+from ...contact.block import add_beside
 from ...friction.elastic import step_elastic, stiffen
 from ...friction.held import step_held
 from ...friction.located import step_located
-from ...friction.stick_slip import begin_friction, respond_along, step_whole
+from ...friction.stick_slip import begin_friction, move_beside, respond_along, step_whole
 from ...native.jit import kernel
 from ...numerics.legendre import FINE
 from ...resonator.bank import inject_fine, inject_line
 from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
+from ...rolling.body import share_of
 from ...schema import SPEED
 from ..bodies.objects import modes_of, point_of, shapes_at
 from ..bodies.sensing import push_sensed
 from ..bodies.surface import direct, has_moved, keep_spot, put
 from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact, Slide
-from ..memory.state import QUANTUM, State
+from ..memory.state import COUPLING, QUANTUM, State
 from .contact_force import find_static
 from .coupled_rolls import position_of
 from .rolls import feed_of
@@ -46,7 +48,7 @@ def begin_slide(state: State, contact: Contact) -> None:
     slide.position = -1.0
     slide.pressed = -1
     contact.rolls = 0.0
-    contact.unsettled = 1
+    slide.stale = 1
     _lead_roll(state, contact)
 
 
@@ -75,8 +77,9 @@ def lead_slide(state: State, contact: Contact, changed: bool) -> None:
     slide.sweep += (_sweep_of(contact) - slide.sweep) * -math.expm1(-QUANTUM / (_GLIDE * state.rate))
     contact.rolled += contact.rolls
     contact.rolls = slide.sweep * QUANTUM / state.rate
-    if changed:
-        contact.unsettled = 1
+    slide.stale |= int(changed) | contact.unsettled
+    if contact.solver != COUPLING:
+        contact.unsettled = 0
     moves = contact.travel > 0.0 and contact.rolls > 0.0
     if (
         moves
@@ -123,8 +126,10 @@ def rub(state: State, contact: Contact, frame: int) -> None:
         return
     slide, scratch = state.slides[contact.roll], state.scratch
     friction = slide.friction
-    if contact.unsettled == 1 or slide.moved == 1:
+    if slide.stale == 1 or slide.moved == 1:
         _settle(state, contact)
+    if contact.solver == COUPLING:
+        _look_beside(state, contact, frame)
     _drive(state, contact, frame)
     third = end = mean = moment = 0.0
     for side in range(2):
@@ -133,14 +138,17 @@ def rub(state: State, contact: Contact, frame: int) -> None:
             a, b, c, d = sense(modes, slide.rows[side], SLID)
             third, end, mean, moment = third + a, end + b, mean + c, moment + d
     gain = contact.now.gain
+    third, end, mean, moment = third / gain, end / gain, mean / gain, moment / gain
+    if contact.solver == COUPLING:
+        third, end, mean, moment = move_beside(friction, third, end, mean, moment)
     whole = True
     if friction.tangential > 0.0:
-        step_elastic(friction, mean / gain)
+        step_elastic(friction, mean)
     elif holds_steps(state):
         friction.slope = 0.0
-        step_held(friction, end / gain, mean / gain)
+        step_held(friction, end, mean)
     else:
-        whole = step_whole(friction, third / gain, end / gain, mean / gain, moment / gain)
+        whole = step_whole(friction, third, end, mean, moment)
     if not whole:
         _observe(state, contact)
         step_located(friction, scratch.observed, scratch.fine)
@@ -173,7 +181,7 @@ def _settle(state: State, contact: Contact) -> None:
             slide.weights[side, n] = point.weights[n]
         modes = modes_of(state, obj, 0, slide.modes[side])
         where = point_of(state, obj, point)
-        if contact.unsettled == 1:
+        if slide.stale == 1:
             set_rows(modes, slide.rows[side], SLID)
         set_shapes(slide.modes[side], where, slide.along, slide.rows[side], SLID)
         velocity_response(modes, slide.rows[side], SLID, scratch.work, scratch.fine)
@@ -181,25 +189,47 @@ def _settle(state: State, contact: Contact) -> None:
             scratch.receptance[n] += scratch.fine[n]
         find_static(state, contact, side, obj, slide.modes[side])
     respond_along(slide.friction, scratch.receptance)
-    contact.unsettled = slide.moved = 0
+    slide.stale = slide.moved = 0
 
 
 @kernel
 def _drive(state: State, contact: Contact, frame: int) -> None:
     """Give friction the slip and the normal force at the sample's end."""
-    slide, roll = state.slides[contact.roll], state.rolls[contact.roll]
-    friction, feed = slide.friction, feed_of(state, contact)
+    slide = state.slides[contact.roll]
+    friction = slide.friction
     friction.drive[0], friction.normal[0] = friction.drive[1], friction.normal[1]
     friction.drive[1] = slide.slip + (contact.now.speed - slide.slip) * ((frame + 1) / QUANTUM)
     slide.laid += (1.0 - slide.laid) / (_LAID * state.rate)
     if slide.press > 0:
-        friction.normal[1] = slide.laid * roll.fade * _force_of_press(state, slide)
+        friction.normal[1] = slide.laid * share_of(state.rolls[contact.roll]) * _force_of_press(state, slide)
         return
-    after = min(frame + 1, QUANTUM - 1)
-    weight = roll.fade * roll.m * roll.g
-    here = max(feed[frame, 0] * state.rate + weight, 0.0)
-    there = max(feed[after, 0] * state.rate + weight, 0.0)
-    friction.normal[1] = 0.5 * slide.laid * (here + there)
+    friction.normal[1] = slide.laid * _own_force(state, contact, frame)
+
+
+@kernel
+def _own_force(state: State, contact: Contact, frame: int) -> float:
+    """Return the normal force (N) of a slide at the end of the sample that ends at a frame."""
+    roll, slide = state.rolls[contact.roll], state.slides[contact.roll]
+    beside = slide.friction.beside
+    weight = share_of(roll) * roll.m * roll.g
+    if contact.solver == COUPLING:
+        return max((beside[0] + beside[1]) * slide.along + weight, 0.0)
+    feed, after = feed_of(state, contact), min(frame + 1, QUANTUM - 1)
+    here, there = feed[frame, 0] * state.rate + weight, feed[after, 0] * state.rate + weight
+    return 0.5 * (max(here, 0.0) + max(there, 0.0))
+
+
+@kernel
+def _look_beside(state: State, contact: Contact, frame: int) -> None:
+    """Tell friction of the normal force over the sample that ends at a frame, beyond its weight: as a line."""
+    slide, block = state.slides[contact.roll], state.blocks[contact.roll]
+    scale = state.rate / slide.along
+    first, second = block.moments[0], block.moments[1]
+    if contact.ahead <= frame:
+        scale *= share_of(state.rolls[contact.roll])
+        first, second = contact.moments[0], contact.moments[1]
+    slide.friction.beside[0] = scale * (first - 3.0 * second)
+    slide.friction.beside[1] = scale * 6.0 * second
 
 
 @kernel
@@ -234,6 +264,10 @@ def _inject(state: State, contact: Contact, whole: bool, sample: int) -> None:
     if not whole:
         first, second = scratch.fine[0], scratch.fine[1]
     trace_friction(state, contact, sample, slide, first, second, whole)
+    if contact.solver == COUPLING:
+        contact.coupled.motion[0] -= first * friction.whole_mean / slide.along  # the point has moved meanwhile
+        if contact.ahead > sample + 1 - state.position:
+            add_beside(state.blocks[contact.roll], contact.coupled, slide.along * first, slide.along * second)
     first *= scale
     second *= scale
     if not whole:

@@ -50,7 +50,7 @@ def count_steps(state: State, contact: Contact, sign: int, price: int) -> None:
     """
     coupled, stats = contact.coupled, state.stats
     stats.held += sign * coupled.held
-    if contact.trait.rolls == 0:
+    if contact.trait.along == 0:
         stats.recontacts += sign * max(coupled.contacts - 1, 0)
     contact.debt += sign * price * coupled.steps
     state.steps_taken += sign * price * coupled.steps

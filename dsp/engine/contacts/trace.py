@@ -33,9 +33,9 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
     all.
     """
     moments = state.scratch.fine
-    if contact.trait.rolls == 1 or contact.trait.rests == 1:
+    if contact.trait.along == 1 or contact.trait.rests == 1:
         point = contact.point[0]
-        share = share_of(state.rolls[contact.roll]) if contact.trait.rolls == 1 else 1.0
+        share = share_of(state.rolls[contact.roll]) if contact.trait.along == 1 else 1.0
         place = _placed(state, contact, point.row, point.weights)
         if _trace_moving(state, contact, sample, place, share, moments) >= 0:
             _publish(state)

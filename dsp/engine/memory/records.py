@@ -124,6 +124,7 @@ class Slide(Record):
     weights: Annotated[View2D[float], 2, 4]
     directed: int  # as its point's, of the object that it slides on
     moved: int  # 1: since it was settled
+    stale: int  # 1: its modes are others than when it was settled, or were retuned
     along: float
     position: float
     spot: Annotated[View[float], 3]  # m: the point of the surface, where it is at one

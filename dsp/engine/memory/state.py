@@ -201,6 +201,7 @@ class Object(Record):
     ahead: int  # 1: it is driven by moments of its rolls that were solved ahead
     resumes: int  # frame at which its rolls are to be solved ahead again; QUANTUM: none
     apart: int  # frames from the end of a block to the next one
+    laid: int  # frame at which its block began that goes on, a sample at a time; -1: none
     rolls_head: int  # head of the list of rolls on it, 2 contact + side; -1: none
     energy: float  # sum of squares of its share of the mix
 

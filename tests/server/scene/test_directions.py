@@ -108,7 +108,7 @@ def test_the_direction_of_the_normal_changes_nothing(session, gesture):
     sounds = []
     for direction in ((), ("direction", 0.0, 0.0, 5.0)):
         say(session, "/object/new", "bar", "bar")
-        along = ("along", 1.0, "force", 5.0, "seed", 3, "id", "g") if gesture == "slide" else ()
+        along = ("along", 1.0, "sweep", 0.0, "force", 5.0, "seed", 3, "id", "g") if gesture == "slide" else ()
         say(session, f"/object/bar/{gesture}", 0.3, "point", 0.05, 0.002, TOP, *along, *direction)
         sounds.append(session.engine.process(9_600).copy())
         say(session, "/object/bar/free", 1)

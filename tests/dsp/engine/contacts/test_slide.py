@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from carom.dsp.bodies import listed
-from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import End
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.dsp.engine.support import RATE, bell, gesture, numbered, steer, stop, strike
@@ -107,9 +106,7 @@ def test_a_slide_without_slip_is_a_roll():
     engine = Engine(RATE)
     handle = engine.add(glass(), 0.05)
     begin = gesture("roll", handle, TIP, 0.0, 7, speed=0.3, gravity=25.0, **keys)
-    # At quality 1 what a roll moves on is a dashpot, as it is under a slide.
-    first = [Command(NOW, Kind.ACCURACY, value=0), Command(NOW, Kind.QUALITY, value=1)]
-    engine.send([*first, begin._replace(surface=STEEP)])
+    engine.send([begin._replace(surface=STEEP)])
     np.testing.assert_array_equal(slide, engine.process(24_000)[:, 0])
     assert np.abs(slide).max() > 1e-7
 

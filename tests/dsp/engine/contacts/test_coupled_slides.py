@@ -1,0 +1,197 @@
+"""Slides that feel the modes of what they slide on, with what friction does to them: against DOP853, and each other."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import carom
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM
+from carom.dsp.lab.rolling_path import path_pieces
+from carom.dsp.rolling.surface import make_surface
+from carom.dsp.runtime.engine import NOW, Engine
+from tests.dsp.engine.contacts.test_coupled_rolls import apart, light, pane
+from tests.dsp.engine.contacts.test_coupling import modal
+from tests.dsp.engine.support import SURFACE, bell, gesture, numbered, strike
+
+RATE = 48_000
+LAW = (0.02, 3e6, 0.5, 1.5)
+LAID = 0.02 * RATE  # samples: time constant with which a striker is laid on
+SLIDE = {"speed": 0.3, "sweep": -1.0, "force": 0.2, "radius": 0.02, "patch": 0.0, "static": 0.0, "dynamic": 0.0,
+         "stribeck": 1e-3, "tangential": 0.0, "along": 0.0, "seed": 5}  # fmt: skip
+RUB = {**SLIDE, "static": 0.5, "dynamic": 0.5, "along": 0.3}
+
+
+def sliding(level="-60", body=None, law=LAW, time=0.0, quality=0, **keys):
+    """Return an engine in which a slide goes on, and the handle of its object."""
+    engine = Engine(RATE)
+    handle = engine.add(body or light(), 0.05)
+    first = [Command(NOW, Kind.ACCURACY, value=LEVELS.index(level)), Command(NOW, Kind.QUALITY, value=quality)]
+    engine.send([*first, gesture("slide", handle, law, time, 7, **{**SLIDE, **keys})])
+    return engine, handle
+
+
+def slide_of(engine):
+    return next(each for each in numbered(engine) if each["gesture"] == 7)
+
+
+def pushes(engine, quanta):
+    """Return the force (N) beyond the weight in the last samples of so many quanta."""
+    found = []
+    for _ in range(quanta):
+        engine.process(QUANTUM)
+        found.append(slide_of(engine)["forces"].copy())
+    return np.array(found)
+
+
+def reference(frequency, sigma, phi, times, keys, begin):
+    """Return the states z of the modes at `times` (s): m y'' = f - m g, the modes get f - m g, and a share of mu f, as
+    far as the striker is laid on."""
+    m, k, mu, a = LAW
+    omega, n, speed = 2 * np.pi * frequency, len(frequency), keys["speed"]
+    profile = make_surface(*SURFACE, seed=keys["seed"])
+    pieces = path_pieces(profile, keys["radius"], speed, speed * times[-1] * 1.01)
+
+    def motion(t, y, at, level, incline, curvature):
+        s = speed * t - at
+        height, rise = level + s * (incline + 0.5 * curvature * s), speed * (incline + curvature * s)
+        q = y[2 + n :] / omega
+        x, v = height - y[0] - phi @ q, rise - y[1] - phi @ (y[2 : 2 + n] - sigma * q)
+        f = k * x**a * max(0.0, 1 + mu * v) if x > 0 else 0.0
+        laid = 1.0 - (1.0 - 1.0 / LAID) ** (t * RATE)
+        over = f - keys["force"] + keys["along"] * keys["dynamic"] * laid * f
+        turning = -sigma * y[2 : 2 + n] - omega * y[2 + n :] + phi * over
+        return np.concatenate([[y[1], (f - keys["force"]) / m], turning, omega * y[2 : 2 + n] - sigma * y[2 + n :]])
+
+    at, level, incline, curvature = pieces[0]
+    y = np.zeros(2 + 2 * n)
+    y[0] = level - at * (incline - 0.5 * curvature * at) - (keys["force"] / k) ** (1 / a)
+    y[1] = speed * (incline - curvature * at)
+    found, t = [], 0.0
+    for i, piece in enumerate(pieces):
+        end = min(pieces[i + 1, 0] / speed if i + 1 < len(pieces) else times[-1], times[-1])
+        wanted = times[(times > t) & (times <= end)]
+        if end > t:
+            ends = wanted if len(wanted) and wanted[-1] == end else np.append(wanted, end)
+            solved = solve_ivp(motion, (t, end), y, "DOP853", ends, args=tuple(piece), rtol=1e-10, atol=1e-13)
+            y, t = solved.y[:, -1], end
+            found += list(solved.y[2:, : len(wanted)].T)
+    z = np.array(found)
+    return z[:, :n] + 1j * z[:, n:]
+
+
+@pytest.mark.parametrize(
+    ("level", "keys", "bound"),
+    [("-50", SLIDE, -110), ("-60", SLIDE, -120), ("exact", SLIDE, -140), ("-50", RUB, -65), ("exact", RUB, -65)],
+)
+def test_a_slide_and_the_modes_that_it_moves_against_dop853(level, keys, bound):
+    """A body on an object that is as light, 20 ms, without friction and with it: the normal force feels what that
+    does."""
+    engine, handle = sliding(level, time=3.25, **keys)
+    states, times = [], []
+    for _ in range(15):
+        engine.process(QUANTUM)
+        frequency, sigma, phi, z = modal(engine, handle, 4)
+        states.append(z)
+        times.append((engine.position - 1 - 3.25) / RATE)
+    right = reference(frequency, sigma, phi, np.array(times), keys, 3.25)
+    assert engine.stats.coupled == 1
+    assert apart(np.array(states) @ phi, right @ phi) < bound
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("body", [light(), light(1e-3), light(0.05, 60.0), bell(24, modal_mass=0.5), pane(0.5)])
+def test_a_slide_over_a_flat_object_pushes_with_its_force(level, body):
+    engine, _ = sliding(level, body, roughness=0.0, along=0.0)
+    found = np.abs(pushes(engine, 75))
+    assert engine.stats.coupled == 1
+    assert found.max() < 1e-5 * SLIDE["force"]
+
+
+@pytest.mark.parametrize("keys", [SLIDE, RUB])
+def test_a_slide_feels_a_blow_on_its_object(keys):
+    """The normal force changes while the object swings. At quality 1 that is a dashpot, and it does not."""
+    swings = {}
+    for quality in (0, 1):
+        engine, handle = sliding(quality=quality, roughness=0.0, **keys)
+        engine.process(100 * QUANTUM)
+        still = np.std(pushes(engine, 10))
+        strike(engine, handle, velocity=0.05)
+        swings[quality] = np.std(pushes(engine, 10)[1:])
+        assert still < 1e-3 * keys["force"]
+    assert swings[0] > 0.1 * keys["force"] > 100.0 * swings[1]
+
+
+@pytest.mark.parametrize("along", [0.0, 0.3])
+def test_a_slide_over_a_flat_object_gives_it_no_energy(along):
+    """Nothing is lost but by friction at a crawl: the energy of a ringing object, body and contact never grows."""
+    m, k, _, a = LAW
+    engine, handle = sliding(body=light(0.05, 1e6), law=(m, k, 0.0, a), roughness=0.0, speed=1e-10, static=0.5,
+                             dynamic=0.5, along=along)  # fmt: skip
+    engine.process(10 * QUANTUM)
+    strike(engine, handle, velocity=0.02)
+    engine.process(4 * QUANTUM)
+    energies = []
+    for _ in range(150):
+        engine.process(QUANTUM)
+        z, contact = modal(engine, handle, 4)[3], slide_of(engine)["coupled"]
+        x, v = contact["motion"][0], contact["v"]
+        stored = k * max(x, 0.0) ** (a + 1) / (a + 1)
+        energies.append(0.5 * np.sum(np.abs(z) ** 2) + 0.5 * m * v * v + stored - SLIDE["force"] * x)
+        assert engine.state["objects"]["ahead"][0, handle.slot] == 1
+    energies = np.array(energies) + a / (a + 1) * SLIDE["force"] * (SLIDE["force"] / k) ** (1 / a)  # 0 at rest
+    assert np.max(energies - np.minimum.accumulate(energies)) < 1e-5 * energies[0]
+
+
+@pytest.mark.parametrize("keys", [{}, {"along": 0.3}, {"along": 0.3, "tangential": 1e6}])
+def test_no_bit_of_a_slide_depends_on_the_block_size(keys):
+    found = []
+    for size in (QUANTUM, 1000, 37):
+        engine, handle = sliding(**{**RUB, **keys, "travel": 0.1, "position": 0.2})
+        strike(engine, handle, time=2_000.25, velocity=0.3)
+        sound = np.concatenate([engine.process(size) for _ in range(8_000 // size + 1)])
+        found.append(sound[:8_000])
+        assert engine.stats.faults == 0
+    np.testing.assert_array_equal(found[0], found[1])
+    np.testing.assert_array_equal(found[0], found[2])
+
+
+SOUNDS = {
+    "tin-lid": {}, "plastic-cup": {}, "frame-drum": {}, "ceramic-bowl": {}, "wood-board": {},
+    "glass-plate": {"striker": "chalk"}, "aluminium-pipe": {"striker": "knife"},
+}  # fmt: skip
+"""Slides of objects: some without friction, some of which it is a part."""
+
+
+def heard(name, accuracy, seconds, **keys):
+    """Return the left channel of an object's slide."""
+    with carom.Scene(RATE, limiter=False) as scene:
+        scene.accuracy(accuracy)
+        scene.new("a", name, stereo_width=0).slide(seed=1, **keys)
+        return scene.render(seconds).samples[:, 0].astype(float)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOUNDS)
+def test_sounds_of_slides_are_as_exact_as_was_asked_for(name):
+    """The first 20 ms, beside `exact`."""
+    right = heard(name, "exact", 0.02, **SOUNDS[name])
+    for level in (-50, -60):
+        found = heard(name, str(level), 0.02, **SOUNDS[name])
+        assert apart(found, right) < level
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["glass-plate", "wood-board", "frame-drum"])
+def test_steady_slides_are_as_loud_as_at_exact(name):
+    """Third octaves that are heard, within 1 dB."""
+    levels = []
+    for accuracy in ("exact", "-60", "-50", "-40"):
+        sound = heard(name, accuracy, 0.3, **SOUNDS[name])[4_800:]
+        power = np.abs(np.fft.rfft(sound * np.hanning(len(sound)))) ** 2
+        edges = 1_000.0 * 2.0 ** ((np.arange(-6, 13) - 0.5) / 3)
+        bands = np.searchsorted(np.fft.rfftfreq(len(sound), 1 / RATE), edges)
+        levels.append(10 * np.log10(np.add.reduceat(power, bands)[:-1]))
+    loud = levels[0] > levels[0].max() - 50.0
+    assert all(np.abs(each - levels[0])[loud].max() < 1.0 for each in levels)
