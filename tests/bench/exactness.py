@@ -28,6 +28,7 @@ from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets.library import Presets
 from carom.server.options import BUDGET
+from tests.bench.counted import counted
 from tests.dsp.contact.coupled_reference import Blow, several
 from tests.dsp.engine.contacts.test_contact_groups import FIRST, PROMISED, shapes
 from tests.dsp.engine.contacts.test_coupling import felt, modal
@@ -209,4 +210,4 @@ def main(count: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 500))
+    sys.exit(main(counted(__doc__, 500)))

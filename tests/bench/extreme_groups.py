@@ -22,6 +22,7 @@ from carom.dsp.engine.memory.commands import Command, Handle, Kind
 from carom.dsp.engine.memory.state import QUANTUM, Solver
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.accuracy import GROWTH
+from tests.bench.counted import counted
 from tests.dsp.engine.contacts.test_coupling import energy, felt
 from tests.dsp.engine.support import free, impact
 
@@ -147,4 +148,4 @@ def main(count: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 100_000))
+    sys.exit(main(counted(__doc__, 100_000)))

@@ -18,6 +18,7 @@ from carom.dsp.contact.block_sizes import MOST_PARTS
 from carom.dsp.contact.coupled_step import HELD
 from carom.dsp.lab.blocks import simulate_blocks
 from carom.dsp.lab.coupled import Case, Run, extreme_case, simulate
+from tests.bench.counted import counted
 
 GROWTH, GROWTH_IN_BLOCKS = 1e-8, 1e-5
 """Shares of a contact's greatest energy by which it may grow."""
@@ -55,4 +56,4 @@ def main(count: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 100_000))
+    sys.exit(main(counted(__doc__, 100_000)))

@@ -15,6 +15,7 @@ import numpy as np
 from carom.dsp.lab.bowing import BETAS, FORCES, SHARP, force_limit, schelleng, schelleng_limit
 from carom.dsp.lab.rubbed import extreme_rub
 from carom.dsp.lab.slide import BOWED, rub_modes
+from tests.bench.counted import counted
 
 BALANCE, GIVEN_BACK = 1e-9, 1e-12
 SLOPE = 0.15
@@ -76,4 +77,4 @@ def main(count: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 100_000))
+    sys.exit(main(counted(__doc__, 100_000)))

@@ -1,11 +1,10 @@
 """Random rests between objects, and on supports: how far their energy grows. `python -m tests.bench.rests [COUNT]`."""
 
-import sys
-
 import numpy as np
 
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.state import QUANTUM
+from tests.bench.counted import counted
 from tests.dsp.engine.contacts.test_coupling import energy
 from tests.dsp.engine.contacts.test_rests import contact_of, engine_at, plain, rest, rest_energy
 from tests.dsp.engine.support import steer, strike
@@ -80,4 +79,4 @@ def main(count: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 1_000)
+    main(counted(__doc__, 1_000))

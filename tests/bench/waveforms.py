@@ -1,6 +1,6 @@
 """Whole sounds, against the same at a higher rate, at the same times, and against `exact` at the same rate.
 
-    python -m tests.bench.waveforms [ACCURACY]
+    python -m tests.bench.waveforms [--accuracy=-50]
 
 Presets are struck by four strikers at a time between two samples, then once more while they ring. The reference is
 the engine at `exact`; of one at a higher rate every second or fourth sample is taken, without a resampler: the sound is
@@ -9,12 +9,14 @@ fade at their end, by their spectra below 12 kHz: the greatest difference of the
 Delays count.
 """
 
+import argparse
 import sys
 from functools import cache
 from itertools import product
 
 import numpy as np
 
+from carom.dsp.contact.accuracy import DEFAULT, LEVELS
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets.library import Presets
 from carom.server.osc.wire import Message
@@ -97,4 +99,6 @@ def main(accuracy: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1] if len(sys.argv) > 1 else "-60"))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--accuracy", choices=LEVELS, default=LEVELS[DEFAULT], help="of the sounds (%(default)s)")
+    sys.exit(main(parser.parse_args().accuracy))

@@ -2,13 +2,13 @@
 
 `python -m tests.bench.worlds [SCENE ...]` prints a line for each scene and step: blows, energies, third octaves, and
 costs: of MuJoCo's own step, of the bridge, which is all from its arrays to the engine's commands, and of the engine.
-`costs` in place of scenes prints the costs alone, of a pile of 20 bodies too; and those with blows alone. `vector`
-prints the steps per second of the environments, without sound and with it, by a wrapper of each or of all together.
+`--costs` prints the costs alone, of a pile of 20 bodies too; and those with blows alone. `--vector` prints the steps
+per second of the environments, without sound and with it, by a wrapper of each or of all together.
 
 A scene is run several times, and of each of its steps the least time counts: the others were disturbed.
 """
 
-import sys
+import argparse
 import time
 
 import gymnasium
@@ -102,15 +102,23 @@ def vectors() -> None:
 
 
 def main() -> None:
-    if sys.argv[1:] == ["vector"]:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(SCENES)}; without one, all")
+    parser.add_argument("--costs", action="store_true", help="only what they cost")
+    parser.add_argument("--vector", action="store_true", help="only environments of Gymnasium")
+    options = parser.parse_args()
+    unknown = set(options.scenes) - set(SCENES)
+    if unknown:
+        parser.error(f"{unknown.pop()}: no such scene; expected one of {', '.join(SCENES)}")
+    if options.vector:
         return vectors()
-    if sys.argv[1:] == ["costs"]:
+    if options.costs:
         SCENES["twenty"] = (lambda step: SCENES["pile"][0](step, 20)), 4.0
         for name in SCENES:
             for step in STEPS:
                 print(f"{name:8} {1e3 * step:.0f} ms: {cost_line(name, step)}", flush=True)
         return None
-    for name in sys.argv[1:] or SCENES:
+    for name in options.scenes or SCENES:
         first = None
         for step in STEPS:
             heard = run(name, step)
