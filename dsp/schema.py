@@ -410,7 +410,7 @@ SHATTER = Gesture(
     VELOCITY._replace(help="at which it hits what breaks it; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "into which it breaks", default=60.0, whole=True),
-        HEIGHT._replace(help="from which the pieces fall", default=0.0),
+        HEIGHT._replace(help="up to which the pieces are as it breaks, each at its own", default=0.0),
         SPREAD,
         SEED,
     ),

@@ -51,6 +51,8 @@ class Strikers:
         entry["momentum"], entry["exponent"], entry["scatter"], entry["delay"] = (
             snap.momentum, snap.exponent, snap.scatter, snap.delay,
         )  # fmt: skip
+        bends = sound.ringing.frequency if sound.ringing else ()
+        entry["bends"], entry["bend"][: len(bends)] = len(bends), bends
         entry["mobility"] = sound.ringing.mobility if sound.ringing else 1.0
         entry["serial"] = self._serial
 

@@ -2,23 +2,33 @@
 
 As many pieces have a mass m as m^-1.5, over three decades (O. Oddershede, P. Dimon and J. Bohr, Phys. Rev. Lett. 71,
 1993: exponents from 1.1 of slabs to 1.6 of balls). They fly up at up to half the speed at which the whole hit, fall on
-what lies below, and bounce: a piece leaves with a random share of the speed that its contact leaves it, as it turns.
-Each has its numbers from (seed, piece, bounce, channel) alone.
+what lies below, and clatter. Each has its numbers from (seed, piece, bounce, channel) alone.
+
+A flat piece that lands on its rim stops only that: at a small angle a disc's rim meets the floor with a fifth of its
+mass, and the opposite one gets 0.6 of the change, downwards, so that it slaps the floor soon, up to twice as fast
+(Goyal, Papadopoulos and Sullivan, J. Dynamic Systems, Measurement, and Control 120, 1998). At small angles both rims
+fly as free bodies do between the blows of either, and a rim falls at 1.6 g while the other one rests. One that would
+turn over meanwhile lands at an angle at random, with its energy.
+
+It bends as well, and touches again and again while it does (Stoianovici and Hurmuzlu, J. Applied Mechanics 63, 1996).
+With A = m' sum phi^2 of its modes below a pulse's roll-off, these take g^2 A/(1 + 2 g^2 A) of the energy m' v^2/2,
+where g = 1 + e: what one pulse gives if that is little, and half at most, as if the rim shared it with them evenly.
 """
 
 import math
 
 from ..native.jit import kernel
 from ..numerics.constants import STANDARD_GRAVITY
-from ..numerics.elementary import log
+from ..numerics.elementary import exp, log
 from ..schema import MOST_PIECES
+from .blows import ROLL_OFF
 from .record import SIZES, Swarm
-from .times import GAP, MAGNITUDE, OTHER, uniform
+from .times import GAP, MAGNITUDE, OTHER, VARIETY, uniform
 
 _DECADES = 1000.0
 _LEAST = 1.0 - 1.0 / math.sqrt(_DECADES)
 _THROWN = 0.5
-BOUNCES = 64
+BOUNCES = 128
 """Bounces of a piece at most."""
 CRACKING = 0.03
 """s: for which what breaks cracks (estimated)."""
@@ -30,13 +40,17 @@ STRONGEST = 0.1
 """Share of that in the strongest crack."""
 CRACK = 0.1
 """Mass that moves at a crack, in that of a piece (estimated)."""
-_SLOWEST = 0.03  # m/s: a slower piece lies still
-_TURNING = 0.7  # share of its speed that a piece may keep for itself, as it turns
+SLOWEST = 0.03
+"""m/s: a slower rim stays where it lands, unheard."""
+TILT = math.sqrt(0.5)
+"""Cosine of the angle at which a piece's modes are struck, as they are told."""
+_SPUN = 4.0  # m R^2/I of a disc about its diameter
+_DENSITY, _FLAT = 2500.0, 0.1  # kg/m^3, and the thickness of the usual piece in its radius (estimated)
 
 
 @kernel
-def break_up(swarm: Swarm, whole: float, count: int, speed: float, height: float) -> None:
-    """Break a mass (kg) that hit at a speed (m/s), at a height (m), into pieces."""
+def break_up(swarm: Swarm, whole: float, count: int, speed: float, height: float, usual: float) -> None:
+    """Break a mass (kg) that hit at a speed (m/s), up to a height (m), into pieces as thick as one of a usual mass."""
     total = 0.0
     swarm.pieces = min(max(count, 1), MOST_PIECES)
     for p in range(swarm.pieces):
@@ -45,24 +59,79 @@ def break_up(swarm: Swarm, whole: float, count: int, speed: float, height: float
         total += swarm.mass_of[p]
     swarm.smallest = size_of(swarm, whole / total)
     swarm.finer = (SIZES - 1) * 3.0 / math.log(_DECADES)
+    swarm.usual = usual
+    swarm.wide = exp(log(usual / (math.pi * _DENSITY * _FLAT)) / 3.0) / math.sqrt(usual)
     for p in range(swarm.pieces):
         swarm.mass_of[p] *= whole / total
         up = _THROWN * speed * uniform(swarm, p, GAP)
-        swarm.speed_of[p] = math.sqrt(up * up + 2.0 * STANDARD_GRAVITY * height)
-        swarm.next_of[p] = (up + swarm.speed_of[p]) / STANDARD_GRAVITY
+        above = height * uniform(swarm, p, VARIETY)
+        tilt = uniform(swarm, p, OTHER) * min(_radius(swarm, p), above + 0.5 * up * up / STANDARD_GRAVITY)
+        falls = math.sqrt(max(up * up + 2.0 * STANDARD_GRAVITY * (above - tilt), 0.0))
+        swarm.fall_of[p], swarm.turn_of[p], swarm.gap_of[p] = falls, 0.0, 2.0 * tilt
+        swarm.next_of[p] = (up + falls) / STANDARD_GRAVITY
         swarm.bounced[p] = 0
 
 
 @kernel
+def landing_of(swarm: Swarm, p: int) -> tuple[float, float, float]:
+    """Return how fast a piece's rim meets the floor (m/s), the mass (kg) with which it does, and the cosine of the
+    angle at which the piece lies."""
+    sine = 0.5 * swarm.gap_of[p] / _radius(swarm, p)
+    flat = math.sqrt(max(1.0 - sine * sine, 0.0))
+    return max(swarm.fall_of[p] + flat * swarm.turn_of[p], 0.0), swarm.mass_of[p] / (1.0 + _SPUN * flat * flat), flat
+
+
+@kernel
 def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
-    """Advance a piece that has landed to its next bounce, with what its contact leaves it of its speed, if any."""
-    left = 1.0 - _TURNING * uniform(swarm, number_of(swarm, p), OTHER)
-    swarm.speed_of[p] *= restitution * left
+    """Advance a piece of which a rim lands, with a restitution, to the next landing of a rim, if any."""
+    v, mass, flat = landing_of(swarm, p)
+    left = restitution if v > SLOWEST else 0.0
+    given = (1.0 + left) * v * mass / swarm.mass_of[p]
+    fall, turn, gap = swarm.fall_of[p] - given, swarm.turn_of[p] - _SPUN * flat * given, swarm.gap_of[p]
+    up, down = max(-fall - flat * turn, 0.0), fall - flat * turn
+    up = up if left > 0.0 or v == 0.0 else 0.0
     swarm.bounced[p] += 1
-    if swarm.speed_of[p] < _SLOWEST or swarm.bounced[p] == BOUNCES:
+    pull = STANDARD_GRAVITY if up > 0.0 else 2.0 * _SPUN / (1.0 + _SPUN) * STANDARD_GRAVITY
+    lands = math.sqrt(down * down + 2.0 * pull * gap)  # m/s, at which the other rim does
+    if max(up, lands) < SLOWEST or swarm.bounced[p] == BOUNCES:
         swarm.next_of[p] = math.inf
+        return
+    later = 2.0 * gap / (down + lands) if down > 0.0 else (lands - down) / pull
+    again = 2.0 * up / STANDARD_GRAVITY if up > 0.0 else math.inf
+    time = min(later, again)
+    if up == 0.0:
+        energy = fall * fall + turn * turn / _SPUN + STANDARD_GRAVITY * gap
+        swarm.gap_of[p] = 0.0
+        swarm.fall_of[p] = swarm.turn_of[p] = math.sqrt(energy / (1.0 + 1.0 / _SPUN))
     else:
-        swarm.next_of[p] += 2.0 * swarm.speed_of[p] / STANDARD_GRAVITY
+        above = (up - 0.5 * STANDARD_GRAVITY * time) * time
+        above = above if later <= again else gap - (down + 0.5 * STANDARD_GRAVITY * time) * time
+        swarm.gap_of[p] = max(above, 0.0)
+        swarm.fall_of[p], swarm.turn_of[p] = fall + STANDARD_GRAVITY * time, -turn if later <= again else turn
+        if above > 2.0 * _radius(swarm, p):
+            time = _turn_over(swarm, p, 0.5 * gap, fall, turn)
+    swarm.next_of[p] += time
+
+
+@kernel
+def _turn_over(swarm: Swarm, p: int, middle: float, fall: float, turn: float) -> float:
+    """Return the time (s) after which a piece lands that turns over before, at an angle at random.
+
+    middle, fall: where its middle is (m), and how fast it falls (m/s); turn: m/s, of a rim about the middle.
+    """
+    tilt = _radius(swarm, p) * uniform(swarm, number_of(swarm, p), OTHER)
+    falls = math.sqrt(max(fall * fall + 2.0 * STANDARD_GRAVITY * (middle - tilt), 0.0))
+    swarm.gap_of[p] = 2.0 * tilt
+    swarm.fall_of[p], swarm.turn_of[p] = falls, abs(turn)
+    time: float = (falls - fall) / STANDARD_GRAVITY
+    return time
+
+
+@kernel
+def _radius(swarm: Swarm, p: int) -> float:
+    """Return the radius (m) of a piece."""
+    radius: float = swarm.wide * math.sqrt(swarm.mass_of[p])
+    return radius
 
 
 @kernel
@@ -79,9 +148,47 @@ def piece_beside(swarm: Swarm, u: float) -> int:
 
 
 @kernel
+def bend_piece(
+    swarm: Swarm, p: int, mass: float, width: float, flat: float, given: float
+) -> tuple[float, float, float]:
+    """Return the factor on the momentum of a piece's blow that moves its modes as its blows do, by how much ln of their
+    width is less, and the restitution that they leave it.
+
+    mass, width, given: as it would meet the floor if it were rigid, in kg, ln of s, and in m v.
+    """
+    bent = bent_by(swarm, mass, swarm.mass_of[p], width, flat)
+    shorter = 0.0
+    for _ in range(2):  # what gives way has a shorter pulse, which reaches more modes
+        shorter = log(1.0 + bent) / (swarm.a + 1.0)
+        bent = bent_by(swarm, mass, swarm.mass_of[p], width - shorter, flat)
+    kept = 1.0 / (1.0 + 2.0 * given * given * bent)
+    left = (given - 1.0) * math.sqrt(1.0 - given * given * bent * kept)
+    return math.sqrt(kept) * flat / TILT, shorter, left
+
+
+@kernel
+def bent_by(swarm: Swarm, mass: float, piece: float, width: float, flat: float) -> float:
+    """Return m M of a blow of a mass and a width (ln of s), where M is the mobility of a piece's own modes: these have
+    frequencies as the inverse of its mass, and masses as that; flat: the cosine of the angle at which it lies, as its
+    modes are those at 45 degrees."""
+    share = swarm.usual / piece
+    turns, total = 2.0 * math.pi * ROLL_OFF * share * exp(width), 0.0
+    for i in range(swarm.bends):
+        turned = turns * swarm.bend[i]
+        total += 1.0 / (1.0 + turned * turned * turned)
+    return (flat / TILT) ** 2 * mass * share * swarm.bending * total
+
+
+@kernel
 def number_of(swarm: Swarm, p: int) -> int:
     """Return the number of a piece's next blow, for its random numbers."""
     return MOST_PIECES + p * BOUNCES + swarm.bounced[p]
+
+
+@kernel
+def piece_of(number: int) -> int:
+    """Return the piece that a blow's number belongs to."""
+    return (number - MOST_PIECES) // BOUNCES
 
 
 @kernel

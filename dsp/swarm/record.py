@@ -37,6 +37,8 @@ BANDS = 40
 WIDTHS = 20
 """Widths of pulses, octaves apart, for which it is known how an object yields."""
 
+MOST_BENDS = 12
+"""Modes of a piece that are known."""
 BATCH = 32
 """Blows that are drawn together, a multiple of LANES."""
 
@@ -156,8 +158,15 @@ class Swarm(Record):
     pieces: int  # that fall; 0: it is of another kind
     cracked: int  # pieces that its cracks set free; 0: it has none
     mass_of: Annotated[View[float], MOST_PIECES]  # kg
-    speed_of: Annotated[View[float], MOST_PIECES]  # m/s, at which each lands next
+    fall_of: Annotated[View[float], MOST_PIECES]  # m/s, at which the middle of each falls as a rim lands next
+    turn_of: Annotated[View[float], MOST_PIECES]  # m/s, at which that rim goes down about the middle, as it lies flat
     next_of: Annotated[View[float], MOST_PIECES]  # s, when it does; inf: it lies still
+    gap_of: Annotated[View[float], MOST_PIECES]  # m, by which the opposite rim is higher then
+    wide: float  # m/sqrt(kg): a piece's radius over the root of its mass
+    usual: float  # kg: of the usual piece
+    bends: int  # modes of that which ring
+    bend: Annotated[View[float], MOST_BENDS]  # Hz
+    bending: float  # 1/kg: each one's inverse modal mass
     bounced: Annotated[View[int], MOST_PIECES]
     spare: float  # blows that may be contacts of their own now
     spared: float  # s: when that was
@@ -181,6 +190,8 @@ class Blows(Record):
     light: Annotated[View[float], BATCH]  # ln of m/k
     loss: Annotated[View[float], BATCH]  # w/(1 + w)
     width: Annotated[View[float], BATCH]  # ln of the rms width (s)
+    alike: Annotated[View[float], BATCH]  # of the momentum, moves a piece's modes as its blows on the floor do
+    shorter: Annotated[View[float], BATCH]  # by so much ln of the width is less then
     ratio: Annotated[View[float], BATCH]  # of the mass that the object leaves it
     momentum: Annotated[View[float], BATCH]  # N s
     at: Annotated[View[float], BATCH]  # samples: its middle

@@ -32,8 +32,9 @@ SCORES = {
     "rain": "0 /object/new a tin-roof\n0 /object/a/rain seed {}",
     "gravel": "0 /object/new a gravel-path\n0 /object/a/step 700 seed {}",
     "can": "0 /object/new a drinks-can\n0 /object/a/crumple 0.2 id c seed {}\n1.5 /gesture/c/stop",
-    "glass": "0 /object/new a wine-glass\n0 /object/new b ceramic-tile\n0 /object/a/shatter 2 onto b seed {}",
-    "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 seed {}",
+    "glass": "0 /object/new a wine-glass\n0 /object/new b ceramic-tile\n"
+    "0 /object/a/shatter 2 height 0.15 onto b seed {}",
+    "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {}",
     "dice": "0 /object/new a plastic-cup\n0 /object/a/shake 40 speed 0.5 seed {}",
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {}\n0 /object/a/decay 0.03 over 1.5",
 }
@@ -44,7 +45,8 @@ JUDGED = {
     "minetest; ufoai has duller ones, from 0.5 to 2 kHz",
     "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 3 kHz; a "
     "bin that is emptied crackles as much, without lines",
-    "glass": "a burst of all frequencies, then showers of short tones of many pitches, most above 3 kHz",
+    "glass": "a burst of all frequencies, then pieces that clatter for half a second, in short tones of many pitches, "
+    "most above 3 kHz; recordings clatter for a second and more, in rooms",
     "pane": "the same, lower, from 1 kHz on, as recorded; without the part below 500 Hz that recordings have",
     "dice": "bursts of blows from 0.5 to 10 kHz with pauses between, as recorded; the cup rings on at 1 kHz for 50 ms",
     "rice": "the bowl's lines at first, which drown in noise as rice covers it; less bright than shakers are",

@@ -12,7 +12,19 @@ from ...numerics.elementary import exp, log
 from ...schema import DROPS
 from ...swarm.blows import STREAM, draw_blows, known_of, mean_mass, pulse_of, yielding
 from ...swarm.grid import HALF, LEAST, lay_pulse
-from ...swarm.pieces import BOUNCES, bounce_piece, number_of, piece_beside, size_of
+from ...swarm.pieces import (
+    BOUNCES,
+    SLOWEST,
+    TILT,
+    bend_piece,
+    bent_by,
+    bounce_piece,
+    landing_of,
+    number_of,
+    piece_beside,
+    piece_of,
+    size_of,
+)
 from ...swarm.record import BACK, BATCH, OCTAVES, SIZES, Blows, Swarm
 from ...swarm.times import PLACE, SIZE, take_blows, uniform
 from ..memory.commands import NUMBERS
@@ -54,10 +66,15 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
         for _ in range(BOUNCES):
             if not swarm.next_of[p] < until:
                 break
-            n, number, v = blows.count, number_of(swarm, p), swarm.speed_of[p]
-            mass = contact.trait.meets * swarm.mass_of[p]
-            light = log(mass / (swarm.k * math.exp(0.5 * size_of(swarm, mass))))
+            n, number = blows.count, number_of(swarm, p)
+            v, mass, flat = landing_of(swarm, p)
+            if v < SLOWEST:
+                bounce_piece(swarm, p, 0.0)
+                continue
+            light = log(mass / (swarm.k * math.exp(0.5 * size_of(swarm, contact.trait.meets * swarm.mass_of[p]))))
             loss, width = pulse_of(swarm, table, light, v)
+            given = known_of(table.momentum, loss)
+            blows.alike[n], blows.shorter[n], bounces = bend_piece(swarm, p, mass, width, flat, given)
             blows.time[n], blows.number[n], blows.v[n], blows.mass[n] = swarm.next_of[p], number, v, mass
             blows.place[n] = int(uniform(swarm, number, PLACE) * swarm.places)
             blows.loss[n], blows.width[n], blows.rate[n] = loss, width, 0.0
@@ -65,7 +82,7 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
             if blows.count == BATCH:
                 _lay_blows(state, contact, swarm, blows)
                 blows.count = 0
-            bounce_piece(swarm, p, known_of(table.momentum, loss) - 1.0)
+            bounce_piece(swarm, p, bounces)
         left = left or swarm.next_of[p] < math.inf
     if blows.count > 0:
         _lay_blows(state, contact, swarm, blows)
@@ -91,8 +108,8 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
             end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], at, width, loss, momentum)
             swarm.busy[where] = max(swarm.busy[where], end)
         if sizes:
-            c, alike = _size_of_blow(contact, swarm, blows.number[n], blows.mass[n])
-            alike = alike if swarm.cracked == 0 else alike / blows.ratio[n]
+            c, alike = _size_of_blow(contact, swarm, blows, n, width - swarm.log_rate)
+            width -= blows.shorter[n] if swarm.pieces > 0 else 0.0
             end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], at, width, loss, alike * momentum)
             swarm.size_busy[c] = max(swarm.size_busy[c], end)
         swarm.impulse += momentum
@@ -121,18 +138,23 @@ def _weigh_blow(state: State, contact: Contact, swarm: Swarm, blows: Blows, n: i
 
 
 @kernel
-def _size_of_blow(contact: Contact, swarm: Swarm, number: int, mass: float) -> tuple[int, float]:
-    """Return the size by which a blow of a mass (kg) sounds, and the factor on its momentum with which a grain of that
-    size moves as fast as its own would. A crack moves a piece beside it."""
-    u, alike = uniform(swarm, number, SIZE), 1.0
+def _size_of_blow(contact: Contact, swarm: Swarm, blows: Blows, n: int, width: float) -> tuple[int, float]:
+    """Return the size by which a blow sounds, and the factor on its momentum with which a grain of that size moves as
+    fast as its own would. width: ln of it (s). A crack moves a piece beside it, with what that leaves it."""
+    mass = blows.mass[n]
+    u, alike = uniform(swarm, blows.number[n], SIZE), 1.0
     if swarm.cracked > 0:
-        piece = contact.trait.meets * swarm.mass_of[piece_beside(swarm, u)]
-        at_size = (math.log(piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
+        piece = swarm.mass_of[piece_beside(swarm, u)]
+        at_size = (math.log(contact.trait.meets * piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
+        alike /= blows.ratio[n] * (1.0 + bent_by(swarm, mass, piece, width, TILT))
+    elif swarm.pieces > 0:
+        mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
+        at_size, alike = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5, blows.alike[n] / blows.ratio[n]
     else:
-        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + (u if swarm.pieces == 0 else 0.5)
+        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + u
     c = min(max(int(at_size), 0), SIZES - 1)
     if swarm.cracked == 0:
-        alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
+        alike *= swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
     return c, alike
 
 

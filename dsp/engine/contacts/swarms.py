@@ -100,7 +100,9 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
 def _break(state: State, contact: Contact, event: Event) -> None:
     """Begin the cracks of what breaks, or the fall of its pieces."""
     values, swarm = event.values, state.swarms[contact.swarm]
-    break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height)
+    usual = contact.m / contact.trait.meets
+    break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height, usual)
+    _learn_bends(state, contact, swarm)
     swarm.smallest += math.log(contact.trait.meets) / 3.0
     swarm.sized = int(contact.sound >= 0)
     if values.stage > 0.0:
@@ -112,6 +114,17 @@ def _break(state: State, contact: Contact, event: Event) -> None:
     contact.until = contact.gone_at = contact.origin + CRACKING * state.rate
     contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 2.0
     contact.target.rate = 2.0 * JUNCTIONS * values.pieces / CRACKING
+
+
+@kernel
+def _learn_bends(state: State, contact: Contact, swarm: Swarm) -> None:
+    """Learn by which modes of its own the usual piece rings."""
+    swarm.bends = 0
+    if contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial:
+        striker = state.strikers[contact.sound]
+        swarm.bends, swarm.bending = striker.bends, striker.mobility / max(striker.bends, 1)
+        for i in range(striker.bends):
+            swarm.bend[i] = striker.bend[i]
 
 
 @kernel

@@ -6,6 +6,7 @@ from ...native.typed import Record, View, dtype_of
 from ...resonator.bank import RESPONSES
 from ...resonator.simd import LANES
 from ...sizes import CAPACITY
+from ...swarm.record import MOST_BENDS
 
 STRIKERS = CAPACITY.strikers
 STRIKER_MODES = 2 * LANES
@@ -39,6 +40,8 @@ class Striker(_Bank):
     scatter: float  # dB: standard deviation
     delay: float  # s
     mobility: float  # 1/kg: twice the energy (J) that a momentum of 1 N s gives to the modes it moves
+    bends: int  # modes that ring, at any sampling rate
+    bend: Annotated[View[float], MOST_BENDS]  # Hz
 
 
 STRIKER = dtype_of(Striker)
