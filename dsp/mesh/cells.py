@@ -5,6 +5,7 @@ E. Rank, Comput. Mech. 41, 2007). Outside, a stiffness of at most 1e-6 of the bo
 definite. The body is turned against the grid, so that its flat faces don't lie along the rays.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +13,14 @@ import numpy as np
 from ..bodies.material import Array, Material
 from .forms import together
 from .fronts import Elements, Factor
+from .grading import extrapolated, graded, places_on
+from .grids import Grid, grid_about
 from .lanczos import lowest
 from .parts import Parts
-from .polynomials import gauss, integrals, moments, products
-from .rays import Grid, Quadrature, grid_about, quadrature
+from .polynomials import cube_of, gauss, integrals, lagrange, lobatto, moments, products
+from .rays import Quadrature, quadrature
 from .sheets import of_sheet
-from .surface import Indices, MeshError, Surface, faces_of, rotation, volume_of
+from .surface import Flags, Indices, MeshError, Surface, faces_of, rotation, volume_of
 
 TILT = rotation((0.11, 0.13, 0.17))
 """The turn of the body against the grid: of angles that no body has."""
@@ -32,19 +35,27 @@ _AGREED = 0.02  # of the volume, by triangles and by rays: within that the trian
 _SHIFT = 0.02  # of a wave's frequency along the body
 _SIZES = 24  # halvings
 _SAMPLES = 30_000
+_SHARES, _FINE_SHARES = (0.6,), (0.8, 0.6, 0.45, 0.3)  # of cells that are all alike: large ones, before they are halved
+_MORE = 2.4  # times as many cells as if all were alike, those of a second grid among them
+_HALVINGS = 3
+_RESOLVED = 0.2  # of the smallest cells' sides: the body is thicker
 _RAYS = (24, 40)  # of a cell: the fewest, the most
+_BESIDE = (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1), (1, 1, 1)
 _THROUGH = 4  # rays through a wall
 
 
 class Mesh(NamedTuple):
-    """The cells in use: their numbers, indices (e, 3), nodes (e, m) and how many nodes there are."""
+    """The cells in use: their numbers, lowest corners (e, 3) and sides (e,) in m, nodes (e, m) and how many nodes there
+    are; of small cells beside large ones, what their polynomials (m, m) are in terms of the nodes."""
 
     grid: Grid
     degree: int
     cells: Indices
-    at: Indices
+    corners: Array
+    sides: Array
     nodes: Indices
     size: int
+    ties: dict[int, Array]
 
 
 class Points(NamedTuple):
@@ -80,8 +91,8 @@ class _Piece(NamedTuple):
 
 class Solution(NamedTuple):
     """Modes on cells: frequencies (n,) in Hz and displacements (nodes, 3, n) of unit modal mass, the cells, the body's
-    mass (kg) and volume (m^3), the share of rays that met a gap, and the share (materials, n) of each material in the
-    energy that bends the body."""
+    mass (kg) and volume (m^3), the share of rays that met a gap, the share (materials, n) of each material in the
+    energy that bends the body, and the cells' masses (e, m, m)."""
 
     frequency: Array
     displacement: Array
@@ -90,6 +101,7 @@ class Solution(NamedTuple):
     volume: float
     leaks: float
     energy: Array
+    masses: Array
 
     def at(self, points: Array) -> Array:
         """Return the shapes (points, 3, n) in kg^-1/2 at points of the body (points, 3)."""
@@ -102,9 +114,13 @@ class Solution(NamedTuple):
         element = np.clip(np.searchsorted(mesh.cells, numbers), 0, len(mesh.cells) - 1)
         outside = mesh.cells[element] != numbers
         if outside.any():
-            middles = grid.corner + grid.side * (mesh.at + 0.5)
+            middles = mesh.corners + mesh.sides[:, None] / 2
             element[outside] = cKDTree(middles).query(places[outside])[1]
-        values = products((places - grid.corner) / grid.side - mesh.at[element], mesh.degree)[0]
+        values = products((places - mesh.corners[element]) / mesh.sides[element, None], mesh.degree)[0]
+        by_nodes = np.zeros((len(points), mesh.nodes.shape[1])) if mesh.ties else values
+        for number, tie in mesh.ties.items():
+            by_nodes[element == number] = values[element == number] @ tie
+        values = by_nodes
         rows = np.arange(0, values.size + 1, values.shape[1])
         weights = csr_array((values.ravel(), mesh.nodes[element].ravel(), rows), shape=(len(points), mesh.size))
         found: Array = (weights @ self.displacement.reshape(mesh.size, -1)).reshape(len(points), 3, -1)
@@ -112,28 +128,26 @@ class Solution(NamedTuple):
 
 
 class Sizes(NamedTuple):
-    """The side of cells (m), rays through each, and the body's thickness (m): twice its volume over its area."""
+    """The side of cells (m), rays through each, and the body's thickness (m): twice its volume over its area. How often
+    cells at inner edges are halved, and whether the last halving tells the error that is left."""
 
     side: float
     rays: int
     thickness: float
+    halvings: int = 0
+    told: bool = False
 
 
 def sizes(surface: Surface, cells: int, wall: float | None = None) -> Sizes:
-    """Return sizes for about so many cells."""
+    """Return sizes for about so many cells, all alike."""
     turned = Surface(surface.points @ TILT.T, surface.faces)
-    areas = faces_of(turned).areas
-    total = float(areas.sum())
+    total = float(faces_of(turned).areas.sum())
     volume = volume_of(turned) if wall is None else wall * total
-    rng = np.random.default_rng(0)
-    face = rng.choice(len(areas), _SAMPLES, p=areas / total)
-    places = np.einsum("ij,ijk->ik", rng.dirichlet((1, 1, 1), _SAMPLES), turned.points[turned.faces[face]])
+    places, _ = places_on(turned, _SAMPLES)
     low, high = 1e-3 * float(np.ptp(turned.points)), float(np.ptp(turned.points))
     for _ in range(_SIZES):
         side = np.sqrt(low * high)
-        grid = grid_about(turned, side, 1)
-        crossed = len(np.unique(grid.number(places)))
-        if crossed + (max(0.0, volume / side**3 - crossed / 2) if wall is None else 0) > cells:
+        if _count(grid_about(turned, side, 1), places, volume if wall is None else 0.0) > cells:
             low = side
         else:
             high = side
@@ -141,21 +155,87 @@ def sizes(surface: Surface, cells: int, wall: float | None = None) -> Sizes:
     return Sizes(high, int(np.clip(np.ceil(high * _THROUGH / thickness), *_RAYS)), thickness)
 
 
+def graded_sizes(surface: Surface, cells: int, fine: bool) -> Sizes:
+    """Return sizes for a solid: where it has inner edges, of large cells that are halved there, as far as that takes no
+    more time than some twice as many cells that are all alike."""
+    turned = Surface(surface.points @ TILT.T, surface.faces)
+    places, _ = places_on(turned, _SAMPLES)
+    best = None
+    for share in _FINE_SHARES if fine else _SHARES:
+        size = sizes(surface, int(share * cells))
+        grids = graded(grid_about(turned, size.side, size.rays), turned, _HALVINGS)
+        counts = [_count(each, places, volume_of(turned)) for each in grids]
+        for halvings in range(1, len(grids)):
+            told = halvings > 1
+            takes = counts[halvings] + told * counts[halvings - 1]
+            resolved = size.thickness > _RESOLVED * size.side / 2**halvings
+            if resolved and takes < _MORE * cells and (told or not fine) and (not best or halvings > best.halvings):
+                best = size._replace(halvings=halvings, told=told)
+    return best or sizes(surface, cells)
+
+
+def _count(grid: Grid, places: Array, volume: float) -> float:
+    """Return about how many cells hold a body of a volume (m^3) with such places on its surface."""
+    crossed = np.unique(grid.number(places))
+    inside = volume / grid.side**3 - float((grid.sides[crossed] ** 3).sum()) / grid.side**3 / 2
+    return len(crossed) + max(0.0, inside)
+
+
 def solve(parts: Parts, size: Sizes, degree: int, count: int) -> Solution:
     """Return a solid's `count` lowest modes, rigid motions among them."""
     turned = [Surface(each.points @ TILT.T, each.faces) for each in parts.surfaces]
-    grid = grid_about(together(*turned), size.side, size.rays)
+    whole = together(*turned)
+    grids = graded(grid_about(whole, size.side, size.rays), whole, size.halvings)
+    if not size.told or len(grids) == 1:
+        return _on_grid(parts, turned, grids[-1], degree, count, yielding=not size.told)
+    coarse = _on_grid(parts, turned, grids[-2], degree, count, yielding=False)
+    fine = _on_grid(parts, turned, grids[-1], degree, count, yielding=False)
+    frequency = extrapolated(coarse.frequency, fine.frequency, _shared(coarse, fine) ** 2)
+    return fine._replace(frequency=frequency)
+
+
+def _shared(one: Solution, other: Solution) -> Array:
+    """Return the integrals (n, m) of the products of two solutions' modes, times the density. The other one's cells are
+    those of the first, or parts of them."""
+    mesh, moved = other.mesh, _moved(one, other.mesh)
+    found = np.zeros((moved.shape[2], other.displacement.shape[2]))
+    for nodes, mass in zip(mesh.nodes, other.masses, strict=True):
+        heavy = (mass @ other.displacement[nodes].reshape(len(nodes), -1)).reshape(3 * len(nodes), -1)
+        found += moved[nodes].reshape(3 * len(nodes), -1).T @ heavy
+    return found
+
+
+def _moved(one: Solution, mesh: Mesh) -> Array:
+    """Return the shapes (nodes, 3, n) of a solution at the nodes of a mesh whose cells are the solution's, or parts."""
+    local, coarse = cube_of(lobatto(mesh.degree)), one.mesh
+    found = np.zeros((mesh.size, 3, one.displacement.shape[2]))
+    numbers = coarse.grid.number(mesh.corners + mesh.sides[:, None] / 2)
+    for row, (nodes, number) in enumerate(zip(mesh.nodes, numbers, strict=True)):
+        of = min(int(np.searchsorted(coarse.cells, number)), len(coarse.cells) - 1)
+        if coarse.cells[of] != number:
+            continue
+        places = (mesh.corners[row] + mesh.sides[row] * local - coarse.corners[of]) / coarse.sides[of]
+        values = products(places, mesh.degree)[0]
+        shapes = np.tensordot(values @ coarse.ties.get(of, np.eye(len(local))), one.displacement[coarse.nodes[of]], 1)
+        tie = mesh.ties.get(row, np.eye(len(local)))
+        own, node = np.nonzero((tie == 1) & (np.count_nonzero(tie, axis=1) == 1)[:, None])
+        found[nodes[node]] = shapes[own]
+    return found
+
+
+def _on_grid(parts: Parts, turned: list[Surface], grid: Grid, degree: int, count: int, yielding: bool) -> Solution:
+    """Return the modes on a grid of parts that are turned against it; `yielding`: walls that meet yield across."""
     inside = []
     for number, own in enumerate(turned):
         found = quadrature(own, grid, degree, together(*turned[:number]) if number else None)
         true, weight = volume_of(own), float(found.weights.sum())
-        got = weight + len(found.full) * grid.side**3
+        got = weight + float((grid.sides[found.full] ** 3).sum())
         if abs(got / true - 1) < _AGREED:
             found = found._replace(weights=found.weights * (1 + (true - got) / max(weight, 1e-300)))
         inside.append(found)
     if not any(len(each.weights) or len(each.full) for each in inside):
         raise MeshError("no ray meets the inside: expected a closed surface with a thickness")
-    return of_points(inside, grid, parts.materials, degree, count)
+    return of_points(inside, grid, parts.materials, degree, count, yielding)
 
 
 def solve_sheet(parts: Parts, wall: float, size: Sizes, degree: int, count: int) -> Solution:
@@ -166,29 +246,35 @@ def solve_sheet(parts: Parts, wall: float, size: Sizes, degree: int, count: int)
 
 
 def of_points(
-    inside: list[Quadrature], grid: Grid, materials: tuple[Material, ...], degree: int, count: int
+    inside: list[Quadrature],
+    grid: Grid,
+    materials: tuple[Material, ...],
+    degree: int,
+    count: int,
+    yielding: bool = True,
 ) -> Solution:
-    """Return the modes of a body that quadratures stand for, one for each of its materials."""
+    """Return the modes of a body that quadratures stand for, one for each of its materials. yielding: where walls meet
+    in a cell they yield across."""
     of = np.repeat(np.arange(len(inside)), [len(each.cells) for each in inside])
     places, weights, cells, normals, through = (
         np.concatenate([getattr(each, name) for each in inside])
         for name in ("places", "weights", "cells", "normals", "through")
     )
     order = np.argsort(cells * len(inside) + of, kind="stable")
-    volumes = np.bincount(cells, weights, int(grid.counts.prod()))
+    volumes = np.bincount(cells, weights, grid.size)
     full = np.concatenate([each.full for each in inside])
-    numbers = np.sort(np.r_[np.flatnonzero(volumes > _LEAST_FILLED * grid.side**3), full])
+    numbers = np.sort(np.r_[np.flatnonzero(volumes > _LEAST_FILLED * grid.sides**3), full])
     mesh = _mesh(grid, degree, numbers)
     points = Points(places[order], weights[order], cells[order], of[order], normals[order], through[order])
-    stiffness, mass, pieces = _matrices(mesh, points, [each.full for each in inside], materials)
-    elements = Elements(mesh.nodes, grid.corner + grid.side * (mesh.at + 0.5), 3, mesh.size)
-    length = float((mesh.at.max(axis=0) - mesh.at.min(axis=0) + 1).max()) * grid.side
+    stiffness, mass, pieces = _matrices(mesh, points, [each.full for each in inside], materials, yielding)
+    elements = Elements(mesh.nodes, mesh.corners + mesh.sides[:, None] / 2, 3, mesh.size)
+    length = float(((mesh.corners + mesh.sides[:, None]).max(axis=0) - mesh.corners.min(axis=0)).max())
     speed = max(np.sqrt(each.youngs_modulus / each.density) for each in materials)
     shift = (2 * np.pi * _SHIFT * speed / length) ** 2
     values, vectors = _modes(elements, stiffness, mass, shift, count)
     displacement = np.einsum("ij,aim->ajm", TILT, vectors.reshape(mesh.size, 3, -1))
     kept = np.isin(points.cells, mesh.cells)
-    cubes = np.array([len(each.full) for each in inside]) * grid.side**3
+    cubes = np.array([float((grid.sides[each.full] ** 3).sum()) for each in inside])
     volume = np.bincount(points.of[kept], points.weights[kept], len(inside)) + cubes
     total = sum(each.density * float(own) for each, own in zip(materials, volume, strict=True))
     energy = np.ones((1, len(values)))
@@ -196,53 +282,123 @@ def of_points(
         energy = _energies(mesh, pieces, vectors, len(materials))
     leaks = max(each.leaks for each in inside)
     frequency = np.sqrt(np.maximum(values, 0)) / (2 * np.pi)
-    return Solution(frequency, displacement, mesh, total, float(volume.sum()), leaks, energy)
+    return Solution(frequency, displacement, mesh, total, float(volume.sum()), leaks, energy, mass)
 
 
 def _mesh(grid: Grid, degree: int, numbers: Indices) -> Mesh:
-    """Return the cells with their nodes numbered."""
-    at = grid.cell(numbers)
+    """Return the cells with their nodes numbered. What is small beside what is large has the nodes of that."""
     steps = np.arange(degree + 1)
     local = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
-    nodes = at[:, None] * degree + local
-    most = grid.counts * degree + 1
-    keys = (nodes[..., 0] * most[1] + nodes[..., 1]) * most[2] + nodes[..., 2]
+    used = np.zeros(grid.size, bool)
+    used[numbers] = True
+    most = (grid.counts << int(grid.levels.max())) * degree + 1
+    known: dict[int, tuple[Indices, Array]] = {}
+
+    def by_nodes(cell: int) -> tuple[Indices, Array]:
+        """Return the keys (n,) of the nodes that a cube's polynomials (m, n) depend on, and how."""
+        if cell not in known:
+            at = grid.at[cell] * degree + local
+            own = ((grid.levels[cell] * most[0] + at[:, 0]) * most[1] + at[:, 1]) * most[2] + at[:, 2]
+            known[cell] = own, np.eye(len(local))
+            held = _held(grid, used, cell, local) if grid.whole[cell] >= 0 else np.zeros(1, bool)
+            if held.any():
+                keys, values = by_nodes(int(grid.whole[cell]))
+                values = _halves(degree, *(grid.at[cell] % 2))[held] @ values
+                some = np.abs(values).max(axis=0) > 1e-12
+                tie = np.zeros((len(local), int(some.sum()) + int((~held).sum())))
+                tie[held, : int(some.sum())] = values[:, some]
+                tie[~held, int(some.sum()) :] = np.eye(int((~held).sum()))
+                known[cell] = np.r_[keys[some], own[~held]], tie
+        return known[cell]
+
+    each = [by_nodes(int(number)) for number in numbers]
+    wide = max(len(keys) for keys, _ in each)
+    # Cells with fewer nodes repeat their first one, without weight, ahead of the others.
+    keys = np.stack([np.r_[np.full(wide - len(own), own[0]), own] for own, _ in each])
+    ties = {
+        row: np.hstack([np.zeros((len(local), wide - tie.shape[1])), tie])
+        for row, (own, tie) in enumerate(each)
+        if wide > len(local) or grid.levels[numbers[row]]
+    }
     names, numbered = np.unique(keys, return_inverse=True)
-    return Mesh(grid, degree, numbers, at, numbered.reshape(keys.shape).astype(np.int64), len(names))
+    nodes = numbered.reshape(keys.shape).astype(np.int64)
+    return Mesh(grid, degree, numbers, grid.corners[numbers], grid.sides[numbers], nodes, len(names), ties)
+
+
+def _held(grid: Grid, used: Flags, cell: int, local: Indices) -> Flags:
+    """Return which nodes (m,) of a half of a cube lie on a cell in use that is as large as the whole, or larger."""
+    degree, part = int(local.max()), grid.at[cell] % 2
+    step = ((local == degree) & (part == 1)).astype(np.int64) - ((local == 0) & (part == 0))
+    side = float(grid.sides[grid.whole[cell]])
+    middle = grid.at[grid.whole[cell]] + 0.5
+    low, high = grid.corner, grid.corner + grid.side * grid.counts
+    found = np.zeros(len(local), bool)
+    for axes in np.array(_BESIDE):
+        towards, which = np.unique(step * axes, axis=0, return_inverse=True)
+        places = grid.corner + side * (middle + towards)
+        beside = grid.number(places)
+        there = used[beside] & (grid.sides[beside] >= side * 0.99) & ((places > low) & (places < high)).all(axis=1)
+        there &= (np.abs(towards) == axes).all(axis=1)
+        found |= there[which.ravel()]
+    return found
+
+
+@lru_cache(maxsize=64)
+def _halves(degree: int, *part: int) -> Array:
+    """Return the values (m, m) at the nodes of a half of a cube by those at the nodes of the whole."""
+    x, y, z = (lagrange((lobatto(degree) + place) / 2, degree)[0] for place in part)
+    return np.asarray(np.einsum("ai,bj,ck->abcijk", x, y, z).reshape(((degree + 1) ** 3,) * 2))
 
 
 def _matrices(
-    mesh: Mesh, points: Points, full: list[Indices], materials: tuple[Material, ...]
+    mesh: Mesh, points: Points, full: list[Indices], materials: tuple[Material, ...], yielding: bool
 ) -> tuple[Array, Array, list[_Piece]]:
     """Return the stiffness (e, 3 m, 3 m) and the mass (e, m, m) of each cell, and the pieces of cells that hold several
     materials. full: numbers of the cells that are full of each material."""
-    side, degree = mesh.grid.side, mesh.degree
+    degree = mesh.degree
     nodes, weights = gauss(degree + 1)
-    at = np.stack(np.meshgrid(nodes, nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 3)
-    cube = (weights[:, None, None] * weights[:, None] * weights).ravel() * side**3
-    whole = [_of_cell(at, cube, mesh, material) for material in materials]
-    stiffness = np.zeros((len(mesh.cells), *whole[0][0].shape))
-    mass = np.zeros((len(mesh.cells), *whole[0][1].shape))
+    at = cube_of(nodes)
+    cube = (weights[:, None, None] * weights[:, None] * weights).ravel()
+    whole = [_of_cell(at, cube, 1.0, degree, material) for material in materials]
+    wide = mesh.nodes.shape[1]
+    stiffness, mass = np.zeros((len(mesh.cells), 3 * wide, 3 * wide)), np.zeros((len(mesh.cells), wide, wide))
     filled, last = np.zeros(len(mesh.cells)), np.zeros(len(mesh.cells), np.int64)
     pieces = []
+
+    def add(number: int, of: int, stiff: Array, heavy: Array) -> None:
+        stiff, heavy = _by_nodes(mesh, number, stiff), _by_nodes(mesh, number, heavy)
+        stiffness[number] += stiff
+        mass[number] += heavy
+        if len(materials) > 1:
+            pieces.append(_Piece(number, of, stiff))
+
     for begin, end in _spans(mesh, points):
         own = points.part(begin, end)
         number, of = int(np.searchsorted(mesh.cells, own.cells[0])), int(own.of[0])
-        stiff, heavy = _of_piece(own, mesh, number, materials[of])
-        stiffness[number] += stiff
-        mass[number] += heavy
-        filled[number] += float(own.weights.sum()) / side**3
+        add(number, of, *_of_piece(own, mesh, number, materials[of], yielding))
+        filled[number] += float(own.weights.sum()) / mesh.sides[number] ** 3
         last[number] = of
-        if len(materials) > 1:
-            pieces.append(_Piece(number, of, stiff))
-    for number, share in enumerate(filled):
-        stiffness[number] += min(_VOID, _SLIVER * share**3) * whole[last[number]][0]
     for of, cells in enumerate(full):
         for number in np.searchsorted(mesh.cells, cells):
-            stiffness[number], mass[number] = whole[of]
-            if len(materials) > 1:
-                pieces.append(_Piece(int(number), of, whole[of][0]))
+            side = mesh.sides[number]
+            add(int(number), of, side * whole[of][0], side**3 * whole[of][1])
+            filled[number] = 1.0
+    for number, share in enumerate(filled):
+        if share < 1:
+            soft = min(_VOID, _SLIVER * share**3) * mesh.sides[number]
+            stiffness[number] += _by_nodes(mesh, number, soft * whole[last[number]][0])
     return stiffness, mass, pieces
+
+
+def _by_nodes(mesh: Mesh, number: int, matrix: Array) -> Array:
+    """Return a matrix of a cell's polynomials (d m, d m), whose last axis runs fastest, by the cell's nodes."""
+    tie = mesh.ties.get(number)
+    if tie is None:
+        return matrix
+    d = len(matrix) // len(tie)
+    half = np.einsum("man,mb->ban", matrix.reshape(len(tie), d, -1), tie, optimize=True).reshape(-1, len(tie), d)
+    found: Array = np.einsum("rma,mb->rba", half, tie, optimize=True).reshape(len(half), -1)
+    return found
 
 
 def _spans(mesh: Mesh, points: Points) -> list[tuple[int, int]]:
@@ -254,15 +410,15 @@ def _spans(mesh: Mesh, points: Points) -> list[tuple[int, int]]:
     return list(zip(begin[used].tolist(), end[used].tolist(), strict=True))
 
 
-def _of_piece(own: Points, mesh: Mesh, number: int, material: Material) -> tuple[Array, Array]:
+def _of_piece(own: Points, mesh: Mesh, number: int, material: Material, yielding: bool) -> tuple[Array, Array]:
     """Return the stiffness and the mass of a cell's points of one material."""
-    grid = mesh.grid
-    places = (own.places - grid.corner) / grid.side - mesh.at[number]
-    stiffness, mass = _of_cell(places, own.weights, mesh, material)
-    thickness = float(np.median(own.through)) / grid.side
-    if thickness < _THIN and _is_bent(own.weights, own.normals):
+    side = float(mesh.sides[number])
+    places = (own.places - mesh.corners[number]) / side
+    stiffness, mass = _of_cell(places, own.weights, side, mesh.degree, material)
+    thickness = float(np.median(own.through)) / side
+    if yielding and thickness < _THIN and _is_bent(own.weights, own.normals):
         share = 1 - _LEFT * thickness**2
-        stiffness -= share * _held_across(places, own.weights, own.normals, mesh, material)
+        stiffness -= share * _held_across(own._replace(places=places), side, mesh.degree, material)
     return stiffness, mass
 
 
@@ -276,12 +432,11 @@ def _energies(mesh: Mesh, pieces: list[_Piece], vectors: Array, count: int) -> A
     return np.asarray(found / np.maximum(found.sum(axis=0), 1e-300))
 
 
-def _of_cell(places: Array, weights: Array, mesh: Mesh, material: Material) -> tuple[Array, Array]:
+def _of_cell(places: Array, weights: Array, side: float, degree: int, material: Material) -> tuple[Array, Array]:
     """Return the stiffness and the mass of a cell that is met at places (n, 3) of it, 0 to 1, with weights in m^3."""
-    degree = mesh.degree
     of, count = moments(places, weights, degree), (degree + 1) ** 3
     nu = material.poisson_ratio
-    mu = material.youngs_modulus / (2 * (1 + nu)) / mesh.grid.side**2
+    mu = material.youngs_modulus / (2 * (1 + nu)) / side**2
     lame = 2 * mu * nu / (1 - 2 * nu)
     stiffness, trace = np.empty((count, 3, count, 3)), np.zeros((count, count))
     for i in range(3):
@@ -303,16 +458,16 @@ def _is_bent(weights: Array, normals: Array) -> bool:
     return bool(weights[(normals @ first) ** 2 < 0.5].sum() > _BENT * weights.sum())
 
 
-def _held_across(places: Array, weights: Array, normals: Array, mesh: Mesh, material: Material) -> Array:
+def _held_across(own: Points, side: float, degree: int, material: Material) -> Array:
     """Return the stiffness (3 m, 3 m) by which a cell's polynomials resist where sheets may yield: that of the stress
     along their normals (n, 3), which is none in a thin sheet.
 
     Where it is left, sheets that meet don't bend near their edge: the curvature of each would stretch the other across.
     """
-    nu = material.poisson_ratio
+    nu, normals, weights = material.poisson_ratio, own.normals, own.weights
     mu = material.youngs_modulus / (2 * (1 + nu))
     lame = 2 * mu * nu / (1 - 2 * nu)
-    slopes = products(places, mesh.degree)[1] / mesh.grid.side
+    slopes = products(own.places, degree)[1] / side
     along = np.einsum("inm,ni->nm", slopes, normals)
     stress = lame * slopes.transpose(1, 2, 0) + 2 * mu * along[:, :, None] * normals[:, None, :]
     share = np.sqrt(weights / (lame + 2 * mu))

@@ -57,9 +57,11 @@ class _Rest(NamedTuple):
 class Factor:
     """The Cholesky factor of a sum of element matrices (e, a d, a d)."""
 
-    def __init__(self, elements: Elements, matrices: Array, leaf: int) -> None:
-        """Compute the factor; `leaf`: the most elements of a part that is not halved. MeshError if it is too large."""
+    def __init__(self, elements: Elements, matrices: Array, leaf: int, most: int | None = None) -> None:
+        """Compute the factor; `leaf`: the most elements of a part that is not halved. MeshError if it takes over `most`
+        numbers, or over MOST_NUMBERS."""
         self._elements, self._leaf = elements, leaf
+        self._most = MOST_NUMBERS if most is None else most
         self._needed = np.bincount(elements.nodes.ravel(), minlength=elements.size)
         self._place = np.zeros(elements.size, np.int64)  # of each node in the order in which they are solved for
         self._parts: list[_Part] = []
@@ -111,8 +113,8 @@ class Factor:
         self._parts.append(_Part(which if leaf else None, begin, begin + own))
         rows = own * self._elements.unknowns
         self.numbers += rows * (rows + 1) // 2 + rows * (len(nodes) - own) * self._elements.unknowns
-        if self.numbers > MOST_NUMBERS:
-            raise MeshError(f"too large: expected a factor of at most {MOST_NUMBERS:,} numbers; simplify the mesh")
+        if self.numbers > self._most:
+            raise MeshError(f"too large: expected a factor of at most {self._most:,} numbers; simplify the mesh")
         return nodes[~done], seen[~done]
 
     def _summed(self, which: Indices, matrices: Array) -> _Rest:

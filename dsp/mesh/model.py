@@ -236,13 +236,15 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
     surface, parts = together(*body.parts.surfaces), body.parts
     degree, number = FINE if fine else CELLS
     count = wanted.modes + _RIGID + _SPARE
-    size = cells.sizes(surface, number, wanted.wall)
     if wanted.wall is None:
+        size = cells.graded_sizes(surface, number, fine)
         solved = cells.solve(parts, size, degree, count)
-        told = [f"a solid of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm and degree {degree}"]
+        sides = " to ".join(f"{1e3 * each:.3g}" for each in np.unique(solved.mesh.sides))
+        told = [f"a solid of {len(solved.mesh.cells)} cells of {sides} mm and degree {degree}"]
         if solved.leaks > 1e-3:
             told.append(f"{100 * solved.leaks:.2g} % of the rays met a gap in the surface, and took a neighbour's hits")
         return solved, "cells", tuple(told)
+    size = cells.sizes(surface, number, wanted.wall)
     if size.side < _SHELL * wanted.wall:
         solved = cells.solve_sheet(parts, wanted.wall, size, degree, count)
         text = f"a sheet of {1e3 * wanted.wall:.3g} mm, of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm"

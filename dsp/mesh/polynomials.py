@@ -27,6 +27,12 @@ def lobatto(degree: int) -> Array:
     return nodes
 
 
+def cube_of(at: Array) -> Array:
+    """Return all places (n^3, 3) whose coordinates are among some (n,)."""
+    places: Array = np.stack(np.meshgrid(at, at, at, indexing="ij"), axis=-1).reshape(-1, 3)
+    return places
+
+
 def lagrange(x: Array, degree: int) -> tuple[Array, Array]:
     """Return values and derivatives (n, degree + 1) at x (n,) of the polynomials that are 1 at one node."""
     powers = np.linalg.inv(np.vander(lobatto(degree), increasing=True))  # (power, node)

@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array
+from .grids import Grid
 from .polynomials import gauss
-from .surface import Indices, Surface, faces_of
+from .surface import Flags, Indices, Surface, faces_of
 
 _CHUNK = 2_000_000  # candidates of faces and rays that are tried at a time
 _SHORT = 0.3, 0.15  # of a cell: a piece that is shorter takes one point less, and two
@@ -24,37 +25,18 @@ _LEAST_SHARE = 1e-4
 _MOST_CHANGE = 1.5  # by which a cell's weights are set right at most
 
 
-class Grid(NamedTuple):
-    """Cubes of `side` m, numbered from `corner` (3,), as many as `counts` (3,) say; `rays` of them cross a side."""
-
-    corner: Array
-    side: float
-    counts: Indices
-    rays: int
-
-    def number(self, places: Array) -> Indices:
-        """Return the number of the cell that holds each of the places (n, 3)."""
-        at = np.clip(np.floor((places - self.corner) / self.side).astype(np.int64), 0, self.counts - 1)
-        numbers: Indices = (at[:, 0] * self.counts[1] + at[:, 1]) * self.counts[2] + at[:, 2]
-        return numbers
-
-    def cell(self, numbers: Indices) -> Indices:
-        """Return the three indices (n, 3) of cells by their numbers."""
-        return np.stack(np.unravel_index(numbers, tuple(self.counts)), axis=1).astype(np.int64)
-
-
 class Quadrature(NamedTuple):
-    """Places (n, 3), weights (n,) in m^3 and cells (n,) of points inside; cells that are full; the share of rays that
-    met a gap in the surface. normals (n, 3) of the surface where it is nearest to the points; through (n,): how far (m)
-    the body reaches along these there."""
+    """Places (n, 3), weights (n,) in m^3 and cells (n,) of points inside; cells that are full; normals (n, 3) of the
+    surface where it is nearest to the points; through (n,): how far (m) the body reaches along these there; the share
+    of rays that met a gap in the surface."""
 
     places: Array
     weights: Array
     cells: Indices
     full: Indices
-    leaks: float
     normals: Array
     through: Array
+    leaks: float
 
 
 class _Hits(NamedTuple):
@@ -66,61 +48,92 @@ class _Hits(NamedTuple):
     face: Indices
 
 
-def grid_about(surface: Surface, side: float, rays: int, margin: float = 0.0) -> Grid:
-    """Return a grid of cells about a surface, and `margin` (m) around it; no face of a box lies on a plane of it."""
-    corner = surface.points.min(axis=0) - margin - side * np.array([0.31, 0.37, 0.43])
-    counts = np.ceil((surface.points.max(axis=0) + margin - corner) / side).astype(np.int64) + 1
-    return Grid(corner, side, counts, rays)
-
-
 def quadrature(surface: Surface, grid: Grid, degree: int, without: Surface | None = None) -> Quadrature:
     """Return points inside a closed surface, and not inside another one, exact for polynomials up to about twice the
     degree along each ray."""
-    step = grid.side / grid.rays
     others = Surface(surface.points[:0], surface.faces[:0]) if without is None else without
-    whole = grid.counts * grid.rays
+    leaves = grid.leaves
+    found = [_of_level(surface, others, grid, leaves[grid.levels[leaves] == level], degree)
+             for level in np.unique(grid.levels[leaves])]  # fmt: skip
+    places, weights, numbers, full, normals, through = (
+        np.concatenate(each) for each in list(zip(*found, strict=True))[:-1]
+    )
+    return Quadrature(places, weights, numbers, full, normals, through, max(each.leaks for each in found))
+
+
+def _of_level(surface: Surface, others: Surface, grid: Grid, cells: Indices, degree: int) -> Quadrature:
+    """Return points in cells of one size."""
+    level = int(grid.levels[cells[0]])
+    side = float(grid.sides[cells[0]])
+    rays = grid.rays_of(level)
+    step, whole = side / rays, (grid.counts << level) * rays
     places, weights, axes, lengths, hits_at, normals = [], [], [], [], [], []
-    leaks = rays = 0
-    plain = np.zeros((3, int(grid.counts.prod())))
+    leaks = count = 0
+    plain = np.zeros((3, grid.size))
     looks = np.zeros_like(plain)
+    own = np.zeros(grid.size, bool)
+    own[cells] = True
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
+        columns = np.zeros((whole[u] // rays, whole[v] // rays), bool)
+        columns[grid.at[cells, u], grid.at[cells, v]] = True
         mended = []
         for body in (surface, others):
-            look = faces_of(body).normals
-            hits = _hits(body, look, grid.corner, step, (axis, int(whole[u]), int(whole[v])))
-            at = np.empty((len(hits.ray), 3))
-            at[:, axis], (at[:, u], at[:, v]) = hits.place, _centres(hits.ray, int(whole[v]), grid, step, (u, v))
+            hits, at, look = _hits_in(body, grid, (axis, level), columns)
             hits_at.append(at)
-            normals.append(look[hits.face])
-            looks[axis] += np.bincount(grid.number(at), np.abs(look[hits.face, axis]), looks.shape[1])
-            own, gaps, count = _mended(hits, int(whole[v]))
-            mended.append(own)
-            leaks, rays = leaks + gaps, rays + count
-        along, weight, ray, length = _along(mended[0], mended[1], grid, axis, degree)
+            normals.append(look)
+            looks[axis] += np.bincount(grid.number(at), np.abs(look[:, axis]), looks.shape[1])
+            whole_hits, gaps, met = _mended(hits, int(whole[v]))
+            mended.append(whole_hits)
+            leaks, count = leaks + gaps, count + met
+        along, weight, ray, length = _along(mended[0], mended[1], (float(grid.corner[axis]), side), degree)
         found = np.empty((len(along), 3))
         found[:, axis], (found[:, u], found[:, v]) = along, _centres(ray, int(whole[v]), grid, step, (u, v))
-        places.append(found)
-        weights.append(weight * step**2)
-        axes.append(np.full(len(along), axis))
-        lengths.append(length)
-        plain[axis] = np.bincount(grid.number(found), weights[-1], plain.shape[1])
-    surface_points = np.vstack(hits_at)
-    cut = np.zeros(plain.shape[1], bool)
-    cut[grid.number(surface_points)] = True
-    full = np.flatnonzero(~cut & (plain.sum(axis=0) > 1.5 * grid.side**3)).astype(np.int64)
+        cell = grid.number(found)
+        kept = own[cell]
+        places.append(found[kept])
+        weights.append(weight[kept] * step**2)
+        axes.append(np.full(int(kept.sum()), axis))
+        lengths.append(length[kept])
+        plain[axis] = np.bincount(cell[kept], weights[-1], plain.shape[1])
     at, weight, axis_of, length = (np.concatenate(each) for each in (places, weights, axes, lengths))
+    surface_points, look = np.vstack(hits_at), np.vstack(normals)
+    cut = np.zeros(grid.size, bool)
+    cut[grid.number(surface_points)] = True
+    full = np.flatnonzero(own & ~cut & (plain.sum(axis=0) > 1.5 * side**3)).astype(np.int64)
     cell = grid.number(at)
     keep = cut[cell]
     at, weight, axis_of, length, cell = at[keep], weight[keep], axis_of[keep], length[keep], cell[keep]
-    share, normal = _shares(at, axis_of, surface_points, np.vstack(normals), grid)
-    weight = weight * share
+    share, normal = _shares(at, axis_of, surface_points, look, (grid.corner, side, rays))
     through = length * np.abs(normal[np.arange(len(at)), axis_of])
-    volume = (looks * plain).sum(axis=0) / np.maximum(looks.sum(axis=0), 1e-300)
-    got = np.bincount(cell, weight, len(volume))
-    weight = weight * np.clip(volume / np.maximum(got, 1e-300), 1 / _MOST_CHANGE, _MOST_CHANGE)[cell]
+    weight = _set_right(weight * share, cell, looks, plain)
     keep = share > _LEAST_SHARE
-    return Quadrature(at[keep], weight[keep], cell[keep], full, leaks / max(rays, 1), normal[keep], through[keep])
+    return Quadrature(at[keep], weight[keep], cell[keep], full, normal[keep], through[keep], leaks / max(count, 1))
+
+
+def _set_right(weights: Array, cells: Indices, looks: Array, plain: Array) -> Array:
+    """Return weights (n,) of points, of which each cell has the volume that rays along x, y and z (`plain`, 3 by cells)
+    tell, each as much as the surface looks along it (`looks`)."""
+    volume = (looks * plain).sum(axis=0) / np.maximum(looks.sum(axis=0), 1e-300)
+    got = np.bincount(cells, weights, len(volume))
+    right: Array = weights * np.clip(volume / np.maximum(got, 1e-300), 1 / _MOST_CHANGE, _MOST_CHANGE)[cells]
+    return right
+
+
+def _hits_in(body: Surface, grid: Grid, along: tuple[int, int], columns: Flags) -> tuple[_Hits, Array, Array]:
+    """Return hits of the rays along an axis, for cells of a level, that pass through some columns of these; their
+    places (n, 3) and the normals (n, 3) there."""
+    axis, level = along
+    rays = grid.rays_of(level)
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    step, across = grid.side / 2**level / rays, columns.shape[1] * rays
+    look = faces_of(body).normals
+    hits = _hits(body, look, grid.corner, step, (axis, columns.shape[0] * rays, across))
+    kept = columns[hits.ray // across // rays, hits.ray % across // rays]
+    hits = _Hits(hits.ray[kept], hits.place[kept], hits.sign[kept], hits.face[kept])
+    at = np.empty((len(hits.ray), 3))
+    at[:, axis], (at[:, u], at[:, v]) = hits.place, _centres(hits.ray, across, grid, step, (u, v))
+    return hits, at, look[hits.face]
 
 
 def _centres(ray: Indices, columns: int, grid: Grid, step: float, sides: tuple[int, int]) -> tuple[Array, Array]:
@@ -222,14 +235,15 @@ def _pieces(hits: _Hits, others: _Hits) -> tuple[Array, Array, Indices]:
     return place[enter], place[leave], ray[enter]
 
 
-def _along(hits: _Hits, others: _Hits, grid: Grid, axis: int, degree: int) -> tuple[Array, Array, Indices, Array]:
+def _along(hits: _Hits, others: _Hits, planes: tuple[float, float], degree: int) -> tuple[Array, Array, Indices, Array]:
     """Return places along an axis, weights and rays of Gauss points on the pieces of rays that lie inside of a body and
-    not of the others, and how far (m) the ray is inside there, other cells too."""
+    not of the others, and how far (m) the ray is inside there, other cells too. planes: where the cells' are, and how
+    far (m) apart."""
     begin, leave, ray = _pieces(hits, others)
     middle = 0.5 * (begin + leave)  # about there the nearest surface becomes another one
     start, end, ray = np.r_[begin, middle], np.r_[middle, leave], np.r_[ray, ray]
     reach = np.r_[leave - begin, leave - begin]
-    origin, side = grid.corner[axis], grid.side
+    origin, side = planes
     first = np.floor((start - origin) / side).astype(np.int64)
     count = np.floor((end - origin) / side).astype(np.int64) - first + 1
     cell = np.repeat(first, count) + _counted(count)
@@ -248,17 +262,21 @@ def _along(hits: _Hits, others: _Hits, grid: Grid, axis: int, degree: int) -> tu
     return np.concatenate(places), np.concatenate(weights), np.concatenate(rays), np.concatenate(through)
 
 
-def _shares(places: Array, axes: Indices, surface: Array, normals: Array, grid: Grid) -> tuple[Array, Array]:
+def _shares(
+    places: Array, axes: Indices, surface: Array, normals: Array, cells: tuple[Array, float, int]
+) -> tuple[Array, Array]:
     """Return the share of each point's direction: the square of the normals along it where the surface is nearest to
     the small cube that holds the point. Return the nearest normal (n, 3), too."""
     from scipy.spatial import cKDTree
 
-    small = Grid(grid.corner, grid.side / _CUBES, grid.counts * _CUBES, 1)
-    cubes, number = np.unique(small.number(places), return_inverse=True)
+    corner, side, rays = cells
+    at = np.floor((places - corner) / (side / _CUBES)).astype(np.int64)
+    most = at.max(axis=0, initial=0) + 1
+    cubes, number = np.unique((at[:, 0] * most[1] + at[:, 1]) * most[2] + at[:, 2], return_inverse=True)
     tree = cKDTree(surface, balanced_tree=False, compact_nodes=False)
-    middles = small.corner + small.side * (small.cell(cubes) + 0.5)
+    middles = corner + side / _CUBES * (np.stack(np.unravel_index(cubes, tuple(most)), axis=1) + 0.5)
     distance, near = tree.query(middles, k=min(_NEAR, len(surface)))
-    weight = 1 / (distance.reshape(len(cubes), -1) + 0.05 * grid.side / grid.rays) ** 2
+    weight = 1 / (distance.reshape(len(cubes), -1) + 0.05 * side / rays) ** 2
     squares = normals[near.reshape(len(cubes), -1)] ** 2
     shares = np.einsum("ck,cka->ca", weight, squares) / weight.sum(axis=1)[:, None]
     return np.asarray(shares[number, axes]), np.asarray(normals[near.reshape(len(cubes), -1)[:, 0]][number])

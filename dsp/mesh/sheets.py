@@ -7,8 +7,9 @@ ACM Trans. Graph. 27, 2008), so that coarse meshes of round things are round.
 import numpy as np
 
 from ..bodies.material import Array
+from .grids import Grid
 from .polynomials import gauss
-from .rays import Grid, Quadrature
+from .rays import Quadrature
 from .surface import Surface, faces_of
 
 CREASE = 0.77
@@ -38,7 +39,7 @@ def of_sheet(surface: Surface, wall: float, grid: Grid, layers: int) -> Quadratu
             across.append(normal.reshape(-1, 3))
     every = np.vstack(places)
     cells, none = grid.number(every), np.zeros(0, np.int64)
-    return Quadrature(every, np.concatenate(weights), cells, none, 0.0, np.vstack(across), np.full(len(every), wall))
+    return Quadrature(every, np.concatenate(weights), cells, none, np.vstack(across), np.full(len(every), wall), 0.0)
 
 
 def corner_normals(surface: Surface) -> Array:

@@ -8,7 +8,7 @@
 Accuracy: the 20 lowest frequencies beside those of an independent solution, and how much the last refinement changed
 it: of boxes and bodies of revolution by polynomials of high degree (`elastic`), of a lump by quadratic tetrahedra
 (scikit-fem) that fill it, curved with it and extrapolated from two sizes, of a mug and a wrench by
-quadratic hexahedra. Broken: meshes with faces that are missing,
+hexahedra of degree 4 that are short at inner edges. Broken: meshes with faces that are missing,
 flipped, doubled, moved, cut, mirrored or not finite. Of a folder, all files of meshes in it and below, in m or mm.
 """
 

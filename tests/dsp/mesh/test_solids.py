@@ -7,9 +7,10 @@ from carom.dsp.bodies import bar, sphere
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import cells, forms
 from carom.dsp.mesh.fronts import Elements, Factor
+from carom.dsp.mesh.grids import grid_about
 from carom.dsp.mesh.lanczos import lowest
 from carom.dsp.mesh.parts import Parts
-from carom.dsp.mesh.rays import grid_about, quadrature
+from carom.dsp.mesh.rays import quadrature
 from carom.dsp.mesh.surface import Surface, volume_of
 
 STEEL = Material("steel", 7850.0, 200e9, 0.29, 1.0, 0.0)
@@ -28,7 +29,7 @@ def integrals(body, side, degree=3):
     nodes, weights = gauss(2)
     inner = np.stack(np.meshgrid(nodes, nodes, nodes, indexing="ij"), -1).reshape(-1, 3)
     share = (weights[:, None, None] * weights[:, None] * weights).ravel()
-    at = (grid.corner + grid.side * (grid.cell(found.full)[:, None] + inner)).reshape(-1, 3)
+    at = (grid.corners[found.full][:, None] + grid.side * inner).reshape(-1, 3)
     places = np.vstack([found.places, at])
     every = np.r_[found.weights, np.tile(share, len(found.full)) * grid.side**3]
     return every.sum(), (every * places[:, 0] ** 2).sum()
