@@ -55,7 +55,7 @@ def user_cache() -> Path:
 
 @cache
 def _passing_cache(why: str) -> Path:
-    text = "cannot write the code cache (%s): every start will compile; XDG_CACHE_HOME may name another folder"
+    text = "cannot write the code cache (%s): every start makes it anew; XDG_CACHE_HOME may name another folder"
     _warn(text, why)
     folder = tempfile.TemporaryDirectory(prefix="carom-code-")
     _PASSING.append(folder)  # it is removed at the end of the process

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import CaromError
+
 VARIABLE = "CAROM_PROCESSOR"
 """The environment variable that names one of LEVELS for a processor that could do more, or PORTABLE."""
 
@@ -115,6 +117,10 @@ WHEEL = tuple(
 """All that a wheel for everybody holds code for."""
 
 
+class ProcessorError(CaromError, ValueError):
+    """A kind of processor that the environment's VARIABLE asks for, and this one is not."""
+
+
 @cache
 def system() -> str:
     """Return this operating system's name, as the names of compiled files have it."""
@@ -123,17 +129,15 @@ def system() -> str:
 
 @cache
 def processors() -> tuple[str, ...]:
-    """Return the kinds of processor whose code this one runs, the most able first; ValueError where VARIABLE asks for
-    more."""
-    asked = os.environ.get(VARIABLE)
-    if _own_family() != "x86_64":
-        return (PORTABLE if asked == PORTABLE else _own_family(),)
-    able = _able()
+    """Return the kinds of processor whose code this one runs, the most able first; ProcessorError where VARIABLE asks
+    for another."""
+    asked, own = os.environ.get(VARIABLE), _own_family()
+    able = _able() if own == "x86_64" else [own]
     if asked == PORTABLE:
-        return tuple(f"{PORTABLE}-{level}" for level in reversed(able))
+        return tuple(f"{PORTABLE}-{level}" for level in reversed(able)) if own == "x86_64" else (PORTABLE,)
     if asked and asked not in able:
         can = f"{', '.join(able)}, which this processor can do"
-        raise ValueError(f"{VARIABLE} = {asked!r}: expected {PORTABLE}, or one of {can}")
+        raise ProcessorError(f"{VARIABLE} = {asked!r}: expected {PORTABLE}, or one of {can}")
     return tuple(reversed(able[: able.index(asked) + 1] if asked else able))
 
 

@@ -15,14 +15,14 @@ import platformdirs
 import pytest
 import setuptools
 
-from carom.dsp.errors import NoCodeError
+from carom.dsp.errors import CaromError, NoCodeError
 from carom.dsp.native import compiling, store, targets
 from carom.dsp.native.code import load
 from carom.dsp.native.compiling import bitcode, compiled
 from carom.dsp.native.images import image_of
 from carom.dsp.native.sources import compiler_digest, key, sources
 from carom.dsp.native.store import Store
-from carom.dsp.native.targets import LEVELS, Target, processors, system
+from carom.dsp.native.targets import LEVELS, ProcessorError, Target, processors, system
 
 FILES = {
     "__init__.py": "",
@@ -363,8 +363,9 @@ def test_code_that_can_fail_is_refused(monkeypatch, tmp_path):
 def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_taken(monkeypatch):
     processors.cache_clear()
     monkeypatch.setenv(targets.VARIABLE, "x86-64-v9")
-    with pytest.raises(ValueError, match=r"CAROM_PROCESSOR = 'x86-64-v9': expected portable, or one of x86-64"):
+    with pytest.raises(ProcessorError, match=r"CAROM_PROCESSOR = 'x86-64-v9': expected portable, or one of x86-64"):
         processors()
+    assert issubclass(ProcessorError, CaromError)
     monkeypatch.setenv(targets.VARIABLE, "x86-64-v2")
     assert processors() == ("x86-64-v2", "x86-64")
     processors.cache_clear()
