@@ -5,6 +5,7 @@ const NATURAL = 600; // px/s of a pointer, at which a slide has its usual speed
 const BALL = { gesture: "roll", keys: { striker: "ball-bearing", surface: "wood", roughness: 1.5 } };
 const ROUGHER = { gesture: "roll", keys: { ...BALL.keys, roughness: 3 } };
 const HEAVY = { gesture: "roll", keys: { striker: "clapper", surface: "asphalt", roughness: 3 } };
+const SCRATCHED = { gesture: "slide", keys: { striker: "triangle-beater", surface: "sandpaper", force: 3 } };
 const sanded = (force) => ({ gesture: "slide", keys: { striker: "sanding-block", surface: "sandpaper", force } });
 
 /** The stroke of an object: its preset's roll or slide, else what suits its shape: {gesture, keys, usual}. */
@@ -15,8 +16,8 @@ export function strokeOn({ preset, material }) {
   if (slide) return { gesture: "slide", keys: {}, usual: slide.speed };
   if (shape === "string") return sanded(20);
   if (shape === "membrane" || shape === "sphere") return sanded(100);
-  if (shape === "ring" || (shape === "bar" && geometry.diameter)) return sanded(60);
-  if (shape === "bar" && geometry.ends !== "cantilever" && material !== "wood") return sanded(100);
+  if (shape === "ring" || (shape === "bar" && geometry.diameter)) return SCRATCHED;
+  if (shape === "bar" && geometry.ends !== "cantilever" && material !== "wood") return SCRATCHED;
   if (shape === "listed" && geometry.height > 0.3) return HEAVY;
   return shape === "bar" || (shape === "plate" && material === "wood") ? ROUGHER : BALL;
 }

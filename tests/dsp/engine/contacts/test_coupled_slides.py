@@ -159,7 +159,7 @@ def test_no_bit_of_a_slide_depends_on_the_block_size(keys):
 
 SOUNDS = {
     "tin-lid": {}, "plastic-cup": {}, "frame-drum": {}, "ceramic-bowl": {}, "wood-board": {},
-    "glass-plate": {"striker": "chalk"}, "aluminium-pipe": {"striker": "knife"},
+    "glass-plate": {"striker": "chalk"}, "aluminium-pipe": {"striker": "knife", "speed": 0.7},
 }  # fmt: skip
 """Slides of objects: some without friction, some of which it is a part."""
 
