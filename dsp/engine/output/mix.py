@@ -2,7 +2,7 @@
 
 import math
 
-from ...native.jit import kernel, simd_kernel
+from ...native.jit import kernel
 from ...native.typed import View, View2D
 from ..memory.capacity import STEMS
 from ..memory.channels import ask_gains
@@ -38,7 +38,6 @@ def glide_gains(state: State, obj: Object) -> None:
     """Bring an object's gains nearer to their targets."""
     ask_gains(state, obj)
     place = obj.place
-    c = math.exp(-QUANTUM / (_GLIDE * state.rate))
     fades = obj.dying == 2 or is_left_out(state, obj)
     unheard = not fades and obj.live == 0 and obj.fading == 0 and obj.voice < 0  # nobody would hear it glide
     for channel in range(state.output.channels):
@@ -46,7 +45,13 @@ def glide_gains(state: State, obj: Object) -> None:
         if unheard:
             place.gain[channel] = asked
         place.before[channel] = place.gain[channel]
-        place.gain[channel] = asked + (place.gain[channel] - asked) * c
+        place.gain[channel] = _glided(state, place.gain[channel], asked)
+
+
+@kernel
+def _glided(state: State, gain: float, asked: float) -> float:
+    """Return a gain a quantum later, on its way to the one that is asked for: most are there."""
+    return asked if gain == asked else asked + (gain - asked) * math.exp(-QUANTUM / (_GLIDE * state.rate))
 
 
 @kernel
@@ -57,7 +62,7 @@ def glide_gain(state: State) -> None:
     if output.silent == 1:
         before = asked
     output.silent = int(state.stats.sounding == 0)
-    now = asked + (before - asked) * math.exp(-QUANTUM / (_GLIDE * state.rate))
+    now = _glided(state, before, asked)
     output.gain[0], output.gain[1] = before, now
     if before == 1.0 and now == 1.0:
         return
@@ -134,10 +139,13 @@ def add_share(state: State, slot: int, voice: View2D[float]) -> None:
                 output.stems[output.turn, slot, channel, n] += scratch.share[n]
 
 
-@simd_kernel
+@kernel
 def _energy(share: View[float]) -> float:
-    """Return the sum of squares."""
+    """Return the sum of squares: of eight that do not wait for one another."""
     energy = 0.0
-    for n in range(QUANTUM):
-        energy += share[n] * share[n]
+    for n in range(0, QUANTUM, 8):
+        a, b, c, d, e, f, g, h = (
+            share[n], share[n + 1], share[n + 2], share[n + 3], share[n + 4], share[n + 5], share[n + 6], share[n + 7],
+        )  # fmt: skip
+        energy += ((a * a + b * b) + (c * c + d * d)) + ((e * e + f * f) + (g * g + h * h))
     return energy
