@@ -53,7 +53,7 @@ class Strikers:
         )  # fmt: skip
         bends = sound.ringing.frequency if sound.ringing else ()
         entry["bends"], entry["bend"][: len(bends)] = len(bends), bends
-        entry["mobility"] = sound.ringing.mobility if sound.ringing else 1.0
+        entry["mobility"] = sound.ringing.mobility * sound.mass if sound.ringing else 1.0
         entry["serial"] = self._serial
 
 

@@ -17,7 +17,8 @@ s)^3), where s is the pulse's rms width, the grain's mass is as if it were m/(1 
 pulse's |P|^2 at any frequency, so that the modes of an object at rest take at most m v^2/2.
 
 Many blows move a mode together while it goes one way, for 1/omega: r blows a second of the mean mass m are r m/omega
-then, and the momentum of each is less by 1/(1 + STREAM r m sum phi^2/omega), too.
+then, and the momentum of each is less by 1/(1 + STREAM r m sum phi^2/omega), too, where r m is that of all swarms on
+the object.
 """
 
 import math

@@ -10,9 +10,7 @@ mass, and the opposite one gets 0.6 of the change, downwards, so that it slaps t
 fly as free bodies do between the blows of either, and a rim falls at 1.6 g while the other one rests. One that would
 turn over meanwhile lands at an angle at random, with its energy.
 
-It bends as well, and touches again and again while it does (Stoianovici and Hurmuzlu, J. Applied Mechanics 63, 1996).
-With A = m' sum phi^2 of its modes below a pulse's roll-off, these take g^2 A/(1 + 2 g^2 A) of the energy m' v^2/2,
-where g = 1 + e: what one pulse gives if that is little, and half at most, as if the rim shared it with them evenly.
+It bends as well, and rings by what its blows leave it (ringing.py).
 """
 
 import math
@@ -21,8 +19,8 @@ from ..native.jit import kernel
 from ..numerics.constants import STANDARD_GRAVITY
 from ..numerics.elementary import exp, log
 from ..schema import MOST_PIECES
-from .blows import ROLL_OFF
 from .record import SIZES, Swarm
+from .ringing import bent_by, kept_by
 from .times import GAP, MAGNITUDE, OTHER, VARIETY, uniform
 
 _DECADES = 1000.0
@@ -154,29 +152,23 @@ def bend_piece(
     """Return the factor on the momentum of a piece's blow that moves its modes as its blows do, by how much ln of their
     width is less, and the restitution that they leave it.
 
-    mass, width, given: as it would meet the floor if it were rigid, in kg, ln of s, and in m v.
+    mass, width, given: as it would meet the floor if it were rigid, in kg, ln of s, and in m v. Its modes have
+    frequencies as the inverse of its mass, and masses as that; flat: the cosine of the angle at which it lies, as they
+    are told at TILT.
     """
-    bent = bent_by(swarm, mass, swarm.mass_of[p], width, flat)
-    shorter = 0.0
-    for _ in range(2):  # what gives way has a shorter pulse, which reaches more modes
-        shorter = log(1.0 + bent) / (swarm.a + 1.0)
-        bent = bent_by(swarm, mass, swarm.mass_of[p], width - shorter, flat)
-    kept = 1.0 / (1.0 + 2.0 * given * given * bent)
+    piece, toward = swarm.mass_of[p], flat / TILT
+    light, at = toward * toward * swarm.bending * mass / piece, width + log(swarm.usual / piece)
+    kept, shorter, bent = kept_by(swarm.bend, swarm.bends, light, at, given, swarm.a)
     left = (given - 1.0) * math.sqrt(1.0 - given * given * bent * kept)
-    return math.sqrt(kept) * flat / TILT, shorter, left
+    return math.sqrt(kept) * toward, shorter, left
 
 
 @kernel
-def bent_by(swarm: Swarm, mass: float, piece: float, width: float, flat: float) -> float:
-    """Return m M of a blow of a mass and a width (ln of s), where M is the mobility of a piece's own modes: these have
-    frequencies as the inverse of its mass, and masses as that; flat: the cosine of the angle at which it lies, as its
-    modes are those at 45 degrees."""
-    share = swarm.usual / piece
-    turns, total = 2.0 * math.pi * ROLL_OFF * share * exp(width), 0.0
-    for i in range(swarm.bends):
-        turned = turns * swarm.bend[i]
-        total += 1.0 / (1.0 + turned * turned * turned)
-    return (flat / TILT) ** 2 * mass * share * swarm.bending * total
+def bent_by_crack(swarm: Swarm, mass: float, piece: float, width: float) -> float:
+    """Return m M of a crack of a mass and a width (ln of s) beside a piece, where M is the mobility of its modes."""
+    light, at = swarm.bending * mass / piece, width + log(swarm.usual / piece)
+    bent: float = bent_by(swarm.bend, swarm.bends, light, at)
+    return bent
 
 
 @kernel

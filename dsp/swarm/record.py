@@ -16,6 +16,8 @@ PLACES = 8
 """Places on an object at which the blows of a swarm fall."""
 SIZES = 24
 """Sizes of grains that sound each by itself, where they differ."""
+ONE_SIZE = 1e-9
+"""Sizes per unit of ln, where all grains sound as the usual one."""
 KNOTS = 16
 """Changes of a swarm that are kept until its blows have come so far."""
 PULSES = 8
@@ -38,7 +40,7 @@ WIDTHS = 20
 """Widths of pulses, octaves apart, for which it is known how an object yields."""
 
 MOST_BENDS = 12
-"""Modes of a piece that are known."""
+"""Modes of a grain that are known."""
 BATCH = 32
 """Blows that are drawn together, a multiple of LANES."""
 
@@ -116,6 +118,8 @@ class Swarm(Record):
     """A swarm on an object."""
 
     used: int
+    slot: int  # of its object
+    flow: float  # kg/s: of its blows at the beginning of this quantum
     law: int  # of its blows, as schema.Gesture.swarms
     table: int  # of its pulses
     random: Annotated[View[np.uint64], CHANNELS]  # where the numbers of a channel begin
@@ -164,9 +168,9 @@ class Swarm(Record):
     gap_of: Annotated[View[float], MOST_PIECES]  # m, by which the opposite rim is higher then
     wide: float  # m/sqrt(kg): a piece's radius over the root of its mass
     usual: float  # kg: of the usual piece
-    bends: int  # modes of that which ring
+    bends: int  # modes of the usual grain which ring
     bend: Annotated[View[float], MOST_BENDS]  # Hz
-    bending: float  # 1/kg: each one's inverse modal mass
+    bending: float  # the usual grain's mass over the modal mass of each
     bounced: Annotated[View[int], MOST_PIECES]
     spare: float  # blows that may be contacts of their own now
     spared: float  # s: when that was

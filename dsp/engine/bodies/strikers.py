@@ -14,11 +14,13 @@ import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View2D
+from ...numerics.elementary import log
 from ...numerics.legendre import FALL, MOMENTS, RISE
 from ...numerics.random import STEP, mixed
 from ...resonator.bank import Modes, Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
 from ...resonator.simd import LANES
 from ...swarm.record import SIZES
+from ...swarm.ringing import kept_by, left_by
 from ..memory.quality import silence_of
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, ROLLING, Object, State
@@ -28,6 +30,7 @@ from .striker_modes import become, modes_of_voice, rescale, resize
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
 _FINE = 2.0**40  # steps per m/s in which a velocity is told from another
+_WIDTH = 0.15  # of a pulse's duration, at most: its rms width, of exponents up to 2.5
 
 
 @kernel
@@ -36,6 +39,7 @@ def begin_striker(state: State, contact: Contact) -> None:
     if not _sounds(state, contact):
         return
     _take_voice(state, contact, True)
+    state.voices[contact.voice].share[0] = share_of_blow(state, contact)
     striker = state.strikers[contact.sound]
     if striker.momentum > 0.0:
         voice = state.voices[contact.voice]
@@ -159,8 +163,33 @@ def _take_voice(state: State, contact: Contact, needed: bool) -> None:
     voice.loudness = _NEW
     for i in range(4):
         voice.share[i] = 0.0
-    voice.share[0] = obj.level * contact.trait.meets / contact.m
+    voice.share[0] = share_of_blow(state, contact)
     become(state, voice, contact)
+
+
+@kernel
+def share_of_blow(state: State, contact: Contact) -> float:
+    """Return the factor on a blow's moments by which its striker sounds: the output per Pa over the striker's mass,
+    less where the striker's own modes would ring with more than half of the energy that the object leaves them."""
+    striker, pulse = state.strikers[contact.sound], contact.pulse
+    share: float = state.objects[contact.point[0].slot].level * contact.trait.meets / contact.m
+    if striker.bends == 0 or striker.momentum > 0.0 or contact.trait.swarms > 0 or not contact.v_in > 0.0:
+        return share
+    rigid = 1.0 + pulse.restitution
+    given = rigid * pulse.momentum / (contact.m * contact.v_in)
+    light, width = contact.trait.meets * striker.mobility / striker.bends, log(_WIDTH * pulse.duration / state.rate)
+    kept, _, _ = kept_by(striker.bend, striker.bends, light, width, given, contact.a)
+    return share * math.sqrt(kept * left_by(rigid, _ratio_of(contact)))
+
+
+@kernel
+def _ratio_of(contact: Contact) -> float:
+    """Return the factor 1/(1 + m sum phi^2) on a striker's mass, of all modes of what it touches."""
+    gives = 0.0
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            gives += contact.point[side].give
+    return 1.0 / (1.0 + contact.m * gives)
 
 
 @kernel
@@ -178,7 +207,8 @@ def _second_pulse(striker: Striker, contact: Contact) -> float:
     second = np.float64(mixed(contact.spot + STEP) >> np.uint64(11)) * 2.0**-53
     normal = math.sqrt(-2.0 * math.log(first)) * math.cos(2.0 * math.pi * second)
     momentum: float = striker.momentum * v**striker.exponent * 10.0 ** (0.05 * striker.scatter * normal)
-    return min(momentum, v * math.sqrt(max(1.0 - e * e, 0.0) * contact.m / striker.mobility))
+    most = contact.m * v * math.sqrt(max(1.0 - e * e, 0.0) / (contact.trait.meets * striker.mobility))
+    return min(momentum, most)
 
 
 @noinline_kernel

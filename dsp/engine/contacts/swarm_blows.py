@@ -15,9 +15,8 @@ from ...swarm.grid import HALF, LEAST, lay_pulse
 from ...swarm.pieces import (
     BOUNCES,
     SLOWEST,
-    TILT,
     bend_piece,
-    bent_by,
+    bent_by_crack,
     bounce_piece,
     landing_of,
     number_of,
@@ -25,7 +24,8 @@ from ...swarm.pieces import (
     piece_of,
     size_of,
 )
-from ...swarm.record import BACK, BATCH, OCTAVES, SIZES, Blows, Swarm
+from ...swarm.record import BACK, BATCH, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Swarm
+from ...swarm.ringing import kept_by, left_by
 from ...swarm.times import PLACE, SIZE, take_blows, uniform
 from ..memory.commands import NUMBERS
 from ..memory.records import Contact
@@ -93,7 +93,7 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
 @noinline_kernel
 def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> None:
     """Lay blows onto the grids, or make them contacts of their own."""
-    rate, sizes, stream = state.rate, swarm.sized == 1, STREAM * mean_mass(swarm)
+    rate, sizes, stream = state.rate, swarm.sized == 1, (STREAM * mean_mass(swarm), STREAM * _flow_beside(state, swarm))
     for n in range(blows.count):
         _weigh_blow(state, contact, swarm, blows, n, stream)
     origin = contact.origin - state.position + swarm.lead + _EARLY
@@ -108,22 +108,37 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
             end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], at, width, loss, momentum)
             swarm.busy[where] = max(swarm.busy[where], end)
         if sizes:
-            c, alike = _size_of_blow(contact, swarm, blows, n, width - swarm.log_rate)
-            width -= blows.shorter[n] if swarm.pieces > 0 else 0.0
+            c, alike = _size_of_blow(state, contact, swarm, blows, n, width - swarm.log_rate)
+            width -= blows.shorter[n]
             end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], at, width, loss, alike * momentum)
             swarm.size_busy[c] = max(swarm.size_busy[c], end)
         swarm.impulse += momentum
 
 
 @kernel
-def _weigh_blow(state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, stream: float) -> None:
+def _flow_beside(state: State, swarm: Swarm) -> float:
+    """Return how many kilograms a second other swarms bring to a swarm's object."""
+    total = 0.0
+    for k in range(SWARMS):
+        other = state.swarms[k]
+        if other.used == 1 and other.slot == swarm.slot:
+            total += other.flow
+    return max(total - swarm.flow, 0.0)
+
+
+@kernel
+def _weigh_blow(
+    state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, stream: tuple[float, float]
+) -> None:
     """Find a blow's momentum, its width (ln of samples) and its middle (in that) by how its place yields; the momentum
-    is 0 where it becomes a contact of its own. stream: kg, the mean mass as the stream's share has it."""
+    is 0 where it becomes a contact of its own. stream: kg, and kg/s of other swarms: the mean mass, and what they
+    bring, as the stream's share has them."""
     table, mass, v, loss = state.pulses.tables[swarm.table], blows.mass[n], blows.v[n], blows.loss[n]
     ratio, width, asked = 1.0, blows.width[n], 0.0
     if swarm.places > 0:
         ratio, width, asked = yielding(swarm, blows.place[n], mass, width)
-        ratio = ratio / (1.0 + ratio * stream * blows.rate[n] * swarm.slow[blows.place[n]])
+        flow = stream[0] * blows.rate[n] + stream[1]
+        ratio = ratio / (1.0 + ratio * flow * swarm.slow[blows.place[n]])
     width += swarm.log_rate
     blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
     swarm.energy += 0.5 * mass * v * v
@@ -138,22 +153,34 @@ def _weigh_blow(state: State, contact: Contact, swarm: Swarm, blows: Blows, n: i
 
 
 @kernel
-def _size_of_blow(contact: Contact, swarm: Swarm, blows: Blows, n: int, width: float) -> tuple[int, float]:
+def _size_of_blow(
+    state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, width: float
+) -> tuple[int, float]:
     """Return the size by which a blow sounds, and the factor on its momentum with which a grain of that size moves as
-    fast as its own would. width: ln of it (s). A crack moves a piece beside it, with what that leaves it."""
-    mass = blows.mass[n]
-    u, alike = uniform(swarm, blows.number[n], SIZE), 1.0
+    fast as its own would. width: ln of it (s). A crack moves a piece beside it, with what that leaves it.
+    What rings has its share of what the object leaves."""
+    mass, ratio, varied = blows.mass[n], blows.ratio[n], swarm.finer > ONE_SIZE
+    given = known_of(state.pulses.tables[swarm.table].momentum, blows.loss[n])
+    u, alike = uniform(swarm, blows.number[n], SIZE), math.sqrt(left_by(given, ratio)) if swarm.bends > 0 else 1.0
     if swarm.cracked > 0:
+        blows.shorter[n] = 0.0
         piece = swarm.mass_of[piece_beside(swarm, u)]
         at_size = (math.log(contact.trait.meets * piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
-        alike /= blows.ratio[n] * (1.0 + bent_by(swarm, mass, piece, width, TILT))
+        alike /= 1.0 + ratio * bent_by_crack(swarm, mass, piece, width)
     elif swarm.pieces > 0:
         mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
-        at_size, alike = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5, blows.alike[n] / blows.ratio[n]
+        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5
+        alike *= blows.alike[n]
     else:
-        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + u
+        size = size_of(swarm, mass) if varied else 0.0
+        at_size = (size - swarm.smallest) * swarm.finer + u
+        blows.shorter[n] = 0.0
+        if swarm.bends > 0:
+            light = swarm.bending * (1.0 if varied else mass / swarm.m)
+            kept, blows.shorter[n], _ = kept_by(swarm.bend, swarm.bends, light, width - size, given, swarm.a)
+            alike *= math.sqrt(kept)
     c = min(max(int(at_size), 0), SIZES - 1)
-    if swarm.cracked == 0:
+    if swarm.cracked == 0 and varied:
         alike *= swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
     return c, alike
 

@@ -16,11 +16,11 @@ from ...numerics.elementary import log
 from ...resonator.sizes import REACH
 from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
 from ...schema_records import Steered
-from ...swarm.blows import NARROWEST, ROLL_OFF
+from ...swarm.blows import NARROWEST, ROLL_OFF, mean_mass
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import find_force, find_moments, move_on
 from ...swarm.pieces import CRACK, CRACKING, CRACKS, JUNCTIONS, STRONGEST, break_up
-from ...swarm.record import BACK, BANDS, FORCES, GRID, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
+from ...swarm.record import BACK, BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
 from ...swarm.times import add_knot, drop_knots, on_lattice, seed_swarm
 from ..bodies.objects import frequency_of, is_felt, shape_at
 from ..bodies.strikers import roll_striker, sound_grains
@@ -84,8 +84,11 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
         swarm.duration = values.duration
         contact.until = contact.gone_at = contact.origin + swarm.duration * state.rate
     swarm.pieces, swarm.cracked, swarm.store = 0, 0, math.inf
-    swarm.sized = int(contact.sound >= 0 and values.variety > 0.0)
-    swarm.smallest, swarm.finer = -math.log(2.0), (SIZES - 1) / (2.0 * math.log(2.0))
+    _learn_bends(state, contact, swarm)
+    varied = values.variety > 0.0
+    swarm.sized = int(contact.sound >= 0 and (varied or swarm.bends > 0))
+    swarm.smallest = -math.log(2.0) if varied else 0.0
+    swarm.finer = (SIZES - 1) / (2.0 * math.log(2.0)) if varied else ONE_SIZE
     for c in range(SIZES):
         swarm.size_busy[c], swarm.voice[c] = 0, -1
         for n in range(GRID):
@@ -94,6 +97,8 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
         _break(state, contact, event)
     swarm.light = log(swarm.m / swarm.k)
     _add_knot(swarm, contact, 0.0)
+    swarm.slot = contact.point[0].slot
+    _find_flow(swarm, 0.0)
 
 
 @kernel
@@ -102,7 +107,6 @@ def _break(state: State, contact: Contact, event: Event) -> None:
     values, swarm = event.values, state.swarms[contact.swarm]
     usual = contact.m / contact.trait.meets
     break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height, usual)
-    _learn_bends(state, contact, swarm)
     swarm.smallest += math.log(contact.trait.meets) / 3.0
     swarm.sized = int(contact.sound >= 0)
     if values.stage > 0.0:
@@ -118,8 +122,8 @@ def _break(state: State, contact: Contact, event: Event) -> None:
 
 @kernel
 def _learn_bends(state: State, contact: Contact, swarm: Swarm) -> None:
-    """Learn by which modes of its own the usual piece rings."""
-    swarm.bends = 0
+    """Learn by which modes of its own the usual grain rings."""
+    swarm.bends, swarm.usual = 0, contact.m / contact.trait.meets
     if contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial:
         striker = state.strikers[contact.sound]
         swarm.bends, swarm.bending = striker.bends, striker.mobility / max(striker.bends, 1)
@@ -247,6 +251,7 @@ def swarm_on(state: State, index: int) -> bool:
     if contact.until < math.inf:
         until = min(until, on_lattice((contact.until - contact.origin) / state.rate))
     swarm.impulse = 0.0
+    _find_flow(swarm, begin)
     if swarm.pieces > 0:
         lay_pieces(state, contact, swarm, until)
     else:
@@ -263,6 +268,14 @@ def swarm_on(state: State, index: int) -> bool:
     else:
         roll_striker(state, contact)
     return False
+
+
+@kernel
+def _find_flow(swarm: Swarm, time: float) -> None:
+    """Find how many kilograms a second a swarm's blows bring at a time (s from its beginning), for others on its
+    object."""
+    last = swarm.knots[swarm.count - 1]
+    swarm.flow = mean_mass(swarm) * (max(last.rate + last.slope * max(time - last.time, 0.0), 0.0) + swarm.excited)
 
 
 @kernel

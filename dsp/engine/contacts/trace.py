@@ -4,6 +4,7 @@ from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel
 from ...native.typed import View, View2D
 from ...rolling.body import share_of
+from ..bodies.strikers import share_of_blow
 from ..memory.records import Contact, Slide
 from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
 from ..memory.striker_state import Voice
@@ -210,11 +211,11 @@ def _tell_striker(state: State, contact: Contact, entry: Trace) -> None:
     entry.sound, entry.share, entry.ratio = -1, 0.0, 1.0
     if contact.sound < 0 or state.strikers[contact.sound].serial != contact.sound_serial:
         return
-    striker, level = state.strikers[contact.sound], state.objects[contact.point[0].slot].level
+    striker = state.strikers[contact.sound]
     entry.sound = contact.sound
     if contact.trait.along == 1:
         roll = state.rolls[contact.roll]
-        entry.share = level / roll.m
+        entry.share = state.objects[contact.point[0].slot].level / roll.m
         entry.ratio = roll.target.radius / striker.radius if striker.clicks > 0 else 1.0
     else:
-        entry.share = level * contact.trait.meets / contact.m
+        entry.share = share_of_blow(state, contact)

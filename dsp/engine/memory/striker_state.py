@@ -39,7 +39,7 @@ class Striker(_Bank):
     exponent: float  # of the velocity
     scatter: float  # dB: standard deviation
     delay: float  # s
-    mobility: float  # 1/kg: twice the energy (J) that a momentum of 1 N s gives to the modes it moves
+    mobility: float  # the sum of its mass over modal masses
     bends: int  # modes that ring, at any sampling rate
     bend: Annotated[View[float], MOST_BENDS]  # Hz
 

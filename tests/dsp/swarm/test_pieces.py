@@ -11,13 +11,13 @@ from carom.dsp.swarm.pieces import (
     SLOWEST,
     TILT,
     bend_piece,
-    bent_by,
     bounce_piece,
     break_up,
     landing_of,
     piece_beside,
 )
 from carom.dsp.swarm.record import SWARM
+from carom.dsp.swarm.ringing import bent_by
 from carom.dsp.swarm.tables import contact_form
 from carom.dsp.swarm.times import seed_swarm
 
@@ -106,7 +106,7 @@ SHARD = np.array([4130.0, 5990.0, 7440.0, 10640.0, 10680.0, 18690.0])  # Hz, of 
 def shard(scale, restitution, width):
     """Return what a shard that lies flat does: `bend_piece`'s answer for one `scale` as heavy as glass-shards."""
     swarm = np.zeros(1, SWARM)[0]
-    swarm["usual"], swarm["bends"], swarm["bending"], swarm["a"] = 0.0028, 6, 1 / 0.0014, 1.5
+    swarm["usual"], swarm["bends"], swarm["bending"], swarm["a"] = 0.0028, 6, 2.0, 1.5
     swarm["bend"][:6] = SHARD
     swarm["mass_of"][0] = 0.0028 * scale
     return bend_piece(swarm, 0, 0.0028 * scale / 5, math.log(width), 1.0, 1 + restitution)
@@ -117,10 +117,7 @@ def shard(scale, restitution, width):
 def test_a_piece_rings_with_at_most_half_of_what_its_blow_brings(scale, restitution):
     for width in (1e-6, 1e-5, 1e-4):
         alike, shorter, left = shard(scale, restitution, width)
-        swarm = np.zeros(1, SWARM)[0]
-        swarm["usual"], swarm["bends"], swarm["bending"] = 0.0028, 6, 1 / 0.0014
-        swarm["bend"][:6] = SHARD
-        bent = bent_by(swarm, 0.0028 * scale / 5, 0.0028 * scale, math.log(width) - shorter, 1.0)
+        bent = bent_by(SHARD / scale, 6, 2.0 * 2.0 / 5, math.log(width) - shorter)
         rings = (TILT * alike * (1 + restitution)) ** 2 * bent  # of m v^2/2; the modes of TILT have twice the mass
         assert rings < 0.5 and left**2 + rings < 1.0 and 0.0 < left <= restitution
 

@@ -85,13 +85,13 @@ def test_it_is_heard_with_the_object(level):
 def test_modes_of_a_striker_ring_by_its_force():
     """A short blow moves each by its momentum; heard is its velocity: weight exp(-sigma t) (cos - sigma/omega sin)."""
     engine = started()
-    law = (1e-5, 1e15, 0.1, 1.5)
-    sound = StrikerSound(1e-5, None, 1.0, RING)
+    law = (1e-6, 1e14, 0.1, 1.5)
+    sound = StrikerSound(1e-6, None, 1.0, RING)
     heard = sound_of(impact(wall(engine), law, 100.5, **engine.lay_out_striker(sound)), engine=engine, frames=512)[:, 0]
     t = np.arange(101 - 100.5, 400)[:, None] / RATE
     frequency, decay, weight = map(np.array, _columns(RING))
     omega = 2 * np.pi * frequency
-    momentum = 1e-5 * (1.0 - contact.release_velocity(1.0, 0.1))
+    momentum = 1e-6 * (1.0 - contact.release_velocity(1.0, 0.1))
     exact = momentum * (weight * np.exp(-decay * t) * (np.cos(omega * t) - decay / omega * np.sin(omega * t))).sum(
         axis=1
     )

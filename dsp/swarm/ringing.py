@@ -1,0 +1,53 @@
+"""The own modes of what strikes: how much of a blow's energy they take.
+
+A body of mass m' where it touches bends as well, and touches again and again while it does (Stoianovici and Hurmuzlu,
+J. Applied Mechanics 63, 1996). With A = m' sum 1/m_i of its modes below a pulse's roll-off, these take
+g^2 A/(1 + 2 g^2 A) of the energy m' v^2/2, where g is the blow's momentum in m' v: what one pulse gives if that is
+little, and half at most, as if the body shared it with them evenly. A disc with its modes, computed step by step, does
+so as it touches the floor several times. Rigid, it would give them up to 25 times what it has.
+"""
+
+import math
+
+from ..native.jit import kernel
+from ..native.typed import View
+from ..numerics.elementary import exp, log
+from .blows import ROLL_OFF
+
+
+@kernel
+def bent_by(frequencies: View[float], count: int, light: float, width: float) -> float:
+    """Return m' M of a blow of a width (ln of s), where M is the mobility of modes of frequencies (Hz), and `light` is
+    m' over the modal mass of each."""
+    turns, total = 2.0 * math.pi * ROLL_OFF * exp(width), 0.0
+    for i in range(count):
+        turned = turns * frequencies[i]
+        total += 1.0 / (1.0 + turned * turned * turned)
+    return light * total
+
+
+@kernel
+def kept_by(
+    frequencies: View[float], count: int, light: float, width: float, given: float, exponent: float
+) -> tuple[float, float, float]:
+    """Return the share that is left of the energy which a rigid body's blow would give its modes, by how much ln of the
+    blow's width is less as they give way, and m' M then.
+
+    given: the momentum in m' v; exponent: the contact law's.
+    """
+    bent = bent_by(frequencies, count, light, width)
+    shorter = 0.0
+    for _ in range(2):  # what gives way has a shorter pulse, which reaches more modes
+        shorter = log(1.0 + bent) / (exponent + 1.0)
+        bent = bent_by(frequencies, count, light, width - shorter)
+    return 1.0 / (1.0 + 2.0 * given * given * bent), shorter, bent
+
+
+@kernel
+def left_by(given: float, ratio: float) -> float:
+    """Return the share of a blow's energy m v^2/2 that an object leaves, which yields as if the mass were less by a
+    ratio 1/(1 + m M): its modes take (g r)^2 m M.
+
+    given: the momentum in m v, if the object did not yield.
+    """
+    return max(1.0 - given * given * ratio * (1.0 - ratio), 0.0)
