@@ -1,11 +1,14 @@
 """Swarms as messages begin them: their contact laws share the room for tables of pulses."""
 
+import numpy as np
 import pytest
 
-from carom.dsp.runtime.engine import NOW
+from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.swarm.record import PULSES
 from carom.dsp.swarm.tables import pulse_table
+from carom.presets.library import Presets
 from carom.server.osc.wire import Message
+from carom.server.scene.session import Session
 from tests.server.scene.support import say, seconds
 
 
@@ -57,3 +60,44 @@ def test_grains_that_do_not_move_are_silent_until_they_are_told_to(played, begun
     assert abs(played.engine.process(4800)).max() < 1e-9
     assert say(played, f"/gesture/grains/{begun[2]}", 0.5) == []
     assert abs(played.engine.process(4800)).max() > 1e-6
+
+
+GESTURES = {
+    "rain": (3e3,), "shake": (3e3, "striker", "coins"), "pour": (30.0, "striker", "glass-shards", "variety", 0.5),
+    "crumple": (0.1, "striker", "leaves"), "step": (700.0, "striker", "gravel"),
+    "shatter": (2.0, "striker", "glass-shards", "onto", "lid"),
+}  # fmt: skip
+
+
+def freed_under(kind, at_once, blocks):
+    """Return the sound of objects that are freed under a swarm, and made anew under their names, and the session."""
+    session, parts, after = Session(Engine(48_000), Presets()), [], 0
+    begun = Message(f"/object/a/{kind}", (*GESTURES[kind], "id", "swarm", "seed", 5))
+    new = [Message("/object/new", ("a", "plastic-cup"))]
+    messages = [
+        (0, [Message("/object/new", ("lid", "tin-lid")), *new, begun]),
+        (2_000, [Message("/gesture/swarm/rate", (1e6,))]),
+        (2_500, [Message("/gesture/swarm/rate", (0.0, "over", 0.01)), Message(f"/object/a/{kind}", GESTURES[kind])]),
+        (4_001, [Message(f"/object/{name}/free", (at_once,)) for name in ("a", "lid")]), (4_001, [*new, begun]),
+        (9_000, [Message("/object/a/free", (1.0,)), Message("/gesture/*/stop", ())]),
+    ]  # fmt: skip
+    for time, told in [*messages, (40_000, [])]:
+        while after < time:
+            size = min(blocks, time - after)
+            parts.append(session.engine.process(size))
+            after += size
+        session.perform(told, float(time + 128))
+    return np.concatenate(parts), session
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("at_once", [0.0, 1.0])
+@pytest.mark.parametrize("kind", GESTURES)
+def test_objects_that_are_freed_under_swarms_go_and_leave_nothing(kind, at_once):
+    sound, session = freed_under(kind, at_once, 64)
+    assert np.isfinite(sound).all() and 0.0 < np.abs(sound).max() < 20.0
+    assert np.array_equal(freed_under(kind, at_once, 1_000)[0], sound)
+    seconds(session, 4.0)
+    state = session.engine.state[0]
+    assert not state["swarms"]["used"].any() and state["voices_active"] == 0
+    assert session.engine.stats.contacts_active == 0 and not state["objects"]["used"].any()
