@@ -73,7 +73,7 @@ static bool get_value(const clap_plugin_t *clap, clap_id id, double *value) {
 static bool value_to_text(const clap_plugin_t *clap, clap_id id, double value, char *text, uint32_t size) {
     (void)clap;
     if (id >= MACROS) return false;
-    int place = value < 0.0 ? 0 : value > striker_count - 1 ? striker_count - 1 : (int)round(value);
+    int place = !(value > 0.0) ? 0 : value > striker_count - 1 ? striker_count - 1 : (int)round(value);
     if (id == STRIKER)
         snprintf(text, size, "%s", strikers[place]);
     else

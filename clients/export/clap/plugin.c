@@ -41,6 +41,7 @@ static void tell_host(void *context, const body *of) {
 static void express(plugin *of, const clap_event_note_expression_t *event) {
     const address key = {event->note_id, event->port_index, event->channel, event->key};
     double x = event->value;
+    if (isnan(x)) return;
     switch (event->expression_id) {
     case CLAP_NOTE_EXPRESSION_TUNING: instrument_express(&of->played, key, BEND, x); break;
     case CLAP_NOTE_EXPRESSION_VOLUME: instrument_express(&of->played, key, VOLUME, 20.0 * log10(fmax(x, 1e-6))); break;

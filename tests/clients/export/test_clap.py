@@ -115,6 +115,13 @@ def test_a_reset_begins_anew(made: Path) -> None:
     assert np.array_equal(told.sound[:1_000], told.sound[1_000:]) and told.sound.any()
 
 
+def test_an_expression_that_is_no_number_changes_nothing(made: Path) -> None:
+    """A host's volume, tuning or pressure of NaN is passed over: it silenced the note."""
+    note = "10 on 60 0.5 1 0\n"
+    wrong = "".join(f"{500 + n} express {n} nan 60 1 0\n" for n in range(7))
+    assert np.array_equal(played(made, note + wrong).sound, played(made, note).sound)
+
+
 def test_channels_of_mpe_bend_far_and_follow_their_manager(made: Path) -> None:
     """A member's bend is of 48 semitones once its zone is laid out, and of two before; the manager's is added; a
     registered parameter sets the range."""
