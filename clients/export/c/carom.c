@@ -50,9 +50,13 @@ void field_write(const carom *scene, uint8_t *command, const char *prefix, const
     memcpy(command + found->place, found->whole ? (void *)&whole : (void *)&number, 8);
 }
 
+int64_t room(const carom *scene) {
+    return scene->ring - (scene->inbox_written - __atomic_load_n(&scene->inbox_read, __ATOMIC_ACQUIRE));
+}
+
 int post(carom *scene, const uint8_t *command) {
     int64_t written = scene->inbox_written;
-    if (written - __atomic_load_n(&scene->inbox_read, __ATOMIC_ACQUIRE) >= scene->ring) return 0;
+    if (room(scene) < 1) return 0;
     memcpy(scene->inbox + written % scene->ring * scene->command_size, command, (size_t)scene->command_size);
     __atomic_store_n(&scene->inbox_written, written + 1, __ATOMIC_RELEASE);
     return 1;

@@ -91,6 +91,7 @@ INNER void whole_put(carom *scene, int64_t place, int64_t number); /* with relea
 INNER const field *field_of(const carom *scene, const char *prefix, const char *name); /* NULL: there is none */
 INNER double field_read(const carom *scene, const uint8_t *command, const char *name);
 INNER void field_write(const carom *scene, uint8_t *command, const char *prefix, const char *name, double number);
+INNER int64_t room(const carom *scene);               /* for so many commands */
 INNER int post(carom *scene, const uint8_t *command); /* 0: there is no room */
 INNER void messages_begin(carom *scene);
 INNER int messages_perform(carom *scene, const char *message, double time);

@@ -8,7 +8,7 @@
 #define SLOWEST 0.05    /* m/s of the velocities 1 and 127 */
 #define FASTEST 5.0
 
-enum { LIVE = 1 << 20, MOST_POINTS = 256 };
+enum { LIVE = 1 << 20, MOST_POINTS = 64 };
 
 static void perform(carom *scene, const char *address, const message *from, const word *words, int count, double time);
 
@@ -37,9 +37,11 @@ void send_command(carom *scene, const command *made) {
         refuse(scene, "no room for another command: %lld wait", (long long)scene->ring);
 }
 
+/* Send a command for each point, or none where there is no room for all. */
 static void send_points(carom *scene, command *made, const call *told) {
     point found[MOST_POINTS];
     int count = points(scene, told->verb, told->from, told->words, told->count, found, MOST_POINTS);
+    if (room(scene) < count) refuse(scene, "no room for %d more commands", count);
     for (int n = 0; n < count; n++) {
         set(scene, made, "value", found[n].value);
         set(scene, made, "ramp.after", found[n].after);
@@ -311,6 +313,7 @@ int messages_perform(carom *scene, const char *text, double time) {
     message from;
     scene->told[0] = 0;
     if (setjmp(scene->refused)) return 0;
+    if (!isfinite(time)) refuse(scene, "at = %g: expected a time in s", time);
     split(scene, &from, text);
     if (!from.count || from.words[0].kind != A_TEXT || from.words[0].text[0] != '/')
         refuse(scene, "expected an address, which starts with /");

@@ -230,7 +230,9 @@ int points(carom *scene, const value *verb, const message *from, const word *wor
         const value *found = words[n].kind == A_TEXT ? declared_as(keys, words[n].text) : NULL;
         if (!found) refuse(scene, "%.80s: no such key; expected over, curve", words[n].text);
         if (n + 1 == count) refuse(scene, "%.80s: its value is missing", words[n].text);
-        of_key[found == keys->first ? 0 : 1] = &words[n + 1];
+        int key = found != keys->first;
+        if (of_key[key]) refuse(scene, "%.80s = %.80s: given twice", words[n].text, words[n + 1].text);
+        of_key[key] = &words[n + 1];
     }
     int size;
     const word *values = items_of(from, words, &size);

@@ -1,5 +1,6 @@
 """A scene as a library for C: what a plain C compiler makes of it renders the bits, and carries out messages."""
 
+import ctypes
 import json
 import math
 import os
@@ -91,9 +92,7 @@ def test_messages_become_the_commands_of_a_session(folder: Path, tmp_path: Path)
     assert (made.stderr, made.returncode) == ("", 0)
     lines = [format_line(0.0, message_of(each)).partition(" ")[2] for each in asked]
     told = run(program, folder / "scene.carom", input="\n".join(lines), check=True).stdout.splitlines()
-    scene = (folder / "scene.carom").read_bytes()
-    (size,) = struct.unpack("<I", scene[8:12])
-    fields = json.loads(scene[12 : 12 + size])["command"]["fields"]
+    fields = map_of((folder / "scene.carom").read_bytes())["command"]["fields"]
     wrong = []
     for each, got in zip(asked, told, strict=True):
         commands = [] if got.startswith("!") else [bytes.fromhex(word) for word in got.split()]
@@ -107,12 +106,41 @@ def test_messages_become_the_commands_of_a_session(folder: Path, tmp_path: Path)
     assert len(asked) == 400 and not wrong, f"{len(wrong)} of {len(asked)}: {wrong[:5]}"
 
 
+def test_a_message_is_refused_whole(folder: Path) -> None:
+    """The library refuses what is no time, lists that are too long, and lists for which it has no room."""
+    library = ctypes.CDLL(str(folder / "libcarom.so"))
+    library.carom_open.restype, library.carom_told.restype = ctypes.c_void_p, ctypes.c_char_p
+    baked = (folder / "scene.carom").read_bytes()
+    scene = ctypes.c_void_p(library.carom_open(baked, ctypes.c_size_t(len(baked)), 1))
+
+    def told(message: str, at: float = -1.0) -> str:
+        taken = library.carom_send(scene, message.encode(), ctypes.c_double(at))
+        return "" if taken else library.carom_told(scene).decode()
+
+    for at in (math.nan, math.inf):
+        assert told("/panic", at) == f"at = {at}: expected a time in s"
+    assert told("/gain -3 over 1 over 2") == "over = 2: given twice"
+    points = "/gain [" + 64 * "-3 " + "] over 1"
+    assert "at most 64" in told(points.replace("]", "-3]"))
+    assert not told("/panic")
+    ring = map_of(baked)["state"]["ring"]
+    lists = next(n for n in range(ring) if told(points))
+    assert (lists, next(n for n in range(ring) if told("/panic"))) == divmod(ring - 1, 64)
+    library.carom_close(scene)
+
+
 def test_the_program_on_the_page_compiles(folder: Path, tmp_path: Path) -> None:
     """The page's program is C11 and C++ without a warning."""
     ((text),) = re.findall(r"```c\n(.*?)```", (SOURCES.parents[1] / "export.md").read_text(), re.DOTALL)
     for words in (["-std=c11", "-x", "c"], ["-std=c++17", "-x", "c++"]):
         made = run("cc", *words, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I", folder, "-", input=text)
         assert "cc1plus" in made.stderr or (made.stderr, made.returncode) == ("", 0), words
+
+
+def map_of(scene: bytes) -> dict[str, Any]:
+    """Return the map in the bytes of a scene."""
+    (size,) = struct.unpack("<I", scene[8:12])
+    return dict(json.loads(scene[12 : 12 + size]))
 
 
 def message_of(each: dict[str, Any]) -> Message:
