@@ -91,8 +91,10 @@ export class Carom extends EventTarget {
 
   tell(message) {
     const ask = ++this.count;
-    this.node.port.postMessage({ ...message, ask });
-    return new Promise((done, fail) => this.asked.set(ask, { done, fail }));
+    return new Promise((done, fail) => {
+      this.node.port.postMessage({ ...message, ask }); // it throws at what cannot be told: a function
+      this.asked.set(ask, { done, fail });
+    });
   }
 
   /** Begin anew: the score from its first line on, or its objects alone. */

@@ -3,6 +3,7 @@
 const GRAVITY = 9.80665;
 const APPROACH = 0.01; // m/s: how fast a pressing striker is laid on
 const ANY_RADIUS = 0.01; // m: of a roll that is steered, and so has one; of an object where it touches another
+const MOST_POINTS = 64; // of a list of values
 const LIVE = 1 << 20; // numbers of gestures from here on are not the score's
 export const NOW = -1; // the time of what is not to wait
 const [A4, A4_HZ] = [69, 440];
@@ -16,6 +17,9 @@ export class Refused extends Error {}
 const refuse = (text) => {
   throw new Refused(text);
 };
+
+/** What a table has under a name; not what all objects of JavaScript have, as `constructor`. */
+const under = (table, name) => (Object.hasOwn(table, name) ? table[name] : undefined);
 
 function inEngine({ unit }, value) {
   if (unit === "dB") return 10 ** (value / 20);
@@ -45,10 +49,10 @@ function parsed(address, verb, args) {
   const rest = [...args];
   for (const each of required) rest.length ? add(each, rest.shift()) : refuse(`${each.name} is missing: ${address}`);
   for (const each of optional) {
-    if (rest.length && (typeof rest[0] !== "string" || (rest.length % 2 && !(rest[0] in named)))) add(each, rest.shift());
+    if (rest.length && (typeof rest[0] !== "string" || (rest.length % 2 && !under(named, rest[0])))) add(each, rest.shift());
   }
   for (let n = 0; n < rest.length; n += 2) {
-    if (!(rest[n] in named)) refuse(`${rest[n]}: no such key; expected one of ${Object.keys(named).join(", ")}`);
+    if (!under(named, rest[n])) refuse(`${rest[n]}: no such key; expected one of ${Object.keys(named).join(", ")}`);
     if (n + 1 === rest.length) refuse(`${rest[n]}: its value is missing`);
     add(named[rest[n]], rest[n + 1]);
   }
@@ -60,16 +64,20 @@ function parsed(address, verb, args) {
 /** The points of a number that may take its time, as `/gain [0, -20] over 2`: {value, after, over, curve}. */
 function points({ required: [number], keys }, args) {
   if (!args.length) refuse(`${number.name} is missing`);
-  const { given } = parsed("", { keys: keys.map(({ name }) => ({ name })) }, []);
-  for (let n = 1; n + 1 < args.length; n += 2) {
+  const given = {};
+  for (let n = 1; n < args.length; n += 2) {
     if (!keys.some(({ name }) => name === args[n])) refuse(`${args[n]}: no such key; expected over, curve`);
+    if (n + 1 === args.length) refuse(`${args[n]}: its value is missing`);
+    if (args[n] in given) refuse(`${args[n]} = ${args[n + 1]}: given twice`);
     given[args[n]] = args[n + 1];
   }
   const values = [args[0]].flat();
+  if (!values.length) refuse(`${number.name}: expected a number`);
+  if (values.length > MOST_POINTS) refuse(`${number.name}: ${values.length} values: expected at most ${MOST_POINTS}`);
   if (values.length > 1 && !("over" in given)) refuse(`${number.name}: over is missing: expected the time of each value, s`);
   const ofEach = (declared) => {
     const found = [given[declared.name] ?? 0].flat().map((each) => checked(declared, each));
-    if (found.length > 1 && found.length !== values.length) refuse(`${declared.name}: expected one number, or ${values.length}`);
+    if (found.length !== 1 && found.length !== values.length) refuse(`${declared.name}: expected one number, or ${values.length}`);
     return values.map((_, n) => found[found.length > 1 ? n : 0]);
   };
   const [over, curve] = keys.map(ofEach);
@@ -91,7 +99,7 @@ export class Messages {
 
   /** Forget what was played. */
   begin() {
-    const { objects, batches, state } = this.map;
+    const { objects } = this.map;
     this.objects = { ...objects };
     this.running = new Map(); // by id: {number, addresses}, those of all that go on
     this.made = 0;
@@ -118,18 +126,20 @@ export class Messages {
 
   /** Carry out a message at a sample, or now; the id of a gesture that it begins. Refused says why not. */
   perform(address, args, time = NOW) {
+    if (typeof address !== "string") refuse(`${address}: expected an address, as /object/NAME/impact`);
+    if (!Number.isFinite(time)) refuse(`${time}: expected a time in s`);
     const parts = address.split("/");
     const [, group, target, action] = parts;
     const template = parts.length === 4 ? `/${group}/${group === "object" ? "NAME" : "ID"}/${action}` : address;
-    const verb = this.map.verbs[template] ?? refuse(`${address}: not in an exported scene; expected one of ${Object.keys(this.map.verbs).join(", ")}`);
+    const verb = under(this.map.verbs, template) ?? refuse(`${address}: not in an exported scene; expected one of ${Object.keys(this.map.verbs).join(", ")}`);
     if (group === "gesture") return this.steer(verb, target, action, args, time);
     if (group !== "object") return this.engine(verb, address, args, time);
-    const object = this.objects[target] ?? refuse(`${target}: no such object; there are ${Object.keys(this.objects).join(", ")}`);
+    const object = under(this.objects, target) ?? refuse(`${target}: no such object; there are ${Object.keys(this.objects).join(", ")}`);
     if (action in this.map.gestures) return this.gesture(verb, target, object, action, args, time);
     if (action === "note") return this.note(verb, target, object, address, args, time);
     const about = { slot: object.slot, serial: object.serial };
     if (verb.changes) {
-      for (const point of points(verb, args)) this.send({ time, kind: "SET", parameter: this.map.settings[action], ...about, ...point });
+      this.change({ time, kind: "SET", parameter: this.map.settings[action], ...about }, points(verb, args));
       if (typeof args[0] === "number") object.settings = { ...object.settings, [action]: args[0] };
     } else {
       this.send({ time, kind: "FREE", value: parsed(address, verb, args).given.at_once ?? 0, ...about });
@@ -139,7 +149,7 @@ export class Messages {
 
   engine(verb, address, args, time) {
     const kind = address.slice(1).toUpperCase();
-    if (verb.changes) return points(verb, args).forEach((point) => this.send({ time, kind, ...point }));
+    if (verb.changes) return this.change({ time, kind }, points(verb, args));
     const [word] = Object.values(parsed(address, verb, args).given);
     const places = { ACCURACY: this.map.levels, BANK: this.map.forms };
     if (kind in places) this.send({ time, kind, value: places[kind].indexOf(word) });
@@ -154,7 +164,7 @@ export class Messages {
     const has = action === "stop" || kinds.some((kind) => this.map.gestures[kind].steerable.includes(action));
     if (!has) refuse(`${id}: what goes on (${kinds.join(", ")}) has no ${action}`);
     if (action === "stop") this.send({ time, kind: "STOP", gesture: number });
-    else for (const point of points(verb, args)) this.send({ time, kind: "STEER", gesture: number, parameter: this.map.steerable[action], ...point });
+    else this.change({ time, kind: "STEER", gesture: number, parameter: this.map.steerable[action] }, points(verb, args));
   }
 
   /** Learn which gestures have ended. */
@@ -198,7 +208,7 @@ export class Messages {
     const { given, defaults, preset, value } = to;
     const by = this.striking(given.by, object);
     const name = given.striker ?? preset.striker;
-    const striker = this.map.strikers[name] ?? refuse(`striker = ${name}: no such striker; expected one of ${Object.keys(this.map.strikers).join(", ")}`);
+    const striker = under(this.map.strikers, name) ?? refuse(`striker = ${name}: no such striker; expected one of ${Object.keys(this.map.strikers).join(", ")}`);
     const radius = given.by_radius ?? given.radius ?? ANY_RADIUS;
     const byMaterials = by && !("striker" in given);
     const surface = gesture.along ? this.surface(given.surface ?? "wood") : null;
@@ -254,12 +264,12 @@ export class Messages {
   }
 
   surface(name) {
-    return this.map.surfaces[name] ?? refuse(`surface = ${name}: no such surface; expected one of ${Object.keys(this.map.surfaces).join(", ")}`);
+    return under(this.map.surfaces, name) ?? refuse(`surface = ${name}: no such surface; expected one of ${Object.keys(this.map.surfaces).join(", ")}`);
   }
 
   striking(name, object) {
     if (name === undefined) return null;
-    const by = this.objects[name];
+    const by = under(this.objects, name);
     return by && by !== object ? by : refuse(`by = ${name}: expected another object; there are ${Object.keys(this.objects).join(", ")}`);
   }
 
@@ -346,6 +356,12 @@ export class Messages {
     scene.send(bytes);
     this.objects[name] = { ...object, slot: this.slot, serial: this.serial };
     this.mode += size;
+  }
+
+  /** Send a command for each point, or none where there is no room for all. */
+  change(command, all) {
+    this.scene.expectRoom(all.length);
+    for (const point of all) this.send({ ...command, ...point });
   }
 
   send(command) {

@@ -6,6 +6,7 @@ const PIANO = "awsedftgyhujkolp";
 const HOLD = 380; // ms until a touch is a hold
 const MOVED = 11; // px before a touch is a drag
 const FLASH = 60; // ms
+const WIDE = 2; // times as wide as high is an object
 const METRES = 0.5; // that an object is wide, for the speed of a drag over it
 const [SLOWEST, FASTEST] = [0.01, 5]; // m/s
 const NOTE_ON = 0x90, CONTROL = 0xb0, WHEEL = 1, SILENCE = 120;
@@ -55,22 +56,36 @@ function positionOn(pad, x) {
   return Math.max(0, Math.min(1, (x - left) / width));
 }
 
-/** A finger on an object: it strikes; where it rests it presses, and where it is drawn it rolls or rubs. */
+/** All fingers on an object, and the keys that stand for a click. */
 function touched(pad, body) {
+  const fingers = new Map(); // by pointer: what it does
   pad.onpointerdown = (event) => {
     event.preventDefault();
     pad.setPointerCapture(event.pointerId);
-    const id = `stroke-${++strokes}`;
-    const object = `/object/${pad.dataset.name}`;
-    const velocity = event.pointerType === "pen" && event.pressure ? 0.05 * 100 ** event.pressure : body.velocity;
-    const begun = { x: event.clientX, at: event.timeStamp };
-    let [kind, last, speed] = ["touch", begun, 0];
-    strike(pad, velocity, positionOn(pad, event.clientX));
-    const timer = setTimeout(() => {
-      kind = "hold";
-      send(`${object}/press`, 5, positionOn(pad, begun.x), "striker", "hand", "id", id);
-    }, HOLD);
-    pad.onpointermove = (move) => {
+    fingers.set(event.pointerId, stroke(pad, body, event));
+  };
+  pad.onpointermove = (event) => fingers.get(event.pointerId)?.moved(event);
+  pad.onpointerup = pad.onpointercancel = ({ pointerId }) => {
+    fingers.get(pointerId)?.lifted();
+    fingers.delete(pointerId);
+  };
+  pad.onclick = ({ detail }) => detail || strike(pad); // 0: by Enter, the space bar, or what reads a page aloud
+}
+
+/** A finger on an object: it strikes; where it rests it presses, and where it is drawn it rolls or rubs. */
+function stroke(pad, body, event) {
+  const id = `stroke-${++strokes}`;
+  const object = `/object/${pad.dataset.name}`;
+  const velocity = event.pointerType === "pen" && event.pressure ? 0.05 * 100 ** event.pressure : body.velocity;
+  const begun = { x: event.clientX, at: event.timeStamp };
+  let [kind, last, speed] = ["touch", begun, 0];
+  strike(pad, velocity, positionOn(pad, event.clientX));
+  const timer = setTimeout(() => {
+    kind = "hold";
+    send(`${object}/press`, 5, positionOn(pad, begun.x), "striker", "hand", "id", id);
+  }, HOLD);
+  return {
+    moved(move) {
       if (kind === "touch" && Math.abs(move.clientX - begun.x) > MOVED) {
         clearTimeout(timer);
         kind = "drag";
@@ -91,28 +106,35 @@ function touched(pad, body) {
         send(`/gesture/${id}/speed`, now);
         send(`/gesture/${id}/position`, position);
       }
-    };
-    pad.onpointerup = pad.onpointercancel = () => {
+    },
+    lifted() {
       clearTimeout(timer);
-      pad.onpointermove = null;
       if (kind === "hold" || kind === "moves") send(`/gesture/${id}/stop`);
-      kind = "over";
-    };
+    },
   };
 }
 
 function pads(map) {
-  const names = Object.entries(map.objects).filter(([, { stays }]) => stays);
-  const columns = Math.ceil(Math.sqrt(names.length));
-  const rows = Math.ceil(names.length / columns);
-  return names.map(([name, { at, preset }], n) => {
+  return Object.entries(map.objects).filter(([, { stays }]) => stays).map(([name, { preset }]) => {
     const pad = document.createElement("button");
-    const [x, y] = at ?? [((n % columns) + 0.5) / columns, (Math.floor(n / columns) + 0.5) / rows];
     Object.assign(pad, { textContent: name.replaceAll("-", " "), title: map.presets[preset].description });
-    Object.assign(pad.style, { left: `${100 * x}%`, top: `${100 * y}%` });
     pad.dataset.name = name;
     touched(pad, map.presets[preset]);
     return pad;
+  });
+}
+
+/** Lay each object where its table has it; without one in rows, as many as suit the window. */
+function lay(all, objects) {
+  const { clientWidth, clientHeight } = $("main");
+  const columns = Math.max(1, Math.ceil(Math.sqrt((all.length * clientWidth) / (WIDE * Math.max(1, clientHeight)))));
+  const rows = Math.ceil(all.length / columns);
+  const most = 0.94 * Math.min(clientWidth / columns, (WIDE * clientHeight) / rows);
+  all.forEach((pad, n) => {
+    const { at } = objects[pad.dataset.name];
+    const [x, y] = at ?? [((n % columns) + 0.5) / columns, (Math.floor(n / columns) + 0.5) / rows];
+    Object.assign(pad.style, { left: `${100 * x}%`, top: `${100 * y}%` });
+    pad.style.setProperty("--most", at ? "100%" : `${most}px`);
   });
 }
 
@@ -149,16 +171,20 @@ async function midi(all) {
 function heard(all, [status, first, second]) {
   const kind = status & 0xf0;
   const pad = selected ?? all[0];
+  if (!pad) return;
   if (kind === NOTE_ON && second > 0) note(pad, first, second);
   else if (kind === CONTROL && first === WHEEL) send(`/object/${pad.dataset.name}/damp`, second / 127);
   else if (kind === CONTROL && first >= SILENCE) send("/panic");
 }
 
+files.catch((error) => ($("output").textContent = error.message));
 const { map } = await files;
 document.title = map.title;
 $("h1").textContent = map.title;
 const all = pads(map);
 $("main").replaceChildren(...all);
+lay(all, map.objects);
+addEventListener("resize", () => lay(all, map.objects));
 keys(all);
 $("#midi").onclick = () => midi(all);
 $("#score").onclick = async () => (await scene()).load({ live: false });

@@ -87,11 +87,18 @@ export class Scene {
     this.send(bytes);
   }
 
+  /** An Error says that there is no room for so many commands. */
+  expectRoom(count) {
+    const { state } = this.map;
+    const waiting = this.whole(state.written) - this.whole(state.read);
+    if (waiting + count > state.ring) throw new Error(`no room for another command: ${waiting} wait`);
+  }
+
   /** Send the bytes of a command. An Error says that there is no room. */
   send(bytes) {
     const { state, command } = this.map;
     const written = this.whole(state.written);
-    if (written - this.whole(state.read) >= state.ring) throw new Error(`no room for another command: ${state.ring} wait`);
+    this.expectRoom(1);
     const entry = this.base + state.entries + (written % state.ring) * command.size;
     this.bytes.set(bytes, entry);
     this.view.setBigInt64(entry + command.fields.number[0], BigInt(written), true);

@@ -10,7 +10,6 @@ class Carom extends AudioWorkletProcessor {
     this.scene = new Scene(module, map, data);
     this.warmUp();
     this.scene.load(live);
-    this.begun = currentFrame;
     this.port.onmessage = ({ data }) => this.hear(data);
     this.port.postMessage({ ready: true, megabytes: this.scene.memory.buffer.byteLength / 1e6 });
   }
@@ -26,8 +25,7 @@ class Carom extends AudioWorkletProcessor {
   }
 
   hear({ load, address, args, at, ask }) {
-    if (load !== undefined) this.scene.load(load);
-    if (address === undefined) return;
+    if (load !== undefined) return this.scene.load(load);
     try {
       const time = at === undefined ? undefined : this.scene.sampleAt(at);
       const id = this.scene.messages.perform(address, args, time);

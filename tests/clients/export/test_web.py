@@ -68,6 +68,72 @@ FETCHED = """async (changed) => {
 """A script that damages what a browser keeps, and fetches a page's files; changed: they have been."""
 
 
+WRONG = """async () => {
+  const { Carom } = await import("./carom.js");
+  const { module, map, data, worklet } = await Carom.fetch();
+  Object.assign(globalThis, { AudioWorkletProcessor: class {}, registerProcessor() {} });
+  const { Scene } = await import(worklet);
+  const scene = new Scene(module, map, data);
+  scene.load(true);
+  const bell = "/object/church_bell";
+  const said = [[undefined], [5], ["constructor"], ["/object/constructor/damp", 1], [`${bell}/impact`, NaN],
+    [`${bell}/impact`, 1, 0.5, "__proto__", "x"], [`${bell}/impact`, 1, 0.5, "striker", "constructor"],
+    [`${bell}/impact`, 1, 0.5, "by", "toString"], [`${bell}/slide`, 1, 0.5, "surface", "valueOf"],
+    ["/gain", []], ["/gain", [-3], "over", []], ["/gain", -3, "over"], ["/gain", -3, 5],
+    ["/gain", -3, "over", 1, "over", 2], ["/gain", Array(65).fill(-3), "over", 1]];
+  const told = said.map(([address, ...args]) => {
+    const before = scene.whole(map.state.written);
+    try {
+      scene.messages.perform(address, args);
+    } catch (error) {
+      return scene.whole(map.state.written) === before ? error.message : `${error.message}, and is sent`;
+    }
+    return `${[address, ...args]}: is taken`;
+  });
+  const context = new AudioContext({ sampleRate: map.rate });
+  const carom = await Carom.open(context, { files: { module, map, data, worklet } });
+  const sent = [carom.send(), carom.send(`${bell}/impact`, () => 1)];
+  sent.push(...[NaN, "x"].map((time) => carom.at(time).send("/panic")));
+  const late = new Promise((done) => setTimeout(() => done("no answer"), 5000));
+  const all = sent.map((each) => Promise.race([each.then(() => "is taken", (error) => error.message), late]));
+  told.push(...(await Promise.all(all)));
+  await context.close();
+  return told;
+}"""
+
+FULL = """async () => {
+  const { Carom } = await import("./carom.js");
+  const { module, map, data, worklet } = await Carom.fetch();
+  Object.assign(globalThis, { AudioWorkletProcessor: class {}, registerProcessor() {} });
+  const { Scene } = await import(worklet);
+  const scene = new Scene(module, map, data);
+  scene.load(true);
+  const count = (message) => {
+    for (let n = 0; ; n++) {
+      try {
+        scene.messages.perform(...message);
+      } catch {
+        return n;
+      }
+    }
+  };
+  scene.messages.perform("/panic", []);
+  const left = map.state.ring - scene.whole(map.state.written) + scene.whole(map.state.read);
+  return [left, count(["/gain", [Array(64).fill(-3), "over", 1]]), count(["/panic", []])];
+}"""
+"""A script that fills the engine's ring: the room there was, the lists of 64 that it took, the commands after them."""
+
+HEAR = """() => {
+  const post = MessagePort.prototype.postMessage;
+  window.said = [];
+  MessagePort.prototype.postMessage = function (message, ...more) {
+    if (message.address) window.said.push([message.address, ...message.args]);
+    return post.call(this, message, ...more);
+  };
+}"""
+"""A script that keeps what a page says to its engine, in `said`."""
+
+
 @pytest.fixture(scope="module")
 def page(folder: Path) -> Iterator[Any]:
     """The page of the scene, from a server of static files."""
@@ -124,6 +190,24 @@ def test_messages_become_the_commands_of_a_session(page: Any, folder: Path) -> N
     assert not wrong, f"{len(wrong)} of {len(asked)}: {wrong[:5]}"
 
 
+def test_what_is_wrong_is_refused_with_its_reason(page: Any) -> None:
+    """No value of JavaScript becomes a command that it is not, and none is left without an answer."""
+    culprits = ["undefined", "5", "constructor", "constructor", "velocity = NaN", "__proto__", "striker = constructor",
+                "by = toString", "surface = valueOf", "gain", "over", "over", "5: no such key", "over = 2: given twice",
+                "65 values", "undefined", "1", "NaN", "NaN"]  # fmt: skip
+    told = page.evaluate(WRONG)
+    assert len(told) == len(culprits)
+    for text, culprit in zip(told, culprits, strict=True):
+        assert culprit in text and not text.endswith(("is taken", "is sent", "no answer")), (culprit, text)
+        assert not any(word in text for word in ("Cannot", "not iterable", "is not a function")), text
+
+
+def test_a_list_is_taken_whole_or_not_at_all(page: Any) -> None:
+    """No point of a list is sent where there is no room for all of them."""
+    left, lists, after = page.evaluate(FULL)
+    assert left % 64 and lists == left // 64 and after == left % 64
+
+
 def test_a_finger_on_the_page_is_heard(page: Any) -> None:
     """A page strikes an object that is clicked, in a context that sounds, and says nothing against it."""
     page.click("main button >> nth=1")
@@ -131,3 +215,49 @@ def test_a_finger_on_the_page_is_heard(page: Any) -> None:
     page.wait_for_function("document.querySelector('main button[aria-pressed=true]')")
     page.wait_for_timeout(300)
     assert page.inner_text("output") == ""
+
+
+def test_fingers_on_one_object_do_not_know_of_each_other(page: Any) -> None:
+    """A finger that rested and goes stops its own press, whatever another one on the same object does."""
+    page.evaluate(HEAR)
+    box = page.locator("main button >> nth=0").bounding_box()
+    first, second = (
+        {"x": box["x"] + share * box["width"], "y": box["y"] + 9, "id": n} for n, share in ((1, 0.3), (2, 0.7))
+    )
+    finger = page.context.new_cdp_session(page)
+
+    def touch(kind: str, *points: dict[str, float]) -> None:
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [*points]})
+
+    touch("touchStart", first)
+    page.wait_for_function("said.some(([address]) => address.endsWith('/press'))")
+    touch("touchStart", first, second)
+    touch("touchEnd", first)
+    touch("touchEnd")
+    page.wait_for_timeout(100)
+    said = page.evaluate("said")
+    (press,) = (args for address, *args in said if address.endswith("/press"))
+    assert [address for address, *_ in said if address.endswith("/stop")] == [f"/gesture/{press[-1]}/stop"]
+
+
+def test_enter_strikes_what_is_focused(page: Any) -> None:
+    """Whoever has no pointer strikes an object by its button."""
+    page.evaluate(HEAR)
+    page.focus("main button >> nth=2")
+    page.keyboard.press("Enter")
+    page.wait_for_function("said.some(([address]) => address.endsWith('/impact'))")
+
+
+@pytest.mark.parametrize("size", [(390, 844), (844, 250)])
+def test_objects_lie_side_by_side_in_any_window(page: Any, size: tuple[int, int]) -> None:
+    """No object covers another one, or the window's edge, on a phone either."""
+    usual = page.viewport_size
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.wait_for_timeout(50)
+    boxes = [each.bounding_box() for each in page.locator("main button").all()]
+    page.set_viewport_size(usual)
+    assert all(box["x"] >= 0 and box["x"] + box["width"] <= size[0] for box in boxes)
+    for n, box in enumerate(boxes):
+        for other in boxes[:n]:
+            apart = (abs(box[at] - other[at]) >= 0.999 * box[long] for at, long in (("x", "width"), ("y", "height")))
+            assert any(apart), (box, other)
