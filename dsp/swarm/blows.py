@@ -225,7 +225,13 @@ def yielding(swarm: Swarm, place: int, mass: float, width: float) -> tuple[float
 def _mobility(swarm: Swarm, place: int, width: float) -> float:
     """Return the mobility (1/kg) of a place for a pulse of a width (ln of s): that of the next narrower one that is
     known, between the two by lines where that is above it."""
+    return mobility_at(swarm.mobility[place], width)
+
+
+@kernel
+def mobility_at(mobility: View[float], width: float) -> float:
+    """Return what is known for pulses of WIDTHS at a width (ln of s), by lines between them."""
     x = min(max(width / _LN2 - NARROWEST, 0.0), WIDTHS - 1.001)
     n = int(x)
-    high, low = swarm.mobility[place, n], swarm.mobility[place, n + 1]
+    high, low = mobility[n], mobility[n + 1]
     return high + (x - n) * (low - high)

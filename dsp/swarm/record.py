@@ -171,6 +171,7 @@ class Swarm(Record):
     bends: int  # modes of the usual grain which ring
     bend: Annotated[View[float], MOST_BENDS]  # Hz
     bending: float  # the usual grain's mass over the modal mass of each
+    bent: Annotated[View[float], WIDTHS]  # of the usual grain: m M of its own modes, for a pulse of a width
     bounced: Annotated[View[int], MOST_PIECES]
     spare: float  # blows that may be contacts of their own now
     spared: float  # s: when that was

@@ -12,7 +12,8 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.elementary import exp, log
-from .blows import ROLL_OFF
+from .blows import ROLL_OFF, mobility_at
+from .record import Swarm
 
 
 @kernel
@@ -41,6 +42,14 @@ def kept_by(
         shorter = log(1.0 + bent) / (exponent + 1.0)
         bent = bent_by(frequencies, count, light, width - shorter)
     return 1.0 / (1.0 + 2.0 * given * given * bent), shorter, bent
+
+
+@kernel
+def kept_of(swarm: Swarm, light: float, width: float, given: float) -> tuple[float, float]:
+    """Return the share and the change of the width as `kept_by` has them, of a swarm's grain; light: its mass over that
+    of what rings as it."""
+    shorter = log(1.0 + light * mobility_at(swarm.bent, width)) / (swarm.a + 1.0)
+    return 1.0 / (1.0 + 2.0 * given * given * light * mobility_at(swarm.bent, width - shorter)), shorter
 
 
 @kernel

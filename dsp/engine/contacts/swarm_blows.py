@@ -25,7 +25,7 @@ from ...swarm.pieces import (
     size_of,
 )
 from ...swarm.record import BACK, BATCH, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Swarm
-from ...swarm.ringing import kept_by, left_by
+from ...swarm.ringing import kept_of, left_by
 from ...swarm.times import PLACE, SIZE, take_blows, uniform
 from ..memory.commands import NUMBERS
 from ..memory.records import Contact
@@ -176,8 +176,8 @@ def _size_of_blow(
         at_size = (size - swarm.smallest) * swarm.finer + u
         blows.shorter[n] = 0.0
         if swarm.bends > 0:
-            light = swarm.bending * (1.0 if varied else mass / swarm.m)
-            kept, blows.shorter[n], _ = kept_by(swarm.bend, swarm.bends, light, width - size, given, swarm.a)
+            light = 1.0 if varied else mass / swarm.m
+            kept, blows.shorter[n] = kept_of(swarm, light, width - size, given)
             alike *= math.sqrt(kept)
     c = min(max(int(at_size), 0), SIZES - 1)
     if swarm.cracked == 0 and varied:

@@ -21,6 +21,7 @@ from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import find_force, find_moments, move_on
 from ...swarm.pieces import CRACK, CRACKING, CRACKS, JUNCTIONS, STRONGEST, break_up
 from ...swarm.record import BACK, BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
+from ...swarm.ringing import bent_by
 from ...swarm.times import add_knot, drop_knots, on_lattice, seed_swarm
 from ..bodies.objects import frequency_of, is_felt, shape_at
 from ..bodies.strikers import roll_striker, sound_grains
@@ -129,6 +130,8 @@ def _learn_bends(state: State, contact: Contact, swarm: Swarm) -> None:
         swarm.bends, swarm.bending = striker.bends, striker.mobility / max(striker.bends, 1)
         for i in range(striker.bends):
             swarm.bend[i] = striker.bend[i]
+        for n in range(WIDTHS):
+            swarm.bent[n] = bent_by(swarm.bend, swarm.bends, swarm.bending, (NARROWEST + n) * math.log(2.0))
 
 
 @kernel
