@@ -12,7 +12,8 @@ is the line of least squares in each such part, and so is its rate: so a kink gi
 the path is exact. The rate of the compression is its line of least squares, too: so the work of modes is exact, however
 they swing in a sample. One part a sample is within -50 dB, two are within -60 dB. A rest hardly leaves its stiffness:
 one part follows a soft one within -60 dB, as it does a long blow, and three one between two plates, which swings by
-more than 2 rad a sample. With fewer moments that would gain energy.
+more than 2 rad a sample. With fewer moments that would gain energy. Gauss's nodes keep what is left of a rate where a
+contact's loss should take all of it: so a part must not be long against the loss.
 
 Several contacts are solved in turn, forwards and backwards, each with the forces of the others as they were found last.
 
@@ -36,8 +37,12 @@ from .collocation import elastic, raised
 from .coupled_records import Coupled, Member
 from .step_record import NODES
 
-STIFFEST = np.array([0.0, 0.6, 1.5, 1.5])
+STIFFEST = np.array([0.0, 0.6, 1.5, 3.0])
 """rad of a contact's swing in a sample, of body and object together, up to which so many parts of it follow."""
+
+LOSSIEST = np.array([0.0, 0.3, 0.6, 2.0])
+"""The same of what rolls or slides, for its loss: the share of its speed that the contact takes in a sample. Where it
+takes all within a part, a kink of the path leaves a speed behind that nothing takes."""
 
 STIFFEST_AT_REST = np.array([0.0, 1.6, 2.2, 3.6])
 """The same of a rest, which hardly leaves its stiffness: one part mostly follows it within -55 dB."""
@@ -67,12 +72,12 @@ def parts_for(contact: Coupled, least: int, rests: bool, stays: bool) -> int:
     swing = _swing(contact)
     if rests and swing < _SOFT:
         return 1
+    loss = contact.mu * contact.rest_force * contact.period / contact.mass
     if stays and rests:
-        loss = contact.mu * contact.rest_force * swing / (_stiffness(contact) * contact.period)
-        while least < MOST_PARTS and (swing / least) ** 4 > _DRIFTS * loss:
+        while least < MOST_PARTS and (swing / least) ** 4 * swing > _DRIFTS * loss:
             least += 1
     for parts in range(least, MOST_PARTS + 1):
-        if swing < (STIFFEST_AT_REST[parts] if rests else STIFFEST[parts]):
+        if swing < (STIFFEST_AT_REST[parts] if rests else STIFFEST[parts]) and (rests or loss < LOSSIEST[parts]):
             return parts
     return 0
 
