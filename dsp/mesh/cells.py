@@ -5,7 +5,6 @@ E. Rank, Comput. Mech. 41, 2007). Outside, a stiffness of at most 1e-6 of the bo
 definite. The body is turned against the grid, so that its flat faces don't lie along the rays.
 """
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -16,17 +15,20 @@ from .fronts import Elements, Factor
 from .grading import extrapolated, graded, places_on
 from .grids import Grid, grid_about
 from .lanczos import lowest
+from .numbering import Mesh, mesh_of
 from .parts import Parts
-from .polynomials import cube_of, gauss, integrals, lagrange, lobatto, moments, products
+from .pieces import Pieces, divided, undivided
+from .polynomials import cube_of, gauss, integrals, lobatto, moments, products
 from .rays import Quadrature, quadrature
 from .sheets import of_sheet
-from .surface import Flags, Indices, MeshError, Surface, faces_of, rotation, volume_of
+from .surface import Indices, MeshError, Surface, faces_of, rotation, volume_of
 
 TILT = rotation((0.11, 0.13, 0.17))
 """The turn of the body against the grid: of angles that no body has."""
 
 _VOID = 1e-6  # of the stiffness: outside of the body
 _SLIVER = 1e-2  # of the stiffness, times the cube of the filling: of cells that hold little
+_FAR = 1e-10  # of the stiffness: of nodes that hardly move a cell's part of the body
 _LEAST_FILLED = 1e-3  # of a cell
 _THIN = 0.3  # of a cell's side: sheets are thinner
 _BENT = 0.01  # of a cell's volume, with normals over 45 degrees from the first direction: where sheets meet
@@ -40,22 +42,7 @@ _MORE = 2.4  # times as many cells as if all were alike, those of a second grid 
 _HALVINGS = 3
 _RESOLVED = 0.2  # of the smallest cells' sides: the body is thicker
 _RAYS = (24, 40)  # of a cell: the fewest, the most
-_BESIDE = (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1), (1, 1, 1)
 _THROUGH = 4  # rays through a wall
-
-
-class Mesh(NamedTuple):
-    """The cells in use: their numbers, lowest corners (e, 3) and sides (e,) in m, nodes (e, m) and how many nodes there
-    are; of small cells beside large ones, what their polynomials (m, m) are in terms of the nodes."""
-
-    grid: Grid
-    degree: int
-    cells: Indices
-    corners: Array
-    sides: Array
-    nodes: Indices
-    size: int
-    ties: dict[int, Array]
 
 
 class Points(NamedTuple):
@@ -81,7 +68,7 @@ class Points(NamedTuple):
         )
 
 
-class _Piece(NamedTuple):
+class _Share(NamedTuple):
     """The share of one material in a cell: the cell's place among those in use, the material's number, stiffness."""
 
     number: int
@@ -92,7 +79,7 @@ class _Piece(NamedTuple):
 class Solution(NamedTuple):
     """Modes on cells: frequencies (n,) in Hz and displacements (nodes, 3, n) of unit modal mass, the cells, the body's
     mass (kg) and volume (m^3), the share of rays that met a gap, the share (materials, n) of each material in the
-    energy that bends the body, and the cells' masses (e, m, m)."""
+    energy that bends the body, and the cells' masses (e, m, m). inside (e, 3): a place of the body in each."""
 
     frequency: Array
     displacement: Array
@@ -102,17 +89,17 @@ class Solution(NamedTuple):
     leaks: float
     energy: Array
     masses: Array
+    inside: Array
 
     def at(self, points: Array) -> Array:
         """Return the shapes (points, 3, n) in kg^-1/2 at points of the body (points, 3)."""
         from scipy.sparse import csr_array
         from scipy.spatial import cKDTree
 
-        mesh, grid = self.mesh, self.mesh.grid
+        mesh = self.mesh
         places = points @ TILT.T
-        numbers = grid.number(places)
-        element = np.clip(np.searchsorted(mesh.cells, numbers), 0, len(mesh.cells) - 1)
-        outside = mesh.cells[element] != numbers
+        element = mesh.elements(places)
+        outside = element < 0
         if outside.any():
             middles = mesh.corners + mesh.sides[:, None] / 2
             element[outside] = cKDTree(middles).query(places[outside])[1]
@@ -190,6 +177,8 @@ def solve(parts: Parts, size: Sizes, degree: int, count: int) -> Solution:
         return _on_grid(parts, turned, grids[-1], degree, count, yielding=not size.told)
     coarse = _on_grid(parts, turned, grids[-2], degree, count, yielding=False)
     fine = _on_grid(parts, turned, grids[-1], degree, count, yielding=False)
+    if coarse.mesh.pieces.gaps:  # how far a gap goes in the cell that it ends in is chance
+        return fine
     frequency = extrapolated(coarse.frequency, fine.frequency, _shared(coarse, fine) ** 2)
     return fine._replace(frequency=frequency)
 
@@ -197,7 +186,7 @@ def solve(parts: Parts, size: Sizes, degree: int, count: int) -> Solution:
 def _shared(one: Solution, other: Solution) -> Array:
     """Return the integrals (n, m) of the products of two solutions' modes, times the density. The other one's cells are
     those of the first, or parts of them."""
-    mesh, moved = other.mesh, _moved(one, other.mesh)
+    mesh, moved = other.mesh, _moved(one, other)
     found = np.zeros((moved.shape[2], other.displacement.shape[2]))
     for nodes, mass in zip(mesh.nodes, other.masses, strict=True):
         heavy = (mass @ other.displacement[nodes].reshape(len(nodes), -1)).reshape(3 * len(nodes), -1)
@@ -205,14 +194,13 @@ def _shared(one: Solution, other: Solution) -> Array:
     return found
 
 
-def _moved(one: Solution, mesh: Mesh) -> Array:
-    """Return the shapes (nodes, 3, n) of a solution at the nodes of a mesh whose cells are the solution's, or parts."""
-    local, coarse = cube_of(lobatto(mesh.degree)), one.mesh
+def _moved(one: Solution, other: Solution) -> Array:
+    """Return the shapes (nodes, 3, n) of a solution at the nodes of another one, whose cells are its own, or parts."""
+    mesh, coarse = other.mesh, one.mesh
+    local = cube_of(lobatto(mesh.degree))
     found = np.zeros((mesh.size, 3, one.displacement.shape[2]))
-    numbers = coarse.grid.number(mesh.corners + mesh.sides[:, None] / 2)
-    for row, (nodes, number) in enumerate(zip(mesh.nodes, numbers, strict=True)):
-        of = min(int(np.searchsorted(coarse.cells, number)), len(coarse.cells) - 1)
-        if coarse.cells[of] != number:
+    for row, (nodes, of) in enumerate(zip(mesh.nodes, coarse.elements(other.inside).tolist(), strict=True)):
+        if of < 0:
             continue
         places = (mesh.corners[row] + mesh.sides[row] * local - coarse.corners[of]) / coarse.sides[of]
         values = products(places, mesh.degree)[0]
@@ -235,19 +223,21 @@ def _on_grid(parts: Parts, turned: list[Surface], grid: Grid, degree: int, count
         inside.append(found)
     if not any(len(each.weights) or len(each.full) for each in inside):
         raise MeshError("no ray meets the inside: expected a closed surface with a thickness")
-    return of_points(inside, grid, parts.materials, degree, count, yielding)
+    pieces, inside = divided(together(*turned), grid, inside, _LEAST_FILLED)
+    return of_points(inside, pieces, parts.materials, degree, count, yielding)
 
 
 def solve_sheet(parts: Parts, wall: float, size: Sizes, degree: int, count: int) -> Solution:
     """Return the lowest modes of a sheet of a wall (m) about surfaces."""
     turned = [Surface(each.points @ TILT.T, each.faces) for each in parts.surfaces]
     grid = grid_about(together(*turned), size.side, size.rays, wall)
-    return of_points([of_sheet(each, wall, grid, degree) for each in turned], grid, parts.materials, degree, count)
+    inside = [of_sheet(each, wall, grid, degree) for each in turned]
+    return of_points(inside, undivided(grid), parts.materials, degree, count)
 
 
 def of_points(
     inside: list[Quadrature],
-    grid: Grid,
+    pieces: Pieces,
     materials: tuple[Material, ...],
     degree: int,
     count: int,
@@ -255,6 +245,7 @@ def of_points(
 ) -> Solution:
     """Return the modes of a body that quadratures stand for, one for each of its materials. yielding: where walls meet
     in a cell they yield across."""
+    grid = pieces.grid
     of = np.repeat(np.arange(len(inside)), [len(each.cells) for each in inside])
     places, weights, cells, normals, through = (
         np.concatenate([getattr(each, name) for each in inside])
@@ -264,9 +255,9 @@ def of_points(
     volumes = np.bincount(cells, weights, grid.size)
     full = np.concatenate([each.full for each in inside])
     numbers = np.sort(np.r_[np.flatnonzero(volumes > _LEAST_FILLED * grid.sides**3), full])
-    mesh = _mesh(grid, degree, numbers)
+    mesh = mesh_of(pieces, degree, numbers)
     points = Points(places[order], weights[order], cells[order], of[order], normals[order], through[order])
-    stiffness, mass, pieces = _matrices(mesh, points, [each.full for each in inside], materials, yielding)
+    stiffness, mass, shares = _matrices(mesh, points, [each.full for each in inside], materials, yielding)
     elements = Elements(mesh.nodes, mesh.corners + mesh.sides[:, None] / 2, 3, mesh.size)
     length = float(((mesh.corners + mesh.sides[:, None]).max(axis=0) - mesh.corners.min(axis=0)).max())
     speed = max(np.sqrt(each.youngs_modulus / each.density) for each in materials)
@@ -279,80 +270,25 @@ def of_points(
     total = sum(each.density * float(own) for each, own in zip(materials, volume, strict=True))
     energy = np.ones((1, len(values)))
     if len(materials) > 1:
-        energy = _energies(mesh, pieces, vectors, len(materials))
+        energy = _energies(mesh, shares, vectors, len(materials))
     leaks = max(each.leaks for each in inside)
-    frequency = np.sqrt(np.maximum(values, 0)) / (2 * np.pi)
-    return Solution(frequency, displacement, mesh, total, float(volume.sum()), leaks, energy, mass)
+    frequency, within = np.sqrt(np.maximum(values, 0)) / (2 * np.pi), _within(mesh, points)
+    return Solution(frequency, displacement, mesh, total, float(volume.sum()), leaks, energy, mass, within)
 
 
-def _mesh(grid: Grid, degree: int, numbers: Indices) -> Mesh:
-    """Return the cells with their nodes numbered. What is small beside what is large has the nodes of that."""
-    steps = np.arange(degree + 1)
-    local = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
-    used = np.zeros(grid.size, bool)
-    used[numbers] = True
-    most = (grid.counts << int(grid.levels.max())) * degree + 1
-    known: dict[int, tuple[Indices, Array]] = {}
-
-    def by_nodes(cell: int) -> tuple[Indices, Array]:
-        """Return the keys (n,) of the nodes that a cube's polynomials (m, n) depend on, and how."""
-        if cell not in known:
-            at = grid.at[cell] * degree + local
-            own = ((grid.levels[cell] * most[0] + at[:, 0]) * most[1] + at[:, 1]) * most[2] + at[:, 2]
-            known[cell] = own, np.eye(len(local))
-            held = _held(grid, used, cell, local) if grid.whole[cell] >= 0 else np.zeros(1, bool)
-            if held.any():
-                keys, values = by_nodes(int(grid.whole[cell]))
-                values = _halves(degree, *(grid.at[cell] % 2))[held] @ values
-                some = np.abs(values).max(axis=0) > 1e-12
-                tie = np.zeros((len(local), int(some.sum()) + int((~held).sum())))
-                tie[held, : int(some.sum())] = values[:, some]
-                tie[~held, int(some.sum()) :] = np.eye(int((~held).sum()))
-                known[cell] = np.r_[keys[some], own[~held]], tie
-        return known[cell]
-
-    each = [by_nodes(int(number)) for number in numbers]
-    wide = max(len(keys) for keys, _ in each)
-    # Cells with fewer nodes repeat their first one, without weight, ahead of the others.
-    keys = np.stack([np.r_[np.full(wide - len(own), own[0]), own] for own, _ in each])
-    ties = {
-        row: np.hstack([np.zeros((len(local), wide - tie.shape[1])), tie])
-        for row, (own, tie) in enumerate(each)
-        if wide > len(local) or grid.levels[numbers[row]]
-    }
-    names, numbered = np.unique(keys, return_inverse=True)
-    nodes = numbered.reshape(keys.shape).astype(np.int64)
-    return Mesh(grid, degree, numbers, grid.corners[numbers], grid.sides[numbers], nodes, len(names), ties)
-
-
-def _held(grid: Grid, used: Flags, cell: int, local: Indices) -> Flags:
-    """Return which nodes (m,) of a half of a cube lie on a cell in use that is as large as the whole, or larger."""
-    degree, part = int(local.max()), grid.at[cell] % 2
-    step = ((local == degree) & (part == 1)).astype(np.int64) - ((local == 0) & (part == 0))
-    side = float(grid.sides[grid.whole[cell]])
-    middle = grid.at[grid.whole[cell]] + 0.5
-    low, high = grid.corner, grid.corner + grid.side * grid.counts
-    found = np.zeros(len(local), bool)
-    for axes in np.array(_BESIDE):
-        towards, which = np.unique(step * axes, axis=0, return_inverse=True)
-        places = grid.corner + side * (middle + towards)
-        beside = grid.number(places)
-        there = used[beside] & (grid.sides[beside] >= side * 0.99) & ((places > low) & (places < high)).all(axis=1)
-        there &= (np.abs(towards) == axes).all(axis=1)
-        found |= there[which.ravel()]
+def _within(mesh: Mesh, points: Points) -> Array:
+    """Return a place (e, 3) of the body in each cell in use: the middle of those that are full."""
+    found = mesh.corners + mesh.sides[:, None] / 2
+    order = np.argsort(points.weights, kind="stable")
+    row = np.searchsorted(mesh.cells, points.cells[order])
+    some = mesh.cells[np.minimum(row, len(mesh.cells) - 1)] == points.cells[order]
+    found[row[some]] = points.places[order[some]]
     return found
-
-
-@lru_cache(maxsize=64)
-def _halves(degree: int, *part: int) -> Array:
-    """Return the values (m, m) at the nodes of a half of a cube by those at the nodes of the whole."""
-    x, y, z = (lagrange((lobatto(degree) + place) / 2, degree)[0] for place in part)
-    return np.asarray(np.einsum("ai,bj,ck->abcijk", x, y, z).reshape(((degree + 1) ** 3,) * 2))
 
 
 def _matrices(
     mesh: Mesh, points: Points, full: list[Indices], materials: tuple[Material, ...], yielding: bool
-) -> tuple[Array, Array, list[_Piece]]:
+) -> tuple[Array, Array, list[_Share]]:
     """Return the stiffness (e, 3 m, 3 m) and the mass (e, m, m) of each cell, and the pieces of cells that hold several
     materials. full: numbers of the cells that are full of each material."""
     degree = mesh.degree
@@ -370,7 +306,7 @@ def _matrices(
         stiffness[number] += stiff
         mass[number] += heavy
         if len(materials) > 1:
-            pieces.append(_Piece(number, of, stiff))
+            pieces.append(_Share(number, of, stiff))
 
     for begin, end in _spans(mesh, points):
         own = points.part(begin, end)
@@ -387,6 +323,11 @@ def _matrices(
         if share < 1:
             soft = min(_VOID, _SLIVER * share**3) * mesh.sides[number]
             stiffness[number] += _by_nodes(mesh, number, soft * whole[last[number]][0])
+    # Of a large cube a small one beside it, across a gap, may have nodes alone: from its own part they are far.
+    alone = np.bincount(mesh.nodes.ravel(), minlength=mesh.size) == 1
+    for number in mesh.ties:
+        rows = np.flatnonzero(np.repeat(alone[mesh.nodes[number]], 3))
+        stiffness[number, rows, rows] += _FAR * mesh.sides[number] * whole[last[number]][0].max()
     return stiffness, mass, pieces
 
 
@@ -422,7 +363,7 @@ def _of_piece(own: Points, mesh: Mesh, number: int, material: Material, yielding
     return stiffness, mass
 
 
-def _energies(mesh: Mesh, pieces: list[_Piece], vectors: Array, count: int) -> Array:
+def _energies(mesh: Mesh, pieces: list[_Share], vectors: Array, count: int) -> Array:
     """Return the share (count, n) of each material in the energy that bends the body, of each mode."""
     shapes = vectors.reshape(mesh.size, 3, -1)
     found = np.zeros((count, shapes.shape[2]))

@@ -13,6 +13,7 @@ from .surface import Indices, Surface, faces_of
 
 _SAMPLES = 120_000  # of the surface
 _APART = 0.5  # cosine of the angle between two normals: the surface turns by more
+_FACING = -0.95  # cosine: of normals that turn by more faces lie across a gap, which ends elsewhere
 _FRONT = 0.02  # of a cube's side: how far two places of the surface are in front of each other at least
 _PAIRS = 96  # places of a cube that are compared
 _LEFT = 0.886  # of what the last halving changed: 1/(2^1.09 - 1)
@@ -54,7 +55,8 @@ def _hollow(places: Array, normals: Array, grid: Grid) -> Indices:
         own = order[first : first + min(many, _PAIRS)]
         at, look = places[own] / grid.sides[cell], normals[own]
         ahead = look @ at.T - np.einsum("ij,ij->i", look, at)[:, None]
-        if ((ahead > _FRONT) & (ahead.T > _FRONT) & (look @ look.T < _APART)).any():
+        cosine = look @ look.T
+        if ((ahead > _FRONT) & (ahead.T > _FRONT) & (cosine < _APART) & (cosine > _FACING)).any():
             found.append(cell)
     return np.array(found, np.int64)
 

@@ -78,6 +78,13 @@ class Grid(NamedTuple):
             parts=np.r_[parts, np.full(8 * len(which), -1)],
         )
 
+    def again(self, which: Indices) -> "Grid":
+        """Return a grid in which some cells (their numbers) are there once more, after all others."""
+        at, levels, sides, whole, parts = (
+            np.concatenate([each, each[which]]) for each in (self.at, self.levels, self.sides, self.whole, self.parts)
+        )
+        return self._replace(at=at, levels=levels, sides=sides, whole=whole, parts=parts)
+
 
 def grid_about(surface: Surface, side: float, rays: int, margin: float = 0.0) -> Grid:
     """Return a grid of cells about a surface, and `margin` (m) around it; no face of a box lies on a plane of it."""

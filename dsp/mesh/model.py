@@ -32,6 +32,7 @@ _CUT = 0.5  # of the points' spacing: triangles' sides near where parts touch
 _FLOOR = 1e-3  # of the highest frequency: below lie rigid motions of parts that don't touch
 _ABOUT = 2  # modes to each side: one that changes little by chance is as far off as they are
 _LEAST_ERROR = 1e-3  # of a frequency: the quadrature's
+_HELD = 0.03  # of the size: a tine that is clamped so much nearer is 6 % too high, or more
 _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
 _DIGITS = 12  # to which proportions are alike
@@ -243,7 +244,7 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
         told = [f"a solid of {len(solved.mesh.cells)} cells of {sides} mm and degree {degree}"]
         if solved.leaks > 1e-3:
             told.append(f"{100 * solved.leaks:.2g} % of the rays met a gap in the surface, and took a neighbour's hits")
-        return solved, "cells", tuple(told)
+        return solved, "cells", (*told, *_held_gap(solved, float(size_of(surface).max())))
     size = cells.sizes(surface, number, wanted.wall)
     if size.side < _SHELL * wanted.wall:
         solved = cells.solve_sheet(parts, wanted.wall, size, degree, count)
@@ -255,6 +256,17 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
     fit = refined(surface, _FINE_TRIANGLES if fine else _TRIANGLES, _MOST_TRIANGLES)
     made = shells.solve(fit, wanted.wall, parts.materials[0], count)
     return made, "shells", (f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(fit.faces)} triangles",)
+
+
+def _held_gap(solved: cells.Solution, size: float) -> tuple[str, ...]:
+    """Return a sentence on the gap whose sides the largest cell holds together, of a body of a size (m), if there is
+    one."""
+    gap = max(solved.mesh.pieces.gaps, key=lambda each: each.side, default=None)
+    if gap is None or gap.side < _HELD * size:
+        return ()
+    x, y, z = (f"{1e3 * each:.3g}" for each in gap.place @ cells.TILT)
+    place = f"a gap of {1e3 * gap.width:.2g} mm ends about ({x}, {y}, {z}) mm in a cell of {1e3 * gap.side:.2g} mm"
+    return (f"{place}, which holds both sides: modes that open it may come out too high",)
 
 
 def _require_few(faces: Indices) -> None:

@@ -39,6 +39,16 @@ class Quadrature(NamedTuple):
     leaks: float
 
 
+class Segments(NamedTuple):
+    """Pieces of rays inside a body: where they begin and end (n,), in m, the numbers (n, 2) of the rays along the two
+    axes that they don't run along, and the faces (n, 2) where they begin and end."""
+
+    begin: Array
+    end: Array
+    across: Indices
+    faces: Indices
+
+
 class _Hits(NamedTuple):
     """The places where rays meet faces, sorted by ray and place: +1 enters, -1 leaves."""
 
@@ -59,6 +69,22 @@ def quadrature(surface: Surface, grid: Grid, degree: int, without: Surface | Non
         np.concatenate(each) for each in list(zip(*found, strict=True))[:-1]
     )
     return Quadrature(places, weights, numbers, full, normals, through, max(each.leaks for each in found))
+
+
+def segments(body: Surface, grid: Grid, cells: Indices, axis: int, same: float) -> Segments:
+    """Return the pieces inside a body of the rays along an axis that pass through cells of one size. same: pieces that
+    are no farther (m) apart are one."""
+    level, (u, v) = int(grid.levels[cells[0]]), ((axis + 1) % 3, (axis + 2) % 3)
+    columns = np.zeros((grid.counts[u] << level, grid.counts[v] << level), bool)
+    columns[grid.at[cells, u], grid.at[cells, v]] = True
+    across = columns.shape[1] * grid.rays_of(level)
+    hits, _, _ = _mended(_hits_in(body, grid, (axis, level), columns)[0], across)
+    none = _Hits(hits.ray[:0], hits.place[:0], hits.sign[:0], hits.face[:0])
+    begin, end, ray, faces = _pieces(hits, none)
+    after = np.flatnonzero((np.diff(ray) == 0) & (begin[1:] - end[:-1] <= same))
+    begin, end, ray = np.delete(begin, after + 1), np.delete(end, after), np.delete(ray, after)
+    faces = np.stack([np.delete(faces[:, 0], after + 1), np.delete(faces[:, 1], after)], axis=1)
+    return Segments(begin, end, np.stack([ray // across, ray % across], axis=1), faces)
 
 
 def _of_level(surface: Surface, others: Surface, grid: Grid, cells: Indices, degree: int) -> Quadrature:
@@ -224,22 +250,24 @@ def _counted(sizes: Indices) -> Indices:
     return counted
 
 
-def _pieces(hits: _Hits, others: _Hits) -> tuple[Array, Array, Indices]:
-    """Return where rays enter and leave what is inside of a body and not of the others, and these rays."""
+def _pieces(hits: _Hits, others: _Hits) -> tuple[Array, Array, Indices, Indices]:
+    """Return where rays enter and leave what is inside of a body and not of the others, these rays, and the faces (n,
+    2) there, of the body or of the others."""
+    face = np.r_[hits.face, others.face]
     ray, place = np.r_[hits.ray, others.ray], np.r_[hits.place, others.place]
     sign, against = np.r_[hits.sign, 0 * others.sign], np.r_[0 * hits.sign, others.sign]
     order = np.lexsort((place, ray))
     after = (np.cumsum(sign[order]) > 0) & (np.cumsum(against[order]) <= 0)  # each ray sums to 0
     before = np.r_[np.zeros(min(1, len(after)), bool), after[:-1]]
     enter, leave = order[after & ~before], order[before & ~after]
-    return place[enter], place[leave], ray[enter]
+    return place[enter], place[leave], ray[enter], np.stack([face[enter], face[leave]], axis=1)
 
 
 def _along(hits: _Hits, others: _Hits, planes: tuple[float, float], degree: int) -> tuple[Array, Array, Indices, Array]:
     """Return places along an axis, weights and rays of Gauss points on the pieces of rays that lie inside of a body and
     not of the others, and how far (m) the ray is inside there, other cells too. planes: where the cells' are, and how
     far (m) apart."""
-    begin, leave, ray = _pieces(hits, others)
+    begin, leave, ray, _ = _pieces(hits, others)
     middle = 0.5 * (begin + leave)  # about there the nearest surface becomes another one
     start, end, ray = np.r_[begin, middle], np.r_[middle, leave], np.r_[ray, ray]
     reach = np.r_[leave - begin, leave - begin]

@@ -193,6 +193,16 @@ def wrench() -> list[Block]:
     return [_cells(shaft, middle, z), _cells(head, y, z), _cells(jaw, low, z), _cells(jaw, high, z)]
 
 
+def fork(gap: float) -> list[Block]:
+    """Return a bar of 120 x 12 x 6 mm and a slot (m) between two halves of it, of 70 mm of its length."""
+    z, half = (0.0, 0.006), gap / 2
+    low, high = _between(-half - 0.006, -half, ends=1), _between(half, half + 0.006, begins=1)
+    slot = (-half, *(() if gap < 0.003 else (0.0012 - half,)), 0.0, *(() if gap < 0.003 else (half - 0.0012,)), half)
+    base = (-0.05, -0.035, -0.02, *_between(-0.01, 0.0, ends=1))
+    tine = _between(0.0, 0.01, begins=1) + tuple(np.linspace(0.01, 0.07, 7)[1:].tolist())
+    return [_cells(base, low + slot[1:] + high[1:], z), _cells(tine, low, z), _cells(tine, high, z)]
+
+
 def _cells(x: tuple[float, ...], y: tuple[float, ...], z: tuple[float, ...]) -> Block:
     """Return a box with a cell between any two knots."""
     return box(x, y, z, (len(x) - 1, len(y) - 1, len(z) - 1))

@@ -7,7 +7,9 @@ from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import cells, forms
 from carom.dsp.mesh.grading import extrapolated, graded
 from carom.dsp.mesh.grids import grid_about
+from carom.dsp.mesh.numbering import mesh_of
 from carom.dsp.mesh.parts import Parts
+from carom.dsp.mesh.pieces import undivided
 from carom.dsp.mesh.polynomials import products
 from tests.bench import hexahedra
 
@@ -22,7 +24,7 @@ def test_polynomials_of_cells_of_all_sizes_meet_at_their_faces(degree):
         smallest = grid.leaves[grid.levels[grid.leaves] == grid.levels.max()]
         grid = grid.halved(np.sort(rng.choice(smallest, len(smallest) // 8, replace=False)))
     used = np.sort(rng.choice(grid.leaves, int(0.8 * len(grid.leaves)), replace=False))
-    mesh = cells._mesh(grid, degree, used)
+    mesh = mesh_of(undivided(grid), degree, used)
     at_nodes = rng.standard_normal(mesh.size)
 
     def value(row, place):
