@@ -15,7 +15,8 @@ _SAMPLES = 120_000  # of the surface
 _APART = 0.5  # cosine of the angle between two normals: the surface turns by more
 _FACING = -0.95  # cosine: of normals that turn by more faces lie across a gap, which ends elsewhere
 _FRONT = 0.02  # of a cube's side: how far two places of the surface are in front of each other at least
-_PAIRS = 96  # places of a cube that are compared
+_NARROW = 0.5  # of a cube's side: a narrow gap
+_PAIRS, _GAP_PAIRS = 96, 400  # places of a cube that are compared, and where a narrow gap may end
 _LEFT = 0.886  # of what the last halving changed: 1/(2^1.09 - 1)
 _ALIKE = 0.8  # of a mode: what modes of the coarser grid must make up
 _MOST_CHANGE = 0.2  # of a frequency, by a halving: more is another mode
@@ -52,13 +53,31 @@ def _hollow(places: Array, normals: Array, grid: Grid) -> Indices:
     cells, begin, count = np.unique(numbers[order], return_index=True, return_counts=True)
     found = []
     for cell, first, many in zip(cells, begin, count, strict=True):
-        own = order[first : first + min(many, _PAIRS)]
+        own = order[first : first + many]
         at, look = places[own] / grid.sides[cell], normals[own]
-        ahead = look @ at.T - np.einsum("ij,ij->i", look, at)[:, None]
-        cosine = look @ look.T
-        if ((ahead > _FRONT) & (ahead.T > _FRONT) & (cosine < _APART) & (cosine > _FACING)).any():
+        if _look(at[:_PAIRS], look[:_PAIRS])[0] or all(_look(*_of_all_sides(at, look))):
             found.append(cell)
     return np.array(found, np.int64)
+
+
+def _look(at: Array, look: Array) -> tuple[bool, bool]:
+    """Return whether some of the places (n, 3) of a cube look at each other by their normals as at an inner edge, and
+    whether some do across a narrow gap."""
+    ahead = look @ at.T - np.einsum("ij,ij->i", look, at)[:, None]
+    cosine, near = look @ look.T, np.minimum(ahead, ahead.T)
+    edge = (near > _FRONT) & (cosine < _APART) & (cosine > _FACING)
+    return bool(edge.any()), bool(((near > _FRONT) & (near < _NARROW) & (cosine <= _FACING)).any())
+
+
+def _of_all_sides(at: Array, look: Array) -> tuple[Array, Array]:
+    """Return some of the places (n, 3) of a cube and their normals, of each direction as many: of the end of a narrow
+    gap there are few beside those of its sides."""
+    way = np.round(2 * look) @ (25, 5, 1)
+    order = np.argsort(way, kind="stable")
+    _, begin, count = np.unique(way[order], return_index=True, return_counts=True)
+    turn = np.arange(len(order)) - np.repeat(begin, count)
+    some = order[np.argsort(turn, kind="stable")[:_GAP_PAIRS]]
+    return at[some], look[some]
 
 
 def extrapolated(before: Array, after: Array, shares: Array) -> Array:

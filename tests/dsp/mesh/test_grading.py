@@ -11,6 +11,7 @@ from carom.dsp.mesh.numbering import mesh_of
 from carom.dsp.mesh.parts import Parts
 from carom.dsp.mesh.pieces import undivided
 from carom.dsp.mesh.polynomials import products
+from carom.dsp.mesh.surface import Surface, rotation
 from tests.bench import hexahedra
 
 STEEL = Material("steel", 7850.0, 200e9, 0.29, 1.0, 0.0)
@@ -53,6 +54,16 @@ def test_cells_are_halved_at_inner_edges_alone():
     assert (np.abs(middles[:, None] - edges).max(axis=2).min(axis=1) < 0.0051).all()
     box = forms.box(0.1, 0.06, 0.004)
     assert len(graded(grid_about(box, 0.02, 24), box, 2)) == 1
+
+
+@pytest.mark.parametrize(("gap", "seed"), [(0.001, 1), (0.002, 1), (0.001, 4)])
+def test_cells_are_halved_where_a_narrow_gap_ends(gap, seed):
+    turn = rotation(np.random.default_rng(seed).uniform(-3, 3, 3)).T @ cells.TILT.T
+    skin = hexahedra.skin(hexahedra.fork(gap))
+    fork = Surface(skin.points @ turn, skin.faces)
+    grid = graded(grid_about(fork, 0.013, 24), fork, 2)[-1]
+    edges = np.array([(0, side * gap / 2, z) for side in (-1, 1) for z in np.linspace(0.0003, 0.0057, 40)])
+    assert (grid.levels[grid.number(edges @ turn)] == 2).all()
 
 
 def test_what_a_halving_changes_tells_the_rest():
