@@ -157,8 +157,8 @@ def bend_piece(
     are told at TILT.
     """
     piece, toward = swarm.mass_of[p], flat / TILT
-    light, at = toward * toward * swarm.bending * mass / piece, width + log(swarm.usual / piece)
-    kept, shorter, bent = kept_by(swarm.bend, swarm.bends, light, at, given, swarm.a)
+    mass_ratio, at = toward * toward * swarm.bending * mass / piece, width + log(swarm.usual / piece)
+    kept, shorter, bent = kept_by(swarm.bend, swarm.bends, mass_ratio, at, given, swarm.a)
     left = (given - 1.0) * math.sqrt(1.0 - given * given * bent * kept)
     return math.sqrt(kept) * toward, shorter, left
 
@@ -166,8 +166,8 @@ def bend_piece(
 @kernel
 def bent_by_crack(swarm: Swarm, mass: float, piece: float, width: float) -> float:
     """Return m M of a crack of a mass and a width (ln of s) beside a piece, where M is the mobility of its modes."""
-    light, at = swarm.bending * mass / piece, width + log(swarm.usual / piece)
-    bent: float = bent_by(swarm.bend, swarm.bends, light, at)
+    mass_ratio, at = swarm.bending * mass / piece, width + log(swarm.usual / piece)
+    bent: float = bent_by(swarm.bend, swarm.bends, mass_ratio, at)
     return bent
 
 

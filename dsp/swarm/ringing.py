@@ -17,39 +17,43 @@ from .record import Swarm
 
 
 @kernel
-def bent_by(frequencies: View[float], count: int, light: float, width: float) -> float:
-    """Return m' M of a blow of a width (ln of s), where M is the mobility of modes of frequencies (Hz), and `light` is
-    m' over the modal mass of each."""
+def bent_by(frequencies: View[float], count: int, mass_ratio: float, width: float) -> float:
+    """Return m' M of a blow of a width (ln of s), where M is the mobility of modes of frequencies (Hz).
+
+    mass_ratio: m' over the modal mass of each.
+    """
     turns, total = 2.0 * math.pi * ROLL_OFF * exp(width), 0.0
     for i in range(count):
         turned = turns * frequencies[i]
         total += 1.0 / (1.0 + turned * turned * turned)
-    return light * total
+    return mass_ratio * total
 
 
 @kernel
 def kept_by(
-    frequencies: View[float], count: int, light: float, width: float, given: float, exponent: float
+    frequencies: View[float], count: int, mass_ratio: float, width: float, given: float, exponent: float
 ) -> tuple[float, float, float]:
     """Return the share that is left of the energy which a rigid body's blow would give its modes, by how much ln of the
     blow's width is less as they give way, and m' M then.
 
     given: the momentum in m' v; exponent: the contact law's.
     """
-    bent = bent_by(frequencies, count, light, width)
+    bent = bent_by(frequencies, count, mass_ratio, width)
     shorter = 0.0
     for _ in range(2):  # what gives way has a shorter pulse, which reaches more modes
         shorter = log(1.0 + bent) / (exponent + 1.0)
-        bent = bent_by(frequencies, count, light, width - shorter)
+        bent = bent_by(frequencies, count, mass_ratio, width - shorter)
     return 1.0 / (1.0 + 2.0 * given * given * bent), shorter, bent
 
 
 @kernel
-def kept_of(swarm: Swarm, light: float, width: float, given: float) -> tuple[float, float]:
-    """Return the share and the change of the width as `kept_by` has them, of a swarm's grain; light: its mass over that
-    of what rings as it."""
-    shorter = log(1.0 + light * mobility_at(swarm.bent, width)) / (swarm.a + 1.0)
-    return 1.0 / (1.0 + 2.0 * given * given * light * mobility_at(swarm.bent, width - shorter)), shorter
+def kept_of(swarm: Swarm, mass_ratio: float, width: float, given: float) -> tuple[float, float]:
+    """Return the share and the change of the width as `kept_by` has them, of a swarm's grain.
+
+    mass_ratio: its mass over that of what rings as it.
+    """
+    shorter = log(1.0 + mass_ratio * mobility_at(swarm.bent, width)) / (swarm.a + 1.0)
+    return 1.0 / (1.0 + 2.0 * given * given * mass_ratio * mobility_at(swarm.bent, width - shorter)), shorter
 
 
 @kernel

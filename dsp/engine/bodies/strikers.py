@@ -30,7 +30,9 @@ from .striker_modes import become, modes_of_voice, rescale, resize
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
 _FINE = 2.0**40  # steps per m/s in which a velocity is told from another
-_WIDTH = 0.15  # of a pulse's duration, at most: its rms width, of exponents up to 2.5
+_WIDTH = 0.15
+"""The rms width of a narrow pulse over its duration: narrow ones reach more modes. It is 0.22 for an exponent of 1,
+0.19 for 1.5 and 0.16 for 2.5 without loss; only a loss mu v of 1 and more makes it narrower."""
 
 
 @kernel
@@ -177,8 +179,9 @@ def share_of_blow(state: State, contact: Contact) -> float:
         return share
     rigid = 1.0 + pulse.restitution
     given = rigid * pulse.momentum / (contact.m * contact.v_in)
-    light, width = contact.trait.meets * striker.mobility / striker.bends, log(_WIDTH * pulse.duration / state.rate)
-    kept, _, _ = kept_by(striker.bend, striker.bends, light, width, given, contact.a)
+    mass_ratio = contact.trait.meets * striker.mobility / striker.bends
+    width = log(_WIDTH * pulse.duration / state.rate)
+    kept, _, _ = kept_by(striker.bend, striker.bends, mass_ratio, width, given, contact.a)
     return share * math.sqrt(kept * left_by(rigid, _ratio_of(contact)))
 
 

@@ -176,8 +176,8 @@ def _size_of_blow(
         at_size = (size - swarm.smallest) * swarm.finer + u
         blows.shorter[n] = 0.0
         if swarm.bends > 0:
-            light = 1.0 if varied else mass / swarm.m
-            kept, blows.shorter[n] = kept_of(swarm, light, width - size, given)
+            mass_ratio = 1.0 if varied else mass / swarm.m
+            kept, blows.shorter[n] = kept_of(swarm, mass_ratio, width - size, given)
             alike *= math.sqrt(kept)
     c = min(max(int(at_size), 0), SIZES - 1)
     if swarm.cracked == 0 and varied:

@@ -25,14 +25,19 @@ pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="chr
 TABLES = 36.0
 """MB of the tables of pulses: of one contact law, and of drops."""
 
-ASK = """async (asked) => {
+OPENED = """async (asked) => {
   const { Carom } = await import("./carom.js");
   const { module, map, data, worklet } = await Carom.fetch();
   Object.assign(globalThis, { AudioWorkletProcessor: class {}, registerProcessor() {} });
   const { Scene } = await import(worklet);
   const scene = new Scene(module, map, data);
   scene.load(true);
-  const found = [];
+"""
+"""The beginning of a script that makes the scene of a page, without its sound."""
+
+ASK = (
+    OPENED
+    + """  const found = [];
   const send = scene.send;
   for (const { message: [address, ...args], commands } of asked) {
     const sent = [];
@@ -50,7 +55,7 @@ ASK = """async (asked) => {
   }
   return found;
 }"""
-
+)
 
 FETCHED = """async (changed) => {
   const { Carom } = await import("./carom.js");
@@ -67,15 +72,9 @@ FETCHED = """async (changed) => {
 }"""
 """A script that damages what a browser keeps, and fetches a page's files; changed: they have been."""
 
-
-WRONG = """async () => {
-  const { Carom } = await import("./carom.js");
-  const { module, map, data, worklet } = await Carom.fetch();
-  Object.assign(globalThis, { AudioWorkletProcessor: class {}, registerProcessor() {} });
-  const { Scene } = await import(worklet);
-  const scene = new Scene(module, map, data);
-  scene.load(true);
-  const bell = "/object/church_bell";
+WRONG = (
+    OPENED
+    + """  const bell = "/object/church_bell";
   const said = [[undefined], [5], ["constructor"], ["/object/constructor/damp", 1], [`${bell}/impact`, NaN],
     [`${bell}/impact`, 1, 0.5, "__proto__", "x"], [`${bell}/impact`, 1, 0.5, "striker", "constructor"],
     [`${bell}/impact`, 1, 0.5, "by", "toString"], [`${bell}/slide`, 1, 0.5, "surface", "valueOf"],
@@ -100,15 +99,12 @@ WRONG = """async () => {
   await context.close();
   return told;
 }"""
+)
+"""A script that says what is wrong, to a scene and to a page's engine: the answers, in turn."""
 
-FULL = """async () => {
-  const { Carom } = await import("./carom.js");
-  const { module, map, data, worklet } = await Carom.fetch();
-  Object.assign(globalThis, { AudioWorkletProcessor: class {}, registerProcessor() {} });
-  const { Scene } = await import(worklet);
-  const scene = new Scene(module, map, data);
-  scene.load(true);
-  const count = (message) => {
+FULL = (
+    OPENED
+    + """  const count = (message) => {
     for (let n = 0; ; n++) {
       try {
         scene.messages.perform(...message);
@@ -121,6 +117,7 @@ FULL = """async () => {
   const left = map.state.ring - scene.whole(map.state.written) + scene.whole(map.state.read);
   return [left, count(["/gain", [Array(64).fill(-3), "over", 1]]), count(["/panic", []])];
 }"""
+)
 """A script that fills the engine's ring: the room there was, the lists of 64 that it took, the commands after them."""
 
 HEAR = """() => {
