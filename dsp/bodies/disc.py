@@ -304,7 +304,11 @@ def _across(along: Array, order: Array, phase: Array) -> Array:
     """Return shapes along a diameter from those along a radius, from the centre on (p, k): cos(n theta - phase) times
     them."""
     far, near = (np.cos(angle * order - phase) for angle in (math.pi, 0.0))
-    return np.concatenate([along[:0:-1] * far, along * near])
+    steps = len(along)
+    across = np.empty((2 * steps - 1, order.size))
+    np.multiply(along[:0:-1], far, out=across[: steps - 1])
+    np.multiply(along, near, out=across[steps - 1 :])
+    return across
 
 
 @lru_cache(maxsize=2)  # of single modes and of doublets; 50 ms each

@@ -4,8 +4,9 @@ Where all lengths of an elastic body of one material go with a size s, its frequ
 its mass goes with s^3. So does the air about it: sound's waves and the body's have one ratio, the air's mass is one
 share of the body's, and resistances (1/s) go with 1/s (A. D. Pierce, Acoustics, 1989, 1-6; L. Cremer, M. Heckl,
 B. Petersson, Structure-Borne Sound, 2005, for plates and bars). Mass-normalised shapes go with s^-3/2, and pressures
-with s^-1/2. What goes otherwise is found anew for each size: the losses of the material, the clicks, whose band ends
-where hearing does, and which modes are heard, and which are felt alone.
+with s^-1/2. What goes otherwise is found anew for each size: the losses of the material, what felts take, which
+goes with s^-2 (felts.py), the clicks, whose band ends where hearing does, and which modes are heard, and which are felt
+alone.
 
 A table holds the modes of the body of size 1 without losses, up to a frequency that is one of few, so that many sizes
 share it. What is felt alone beyond a table is gathered twice, which keeps how far it yields (unheard.py).
@@ -38,11 +39,8 @@ _CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
 }  # fmt: skip
 """Shapes that are elastic bodies in air and no more, with what makes their clicks."""
 
-_HELD = ("felt", "nonlinear_modes")
-"""Arguments by which a body has to do with something else than the air, or is not linear."""
-
-_ASIDE = ("board", "tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
-"""Arguments of a bar that say what it is heard by besides, and does not change its shapes."""
+_ASIDE = ("felt", "board", "tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
+"""Arguments of discs and bars that say what takes from them or sounds besides, and does not change their shapes."""
 
 _UNDER = ("tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
 """Arguments of a bar that say what stands under it, and changes its modes."""
@@ -53,7 +51,7 @@ _KEPT_BYTES = 128_000_000
 
 def has_similar(make: Callable[..., Modes], arguments: Mapping[str, Any]) -> bool:
     """True if the bodies that a shape's function makes of such arguments are similar in all sizes."""
-    return make in _CLICKS and not any(arguments.get(each) for each in _HELD)
+    return make in _CLICKS and not arguments.get("nonlinear_modes")
 
 
 @dataclass(frozen=True)
@@ -80,6 +78,9 @@ class Sized:
         decay = material.decay(found)
         if material.losses == "material":
             decay = decay + lost / 2
+        if felt := arguments.get("felt"):
+            held = self._table(top, material, {**own, "felt": felt})
+            decay = decay + (held.decay - table.decay)[heard] / size**2
         sized = {key: value * size if key in self.lengths else value for key, value in arguments.items()}
         made = Modes(
             found, decay, strike[:, heard], pressure(np.minimum(radiated, 2 * decay), table.pressure[0, heard]),

@@ -6,6 +6,7 @@ depends on its place and its group of modes alone, and not on what was asked for
 """
 
 from collections.abc import Callable
+from functools import cache
 from threading import Lock
 
 import numpy as np
@@ -22,6 +23,7 @@ _STEP = 0.2  # of ln x + x/_BEND, between places
 _NODES = 4  # between which a value is interpolated
 _AT_ONCE = 8  # places that are solved together
 _LOWEST, _PIECES = -25, 200  # pieces of so many places: from x = 1e-17 to 800
+_FIRST = _LOWEST * _AT_ONCE  # place
 _NOISE = 1e-15  # of an impedance: less resistance is rounding
 
 Solve = Callable[[int, Array], Complex]
@@ -51,7 +53,7 @@ class Curves:
                 self._add(np.broadcast_to(group, piece.shape)[lacking], piece[lacking])
             found = self._values[self._slot[group, piece], places % _AT_ONCE, column]
         resistance = np.log(np.maximum(found.real, _NOISE * np.abs(found)))
-        mass = found.imag / _x_of(places)
+        mass = found.imag / _all_x()[places - _FIRST]
         weights = cubic_weights(along - first)
         return np.asarray(np.exp((weights * resistance).sum(axis=0)) + 1j * x * (weights * mass).sum(axis=0))
 
@@ -76,6 +78,12 @@ def _x_of(place: Indices) -> Array:
     from scipy.special import wrightomega
 
     return np.asarray(_BEND * wrightomega(place * _STEP - np.log(_BEND)), np.float64)
+
+
+@cache  # 13 kB
+def _all_x() -> Array:
+    """Return the x of all places."""
+    return _x_of(_FIRST + np.arange(_PIECES * _AT_ONCE))
 
 
 def cubic_weights(t: Array) -> Array:
