@@ -3,10 +3,11 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from os import PathLike
 from threading import Lock
 from typing import SupportsFloat
+from weakref import proxy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +92,8 @@ class Performer:
             channels, sensors = options.channels_and_sensors(score)
             self.engine = _Engine(options.rate, channels, room, not options.calibrated, sensors)
         self.scene = Session(self.engine, self.presets, steers_ended, scale)
-        self.scene.on_sent = self._remember
+        # A circle would keep the engine's memory until the next search for garbage.
+        self.scene.on_sent = partial(Performer._remember, proxy(self))
         self.scene.sensors.grows = not score
         self.stems = stems
         self.contacts = contacts
