@@ -27,7 +27,7 @@ from .truth import AMPLIFIED, PATH, Followed, Truth, about_contacts, about_objec
 _PLAIN = ("impact", "spin")
 """Gestures that push nothing, and change no settings: the truth has no more than modes and forces."""
 
-_PIECE = 16 * TRACED
+_PIECE = 64 * TRACED
 """Frames between two looks at the trace, which has room for the contacts of one gesture."""
 
 _LEAST_LEVEL = 40.0  # dB of a clip above the noise of its samples' steps

@@ -75,7 +75,8 @@ def pressure(resistance: Array, sign: Array) -> Array:
     """Return the sound pressure (2, n) at 1 m per unit modal velocity, alike on both sides: G = sqrt(rho c R/(4
     pi))."""
     size = np.sqrt(IMPEDANCE * resistance / (4 * math.pi))
-    return np.tile(np.where(sign < 0, -size, size), (2, 1))
+    one = np.where(sign < 0, -size, size)
+    return np.array([one, one])
 
 
 def placed(modes: Modes, width: float) -> Modes:
