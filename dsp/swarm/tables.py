@@ -1,8 +1,7 @@
 """The tables of pulses, for one sampling rate's samples: they are the same at all.
 
 A pulse is Hunt and Crossley's, from contact/pulse.py, or a drop's. Drops on a wall push as sqrt(t) exp(-t) (Mitchell,
-Klewicki, Korkolis and Kinsey, J. Fluid Mech. 867, 2019), with the time in 0.34 of diameter over speed: the force is
-then greatest after 0.17 of that, as theirs is, and has the drop's momentum.
+Klewicki, Korkolis and Kinsey, J. Fluid Mech. 867, 2019), in a time of their own (blows.py).
 """
 
 import math
@@ -20,9 +19,6 @@ from ..resonator.simd import LANES
 from .grid import BUMP, LEAST, MOST_LOSS, STEPS, bump_spectrum
 from .making import PITCH, make
 from .record import DISSIPATIONS, FORMS, MOST_LENGTH, MOST_ORDERS, MOST_TURNS, OCTAVES, PULSE_TABLE, PULSE_WORK
-
-DROP_TIME = 0.34
-"""Time scale of a drop's force, in its diameter over its speed."""
 
 _ANCHOR = 0.4  # of a drop's middle
 _END = 7.0  # of a drop's force, in its time scale: 0.1 % of its momentum would come later

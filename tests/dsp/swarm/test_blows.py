@@ -104,13 +104,13 @@ def test_blows_that_set_off_others_come_as_many_times_more(ratio):
     assert counts.var() / counts.mean() > 0.3 / (1 - ratio) ** 2  # Fano's factor is 1/(1 - n)^2 over long times
 
 
-def drawn(record, count):
-    """Return the places, speeds and masses of blows."""
+def drawn(record, count, names=("place", "v", "mass")):
+    """Return the places, speeds and masses of blows, or what is named."""
     found = []
     while sum(map(len, found)) < count:
         many = taken(record, math.inf)
         draw_blows(record, TABLE, BLOWS)
-        found.append(np.transpose([BLOWS[name][:many] for name in ("place", "v", "mass")]))
+        found.append(np.transpose([BLOWS[name][:many] for name in names]))
     return np.concatenate(found)[:count].T
 
 
@@ -151,6 +151,40 @@ def test_drops_that_arrive_are_as_many_as_are_there_times_their_speed():
     for power in (1, 3):
         assert np.mean(diameter**power) == pytest.approx((x**power * flux).sum() / flux.sum(), rel=0.02)
     assert len(TABLE["width"]) == FORMS
+
+
+CHUANG = {
+    2.0: (-131, -120, -376, -96, -4, 15, 5, 0, -2, 0, 1),
+    3.0: (-282, -230, -779, -175, 21, 46, 11, -6, -7, 0, 3),
+    4.0: (-458, -335, -1211, -227, 83, 89, 12, -21, -13, 1, 8),
+    5.0: (-644, -416, -1629, -246, 176, 131, 2, -44, -18, 9, 14),
+    6.0: (-840, -480, -2034, -237, 297, 166, -21, -72, -19, 24, 23),
+}
+"""Chuang and Beard's drops (J. Atmospheric Sciences 47, 1990) by mm: 10,000 times what cosines of the angle from the
+lowest point add to the radius, in that of the ball."""
+
+
+def flatness(size):
+    """Return the radius of the ball as flat as a drop's bottom is, in that of a ball of the drop's size (mm)."""
+    added = 1e-4 * np.array(CHUANG.get(size, (0,)))
+    angle = np.linspace(0.0, 1.5, 4001)
+    radius = 1.0 + added @ np.cos(np.arange(len(added))[:, None] * angle)
+    assert np.isclose(radius[0], 1.0 + added.sum())
+    wide, deep = radius * np.sin(angle), radius[0] - radius * np.cos(angle)
+    at = np.interp(0.05, deep, wide)
+    return at**2 / (2 * 0.05) / (1.0 - 0.025)  # that of a ball, at a depth d of its radius, is 1 - d/2
+
+
+def test_a_drop_begins_to_push_as_water_does_and_has_its_momentum():
+    """Philippi, Lagree and Antkowiak: 3 sqrt(6)/2 rho v^2.5 D^1.5 sqrt(t) of a ball, and as R^1.5 of a flatter one."""
+    v, mass, width = drawn(swarm(DROPS, scale=1e-3), 20_000, ("v", "mass", "width"))
+    diameter = 1e3 * np.cbrt(6.0 * mass / (1000.0 * np.pi))  # mm
+    for size in (1.0, *CHUANG):
+        n = int(np.argmin(np.abs(diameter - size)))
+        assert diameter[n] == pytest.approx(size, rel=0.01)
+        force = 1.5 * math.sqrt(6.0) * 1000.0 * v[n] ** 2.5 * (1e-3 * size) ** 1.5 * flatness(size) ** 1.5
+        time = math.exp(width[n])  # s: of sqrt(t) exp(-t), as the table's width is 1
+        assert mass[n] * v[n] / (time**1.5 * math.gamma(1.5)) == pytest.approx(force, rel=0.05), size
 
 
 @pytest.mark.parametrize("evenness", [0.7, 2.0, 6.0])

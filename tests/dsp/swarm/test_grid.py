@@ -6,7 +6,7 @@ import pytest
 from carom.dsp.contact.pulse import contact_time, force_pulse
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.swarm import tables
-from carom.dsp.swarm.blows import ROLL_OFF, known_of
+from carom.dsp.swarm.blows import DROP_TIME, ROLL_OFF, known_of
 from carom.dsp.swarm.grid import EDGE, HALF, MOST_LOSS, find_force, find_moments, lay_pulse
 from carom.dsp.swarm.record import BACK, FORCES, GRID
 from carom.dsp.swarm.tables import contact_form, drop_form, pulse_table
@@ -68,7 +68,8 @@ def test_a_drop_on_the_grid_is_exact_within_60_db(pulses, rate):
     form, numbers = drop_form(), np.random.default_rng(1)
     for diameter in np.geomspace(0.5e-3, 6e-3, 6):
         speed = 9.65 - 10.3 * np.exp(-600.0 * diameter)
-        width = form.width * tables.DROP_TIME * diameter / speed * rate
+        flat = np.exp(-190.0 * max(diameter - 1.07e-3, 0.0))
+        width = form.width * DROP_TIME * flat * diameter / speed * rate
         spectrum = np.exp(-1j * np.outer(THETA, form.times * width)) @ form.impulses
         found = laid(pulses[1], 1, 300.0 + numbers.random(), width, 0.0)
         assert 20 * np.log10(np.abs(found - spectrum).max()) < -60.0, diameter
