@@ -96,6 +96,8 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
     rate, sizes, stream = state.rate, swarm.sized == 1, (STREAM * mean_mass(swarm), STREAM * _flow_beside(state, swarm))
     for n in range(blows.count):
         _weigh_blow(state, contact, swarm, blows, n, stream)
+    if sizes and swarm.cracked == swarm.pieces == 0:
+        _share_blows(state, swarm, blows)
     origin = contact.origin - state.position + swarm.lead + _EARLY
     for n in range(BATCH):
         blows.at[n] = origin + blows.time[n] * rate + blows.at[n] * exp(blows.width[n])
@@ -160,29 +162,45 @@ def _size_of_blow(
     fast as its own would. width: ln of it (s). A crack moves a piece beside it, with what that leaves it.
     What rings has its share of what the object leaves."""
     mass, ratio, varied = blows.mass[n], blows.ratio[n], swarm.finer > ONE_SIZE
+    if swarm.cracked == swarm.pieces == 0:
+        if not varied:
+            return 0, blows.alike[n]
+        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + uniform(swarm, blows.number[n], SIZE)
+        c = min(max(int(at_size), 0), SIZES - 1)
+        return c, blows.alike[n] * swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
     given = known_of(state.pulses.tables[swarm.table].momentum, blows.loss[n])
-    u, alike = uniform(swarm, blows.number[n], SIZE), math.sqrt(left_by(given, ratio)) if swarm.bends > 0 else 1.0
+    alike = math.sqrt(left_by(given, ratio)) if swarm.bends > 0 else 1.0
     if swarm.cracked > 0:
+        u = uniform(swarm, blows.number[n], SIZE)
         blows.shorter[n] = 0.0
         piece = swarm.mass_of[piece_beside(swarm, u)]
         at_size = (math.log(contact.trait.meets * piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
         alike /= 1.0 + ratio * bent_by_crack(swarm, mass, piece, width)
-    elif swarm.pieces > 0:
+    else:
         mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
         at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5
         alike *= blows.alike[n]
-    else:
-        size = size_of(swarm, mass) if varied else 0.0
-        at_size = (size - swarm.smallest) * swarm.finer + u
-        blows.shorter[n] = 0.0
-        if swarm.bends > 0:
-            mass_ratio = 1.0 if varied else mass / swarm.m
-            kept, blows.shorter[n] = kept_of(swarm, mass_ratio, width - size, given)
-            alike *= math.sqrt(kept)
     c = min(max(int(at_size), 0), SIZES - 1)
-    if swarm.cracked == 0 and varied:
+    if swarm.cracked == 0:
         alike *= swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
     return c, alike
+
+
+@kernel
+def _share_blows(state: State, swarm: Swarm, blows: Blows) -> None:
+    """Find what grains that ring take of their blows: the factor on the momentum, and by how much ln of the width is
+    less. Both are those of rigid ones where they do not ring."""
+    if swarm.bends == 0:
+        for n in range(BATCH):
+            blows.alike[n], blows.shorter[n] = 1.0, 0.0
+        return
+    table, varied = state.pulses.tables[swarm.table], swarm.finer > ONE_SIZE
+    for n in range(BATCH):
+        given = known_of(table.momentum, blows.loss[n])
+        size = size_of(swarm, blows.mass[n]) if varied else 0.0
+        mass_ratio = 1.0 if varied else blows.mass[n] / swarm.m
+        kept, blows.shorter[n] = kept_of(swarm, mass_ratio, blows.width[n] - swarm.log_rate - size, given)
+        blows.alike[n] = math.sqrt(left_by(given, blows.ratio[n]) * kept)
 
 
 @kernel
