@@ -1,4 +1,4 @@
-"""How far swarms of each family of grains are apart from one sampling rate to another.
+"""Differences of swarms of each family of grains from one sampling rate to another.
 
     python -m tests.bench.grain_rates [--seeds 24]
 
@@ -25,7 +25,8 @@ SCORES = {
     "dice": "0 /object/new a plastic-cup\n0 /object/a/shake 40 speed 0.5 seed {} id g",
     "coins": "0 /object/new a tin-lid\n0 /object/a/shake 60 speed 0.5 striker coins seed {} id g",
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {} id g",
-    "glass-shards": "0 /object/new a wine-glass\n0 /object/new b ceramic-tile\n0 /object/a/shatter 2 onto b seed {} id g",
+    "glass-shards": "0 /object/new a wine-glass\n0 /object/new b ceramic-tile\n"
+    "0 /object/a/shatter 2 onto b seed {} id g",
     "pane-shards": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {} id g",
     "leaves": "0 /object/new a leaf-litter\n0 /object/a/step 700 seed {} id g",
     "snow": "0 /object/new a snow-field\n0 /object/a/step 700 seed {} id g",

@@ -10,7 +10,7 @@ from typing import Any
 from carom.dsp.lab.chart import report
 from carom.dsp.lab.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
-from tests.bench import extremes, friction, fuzz, gil, grains, hours, overload, queries, soak, waveforms
+from tests.bench import extremes, friction, fuzz, gil, grain_rates, grains, hours, overload, queries, soak, waveforms
 from tests.bench import fits as fitted
 from tests.documents import study
 from tests.documents.markdown import table
@@ -142,7 +142,8 @@ def space() -> str:
 def swarms() -> str:
     """Return what sounds of swarms are like, beside recordings, and how each is judged."""
     found = json.loads(grains.MEASURED.read_text(encoding="utf-8"))
-    rows, head = [], ("sound", "dB SPL", "peak", "dB an octave", "kurtosis", "onsets a second", "centroid, Hz")
+    head = "sound", "dB SPL", "peak", "dB an octave", "kurtosis", "within 40 dB", "onsets a second", "centroid, Hz"
+    rows = []
     for name, told in found["rendered"].items():
         beside = found["recorded"].get(name, {})
         cells = [f"{told[key]:.0f}" for key in ("level_db_spl", "peak_db_spl")]
@@ -153,6 +154,13 @@ def swarms() -> str:
     lines = [f"- {name.capitalize()}: {text}." for name, text in grains.JUDGED.items()]
     judged = "\n".join(textwrap.fill(line, 118, subsequent_indent="  ") for line in lines)
     return f"{table(head, rows)}\n\n{judged}"
+
+
+def grain_families() -> str:
+    """Return how far families of grains are apart from one sampling rate to another."""
+    found = json.loads(grain_rates.MEASURED.read_text(encoding="utf-8"))
+    rows = [(name, f"{its['mean_db']:.2f}", f"{its['single_db']:.2f}") for name, its in found["families"].items()]
+    return table(("grains", f"mean of {found['seeds']} seeds, dB", "single ones, dB"), rows)
 
 
 def meshes() -> str:
