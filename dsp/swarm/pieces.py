@@ -1,9 +1,8 @@
 """The pieces of what breaks: their masses, which sum to its own, and their bounces until they lie still.
 
 As many pieces have a mass m as m^-1.5, over three decades (O. Oddershede, P. Dimon and J. Bohr, Phys. Rev. Lett. 71,
-1993: exponents from 1.1 of slabs to 1.6 of balls). What breaks stops only where it touches: its pieces go on down, as
-fast as its cracks leave them at most, or fly up at up to half the speed at which the whole hit. They fall on what lies
-below, and clatter. Each has its numbers from (seed, piece, bounce, channel) alone.
+1993: exponents from 1.1 of slabs to 1.6 of balls). They fly up at up to half the speed at which the whole hit, fall on
+what lies below, and clatter. Each has its numbers from (seed, piece, bounce, channel) alone.
 
 A flat piece that lands on its rim stops only that: at a small angle a disc's rim meets the floor with a fifth of its
 mass, and the opposite one gets 0.6 of the change, downwards, so that it slaps the floor soon, up to twice as fast
@@ -26,7 +25,7 @@ from .times import GAP, MAGNITUDE, OTHER, VARIETY, uniform
 
 _DECADES = 1000.0
 _LEAST = 1.0 - 1.0 / math.sqrt(_DECADES)
-_THROWN = 0.5  # of the speed of what hits, up (estimated)
+_THROWN = 0.5
 BOUNCES = 128
 """Bounces of a piece at most."""
 CRACKING = 0.03
@@ -34,8 +33,7 @@ CRACKING = 0.03
 JUNCTIONS = 3
 """Cracks that set a piece free, each heard."""
 CRACKS = 0.25
-"""Share of the energy of what hits that its cracks have; its pieces have the rest at most."""
-_GOES_ON = math.sqrt(1.0 - CRACKS)  # of the speed of what hits, down
+"""Share of the energy of what hits that its cracks have; as much at most throws the pieces."""
 STRONGEST = 0.1
 """Share of that in the strongest crack."""
 CRACK = 0.1
@@ -63,9 +61,9 @@ def break_up(swarm: Swarm, whole: float, count: int, speed: float, height: float
     swarm.wide = exp(log(usual / (math.pi * _DENSITY * _FLAT)) / 3.0) / math.sqrt(usual)
     for p in range(swarm.pieces):
         swarm.mass_of[p] *= whole / total
-        up = speed * ((_THROWN + _GOES_ON) * uniform(swarm, p, GAP) - _GOES_ON)
+        up = _THROWN * speed * uniform(swarm, p, GAP)
         above = height * uniform(swarm, p, VARIETY)
-        tilt = uniform(swarm, p, OTHER) * min(_radius(swarm, p), above + 0.5 * max(up, 0.0) ** 2 / STANDARD_GRAVITY)
+        tilt = uniform(swarm, p, OTHER) * min(_radius(swarm, p), above + 0.5 * up * up / STANDARD_GRAVITY)
         falls = math.sqrt(max(up * up + 2.0 * STANDARD_GRAVITY * (above - tilt), 0.0))
         swarm.fall_of[p], swarm.turn_of[p], swarm.gap_of[p] = falls, 0.0, 2.0 * tilt
         swarm.next_of[p] = (up + falls) / STANDARD_GRAVITY

@@ -47,10 +47,9 @@ JUDGED = {
     "minetest; ufoai has duller ones, from 0.5 to 2 kHz",
     "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 3 kHz; a "
     "bin that is emptied crackles as much, without lines",
-    "glass": "a burst of all frequencies, which goes over into pieces that clatter for half a second, in short tones "
-    "of many pitches, most above 3 kHz; recordings clatter for a second and more, in rooms",
-    "pane": "the same, lower, from 0.5 kHz on, as recorded, with a pause after the burst; without the part below that "
-    "which recordings have",
+    "glass": "a burst of all frequencies, then pieces that clatter for half a second, in short tones of many pitches, "
+    "most above 3 kHz; recordings clatter for a second and more, in rooms",
+    "pane": "the same, lower, from 1 kHz on, as recorded; without the part below 500 Hz that recordings have",
     "dice": "bursts of blows from 0.5 to 10 kHz with pauses between, as recorded; the cup rings on at 1 kHz for 50 ms",
     "rice": "the bowl's lines at first, which drown in noise as rice covers it; less bright than shakers are",
 }
