@@ -1,5 +1,6 @@
 """Items of a recipe without files: the sounds and the truth of a data set, in any order, by any number of processes."""
 
+import gc
 import itertools
 
 import numpy as np
@@ -34,6 +35,21 @@ def test_a_dictionary_is_a_recipe_without_an_end():
     assert far["item"] == 999_999_999
     error = np.square(carom.rebuild(first) - first["sound"]).sum() / np.square(first["sound"]).sum()
     assert error < 1e-8
+
+
+@pytest.mark.parametrize("gesture", [BLOWS["impact"], {"velocity": 1.0, "striker": "drumstick"}])
+def test_an_item_leaves_nothing_in_memory(gesture):
+    """An engine's state that waits for the search for garbage is memory and time."""
+    rows = carom.render_many({**BLOWS, "impact": gesture, "seconds": 0.05, "seed": 2})
+    next(rows)
+    gc.collect()
+    gc.disable()
+    try:
+        for _ in itertools.islice(rows, 3):
+            pass
+        assert gc.collect() == 0
+    finally:
+        gc.enable()
 
 
 def test_what_cannot_be_is_refused_before_anything_is_rendered():
