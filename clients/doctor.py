@@ -19,7 +19,7 @@ Finding = tuple[bool | None, str, str]
 
 
 def examine() -> Iterator[Finding]:
-    """Yield findings, one by one: engine, presets, devices, port, receive buffer, priority, MIDI, matplotlib."""
+    """Yield findings, one by one: engine, presets, devices, port, receive buffer, priority, MIDI, matplotlib, scipy."""
     yield _engine()
     yield _presets()
     yield _sound()
@@ -31,6 +31,8 @@ def examine() -> Iterator[Finding]:
         yield True, "matplotlib: --plot, carom chart and pictures of fits work", ""
     else:
         yield None, "no matplotlib: no --plot, no carom chart, no pictures of fits", "pip install 'carom[plot]'"
+    if not find_spec("scipy"):
+        yield None, "no scipy: no carom fit, carom compare, carom mesh", "pip install 'carom[fit,mesh]'"
 
 
 def _engine() -> Finding:

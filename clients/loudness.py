@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.engine.memory.meter_record import WINDOW, k_weighting
+from ..dsp.numerics.resampling import resampled
 from ..dsp.runtime.meter import OFFSET
 
 LOUDNESS, PEAK, LEAST = -18.0, -3.0, -28.0
@@ -52,9 +53,7 @@ def heard(samples: NDArray[Any], rate: int) -> Heard:
 
 def true_peak(samples: NDArray[Any]) -> float:
     """Return the highest value between samples (n, channels), or at one, by four times as many."""
-    from scipy.signal import resample_poly
-
-    between = np.abs(resample_poly(np.asarray(samples, np.float64), _OVERSAMPLED, 1, axis=0)).max()
+    between = np.abs(resampled(np.asarray(samples, np.float64), _OVERSAMPLED, 1)).max()
     return float(max(between, np.abs(samples).max()))
 
 

@@ -15,11 +15,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
-from scipy.special import spherical_in
 
 from ..dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
-from ..dsp.errors import CaromError
+from ..dsp.errors import CaromError, require_scipy
 from ..dsp.numerics.legendre import KEPT
 from ..dsp.resonator.click import click_mode
 from ..dsp.resonator.fed import LINE, WINDOW, feed_tap
@@ -40,8 +38,9 @@ def rebuild(row: Row) -> NDArray[np.float64]:
     """Return the sound of a clip in Pa, (frames, channels), from its row of a data set's table.
 
     NotLinear where an object glides in pitch, was retuned meanwhile, was heard from a place in space, or was touched
-    off its strike path (`linear` is false).
+    off its strike path (`linear` is false). MissingLibrary where there is no scipy.
     """
+    require_scipy("to rebuild a clip", "dataset")
     frames, rate = int(row["frames"]), float(row["rate"])
     channels = len(row["exposure"])
     sound = np.zeros((frames, channels))
@@ -210,6 +209,8 @@ def _ring(sound: Array, body: Row, kind: str, forces: _Kinds, rate: float) -> No
 
 def _fed(s: complex, forces: _Fed, table: Array | None) -> Array:
     """Return Im z of a mode under forces that drive it by one number a frame (dsp/resonator/fed.py)."""
+    from scipy.signal import lfilter
+
     r, theta = np.exp(s.real), s.imag
     taps = np.array([feed_tap.py_func(theta, k) for k in range(REACH + 1)])
     blows, heard = np.zeros(len(forces.total)), np.zeros(len(forces.total))
@@ -260,6 +261,9 @@ def _along(table: Array, place: Array, row: Array | None = None) -> Array:
 
 def _mode(s: complex, force: Array, left: int) -> Array:
     """Return z of a mode for so many frames from the force's first on."""
+    from scipy.signal import lfilter
+    from scipy.special import spherical_in
+
     k = np.arange(TRACED_MOMENTS)
     answers = (2 * k + 1) * (-1.0) ** k * np.exp(0.5 * s) * spherical_in(k, 0.5 * s)
     driven = lfilter([1.0], [1.0, -np.exp(s)], force @ answers)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..dsp.bodies.material import Array, Material
+from ..dsp.errors import require_scipy
 from ..dsp.mesh.air import layer_of, radiation, velocities
 from ..dsp.mesh.cleaning import openings
 from ..dsp.mesh.nearest import Nearest
@@ -23,7 +24,7 @@ def model_bytes(data: bytes, where: str, material: Material) -> bytes | None:
     """Return the bytes of the table that a .glb file's modal model is; None if it holds none.
 
     The modes are the file's, their decays too; contacts are those of the material. PresetError, which begins with
-    `where`, says what is wrong.
+    `where`, says what is wrong; MissingLibrary that the file does not say what its modes radiate, and scipy is missing.
     """
     values = values_of(data, where)
     if values is None:
@@ -49,6 +50,7 @@ def model_bytes(data: bytes, where: str, material: Material) -> bytes | None:
     values = {**usual, **values}
     values.setdefault("mass", material.density * values["volume"])
     if "resistance" not in values:
+        require_scipy("for what a model radiates", "mesh")
         with on_one_thread():
             values["resistance"] = _resistance(surface, values["shapes"], values["frequency"])
     own = (material.density, material.youngs_modulus, material.poisson_ratio)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..dsp.bodies.material import Array, Material
 from ..dsp.bodies.mesh import Table
-from ..dsp.errors import CaromError
+from ..dsp.errors import CaromError, MissingLibrary, require_scipy
 from ..dsp.mesh.blocks import Block
 from ..dsp.mesh.surface import Indices, MeshError
 from ..dsp.numerics.blas import on_one_thread
@@ -207,8 +207,11 @@ def made_block(block: Block, material: Material, wanted: Any) -> bytes:
 def _bytes_of(make: Callable[[], Model]) -> bytes:
     """Return the bytes of the table of a model that is made so."""
     try:
+        require_scipy("for a mesh's modes", "mesh")
         with on_one_thread():
             model = make()
+    except MissingLibrary as error:
+        raise MeshError(str(error)) from None
     except MemoryError:
         raise MeshError("not enough memory: expected a smaller mesh, or fewer modes") from None
     density, modulus, ratio = elastic_of(model.materials[0])

@@ -1,4 +1,4 @@
-"""The modes of presets on disk: to read them takes less time than to make them, and needs no scipy.
+"""The modes of presets on disk: to read them takes less time than to make them.
 
     modes/KEY        a hash of what follows, then the modes, pickled
 
@@ -7,7 +7,6 @@ as processors round differently. Files appear whole, whoever reads them at the s
 """
 
 import hashlib
-import importlib.util
 import os
 import pickle
 import platform
@@ -89,13 +88,11 @@ def _hash(content: bytes) -> bytes:
 @cache
 def _makers() -> bytes:
     """Return a hash of all that modes are made by."""
-    scipy = importlib.util.find_spec("scipy")
-    libraries = [Path(scipy.origin).with_name("version.py")] if scipy and scipy.origin else []
     own = [Path(__file__).with_name("making.py"), _DSP / "sizes.py"]
     for package in ("bodies", "karman", "numerics"):
         own += sorted((_DSP / package).rglob("*.py"))
     found = hashlib.blake2b(f"{sys.version} {np.__version__} {platform.node()}".encode())
-    for file in (*libraries, *own):
+    for file in own:
         with suppress(OSError):
             found.update(file.read_bytes())
     return found.digest()

@@ -1,4 +1,4 @@
-"""The provenance of a sound: the machine code, its processor, numpy and scipy decide its last bits."""
+"""The provenance of a sound: the machine code, its processor and numpy decide its last bits."""
 
 import re
 from importlib.metadata import version
@@ -7,19 +7,18 @@ from pathlib import Path
 from ..dsp.native.code import Code
 from ..dsp.runtime.engine import Engine
 
-_IN_A_LOG = re.compile(r"# carom .*; (code \S+ for \S+, numpy \S+, scipy \S+); ")
+_IN_A_LOG = re.compile(r"# carom .*; (code \S+ for \S+, numpy \S+); ")
 
 
 def computed_by(engine: Engine) -> str:
     """Say in words what computes an engine's sound."""
     found = computing(engine.code)
-    return f"code {found['code']} for {found['processor']}, numpy {found['numpy']}, scipy {found['scipy']}"
+    return f"code {found['code']} for {found['processor']}, numpy {found['numpy']}"
 
 
 def computing(code: Code) -> dict[str, str]:
     """Return what computes the sound of engines that run some machine code, by name."""
-    libraries = {name: version(name) for name in ("numpy", "scipy")}
-    return {"code": code.key, "processor": code.processor, **libraries}
+    return {"code": code.key, "processor": code.processor, "numpy": version("numpy")}
 
 
 def logged_otherwise(score: Path, engine: Engine) -> str | None:

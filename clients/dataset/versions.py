@@ -35,6 +35,7 @@ def versions(folders: tuple[str, ...] = ()) -> Mapping[str, str]:
         "sources": _hash(path for package in (dsp, presets, server, clients) for path in _files(_home(package))),
         "presets": _hash(path for folder in folders for path in _files(Path(folder))),
         **computing(callback.code),
+        "scipy": version("scipy"),
         "blas": _blas(),
         "simd": " ".join(np.show_config(mode="dicts")["SIMD Extensions"].get("found", ())),
         "libsndfile": soundfile.__libsndfile_version__,

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .clients.contacts import Contact
+from .dsp.numerics.resampling import resampled
 from .report import Report
 from .server.render import HIGHEST_RATE, LOWEST_RATE
 from .server.scene.scale import USUAL_SCALE, Scale
@@ -134,13 +135,11 @@ class Sound:
 
         ValueError for a rate that cannot be.
         """
-        from scipy.signal import resample_poly
-
         if not isinstance(rate, int) or not LOWEST_RATE <= rate <= HIGHEST_RATE:
             raise ValueError(f"rate = {rate!r}: expected a whole number from {LOWEST_RATE} to {HIGHEST_RATE} Hz")
         shared = math.gcd(rate, self.rate)
         up, down = rate // shared, self.rate // shared
-        made = self._other(lambda samples: resample_poly(samples, up, down, axis=0).astype(np.float32))
+        made = self._other(lambda samples: resampled(samples.astype(np.float64), up, down).astype(np.float32))
         return replace(made, rate=rate, contacts=None)
 
     def __add__(self, other: "Sound") -> "Sound":

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..numerics.bessel import ine, jn
 from ..sizes import MOST_COUPLED, MOST_SCATTERED
 from . import acceleration
 from .acceleration import Click
@@ -311,19 +312,12 @@ def _across(along: Array, order: Array, phase: Array) -> Array:
     return across
 
 
-@lru_cache(maxsize=2)  # of single modes and of doublets; 50 ms each
+@lru_cache(maxsize=2)  # of single modes and of doublets; 30 ms each
 def _membrane_waves(limit: float) -> tuple[Every, Array]:
     """Return the waves J_n(j r) with J_n(j) = 0, 0 < j < limit, and |J_(n+1)(j)| of each."""
-    from scipy.special import jn_zeros, jv
-
-    orders, roots = [], []
-    for n in range(math.ceil(limit)):  # the first zero of J_n lies above n
-        zeros = jn_zeros(n, max(1, math.ceil((limit - n) / math.pi) + 1))
-        zeros = zeros[zeros < limit]
-        orders.append(np.full(zeros.size, float(n)))
-        roots.append(zeros)
-    every = Every(np.concatenate(orders), np.concatenate(roots), np.zeros(sum(each.size for each in roots)))
-    peak = np.abs(jv(every.order + 1, every.root))
+    order, root = _roots(lambda root, order: jn(order, root), limit)
+    every = Every(order, root, np.zeros_like(root))
+    peak = np.abs(jn(every.order + 1, every.root))
     read_only(every.order, every.root, every.growing, peak)
     return every, peak
 
@@ -351,25 +345,27 @@ def _bessel(order: Array, x: Array) -> Array:
 def _bessel_table() -> tuple[Array, Array]:
     """Return J_n of the orders n from 0 and its change in a step, at the steps from 0, as far as roots go;
     read-only."""
-    from scipy.special import jv
-
     step, most = _TABLE_STEP, _RUNGS[-1]
     grid = np.arange(0, most + 2 * step, step)
-    table = jv(np.arange(-1.0, math.ceil(most) + 1)[:, None], grid)
+    table = jn(np.arange(-1.0, math.ceil(most) + 1)[:, None], grid)
     slopes = (table[:-2] - table[2:]) * step / 2  # J_n' = (J_(n-1) - J_(n+1)) / 2
     table = table[1:-1]
     read_only(table, slopes)
     return table, slopes
 
 
+def _at_edge(order: Array, root: Array) -> tuple[Array, Array, Array]:
+    """Return J_n and J_n' at roots, and I_n'/I_n."""
+    order = np.broadcast_to(order, np.broadcast_shapes(order.shape, root.shape))
+    both = np.stack([order, order + 1])
+    (j, j_up), (i, i_up) = jn(both, root), ine(both, root)
+    return j, order / root * j - j_up, order / root + i_up / i
+
+
 def _conditions(edge: str, nu: float, root: Array, order: Array) -> tuple[Array, Array, Array, Array]:
     """Return the edge's conditions on J_n(root r) and I_n(root r) / I_n(root) at r = 1: (J1, J2, I1, I2)."""
-    from scipy.special import ive, jv
-
-    j = jv(order, root)
-    dj = order * j - root * jv(order + 1, root)
-    di = order + root * ive(order + 1, root) / ive(order, root)
-    square = root**2
+    j, dj, di = _at_edge(order, root)
+    dj, di, square = root * dj, root * di, root**2
 
     def moment(laplacian: Array | float, w: Array | float, slope: Array) -> Array:
         return laplacian - (1 - nu) * (slope - order**2 * w)
@@ -390,13 +386,20 @@ def _conditions(edge: str, nu: float, root: Array, order: Array) -> tuple[Array,
 
 
 def _search(edge: str, nu: float, limit: float) -> tuple[Array, Array]:
-    """Return orders and roots up to a limit; a root does not depend on the limit, to the bit."""
+    """Return orders and roots of a plate up to a limit."""
 
     def determinant(root: Array, order: Array) -> Array:
         j1, j2, i1, i2 = _conditions(edge, nu, root, order)
         return j1 * i2 - j2 * i1
 
-    # For one n the roots lie about pi apart, the first of them above n/2.
+    return _roots(determinant, limit)
+
+
+def _roots(determinant: Callable[[Array, Array], Array], limit: float) -> tuple[Array, Array]:
+    """Return orders and roots, up to a limit, of a function of both; a root does not depend on the limit, to the bit.
+
+    For one order n they lie about pi apart, the first of them above n/2.
+    """
     grid = np.arange(_STEP, limit + 1, _STEP)
     orders = np.arange(math.ceil(limit) + 1.0)
     value = determinant(grid[None], orders[:, None])
@@ -426,16 +429,13 @@ def _plate_waves(edge: str, nu: float, limit: float) -> tuple[Every, Array]:
 
 @lru_cache(maxsize=16)  # 1 MB each, and as much as is solved of the air
 def _waves_to(edge: str, nu: float, rung: float) -> tuple[Every, Array]:
-    from scipy.special import ive, jv
-
     order, root = _search(edge, nu, rung)
     j1, j2, i1, i2 = _conditions(edge, nu, root, order)
     second = np.abs(i2) > np.abs(i1)  # the better conditioned of the two
     c = -np.where(second, j2, j1) / np.where(second, i2, i1)
 
     # int_0^1 r (J + c I)^2 dr in closed form; I is taken relative to its value at the edge
-    j, dj = jv(order, root), jv(order, root) * order / root - jv(order + 1, root)
-    di = order / root + ive(order + 1, root) / ive(order, root)
+    j, dj, di = _at_edge(order, root)
     ratio = (order / root) ** 2
     square = 0.5 * (dj**2 + (1 - ratio) * j**2)
     square += c**2 * 0.5 * ((1 + ratio) - di**2)
@@ -447,13 +447,11 @@ def _waves_to(edge: str, nu: float, rung: float) -> tuple[Every, Array]:
 @lru_cache(maxsize=8)  # 3 MB each at most
 def _plate_shapes(every: Every, steps: int) -> Array:
     """Return the shapes J + c I (p, k) of a plate's waves at `_radii`, read-only."""
-    from scipy.special import ive
-
     x = np.outer(_radii(steps), every.root)
     shapes = _bessel(every.order, x)
     row, mode = np.nonzero(x > every.root - _FADED)
     order, root, at = every.order[mode], every.root[mode], x[row, mode]
-    edge = ive(every.order, every.root)
-    shapes[row, mode] += every.growing[mode] * ive(order, at) / edge[mode] * np.exp(at - root)
+    edge = ine(every.order, every.root)
+    shapes[row, mode] += every.growing[mode] * ine(order, at) / edge[mode] * np.exp(at - root)
     read_only(shapes)
     return shapes

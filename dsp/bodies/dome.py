@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..numerics.bessel import ine, jn
 from .material import Array, Indices
 
 SHALLOW = 0.25
@@ -84,9 +85,7 @@ def strains(stress: Waves, flat: Waves) -> Array:
 
 def _laplacian_at_edge(waves: Waves) -> tuple[Array, Array]:
     """Return the Laplacians of waves that are not scaled, and their slopes, at the edge (k,)."""
-    from scipy.special import ive, jv
-
     m, k, growing = waves.order, waves.root, waves.growing
-    slope = m / k * jv(m, k) - jv(m + 1, k)
-    growing_slope = m / k + ive(m + 1, k) / ive(m, k)
-    return k**2 * (growing - jv(m, k)), k**3 * (growing * growing_slope - slope)
+    slope = m / k * jn(m, k) - jn(m + 1, k)
+    growing_slope = m / k + ine(m + 1, k) / ine(m, k)
+    return k**2 * (growing - jn(m, k)), k**3 * (growing * growing_slope - slope)

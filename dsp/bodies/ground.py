@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..numerics.bessel import jn
 from .material import Array
 from .modes import Modes, Unheard, require_positive
 
@@ -83,11 +84,9 @@ def position_of(number: int, count: int) -> float:
 
 def _patterns(places: Sequence[Place], wave: float) -> Array:
     """Return the patterns in which points of a ground move at a wave number (1/m; 0: each alone), by their shares."""
-    from scipy.special import j0  # slow to load
-
     points = np.array(places)
     apart = np.linalg.norm(points[:, None] - points, axis=2)
-    coupling = j0(wave * apart) if wave else np.eye(len(points))
+    coupling = jn(0, wave * apart) if wave else np.eye(len(points))
     shares, vectors = np.linalg.eigh(coupling)
     found = vectors * np.sqrt(np.maximum(shares, 0.0))
     rows = len(points) if len(points) == 1 else max(len(points), _ROWS)

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.bessel import ine, jn
 from ..sizes import MOST_SCATTERED
 from .dome import Waves, strains
 from .material import Array, Indices, Material
@@ -244,15 +245,13 @@ def _mixture(column: Indices, mixture: Array, wave: Indices) -> Array:
 
 def _waves(waves: Waves, r: Array) -> Array:
     """Return values and curvatures a, b and c of waves along radii r (4, waves, points)."""
-    from scipy.special import ive, jv
-
     m, k = waves.order[:, None], waves.root[:, None]
     x = k * r
-    rises = np.exp(x - k) / ive(m, k)
+    rises = np.exp(x - k) / ine(m, k)
     scale, growing = waves.scale[:, None], waves.growing[:, None]
 
     def both(order: Array) -> tuple[Array, Array]:
-        return jv(order, x), growing * ive(np.abs(order), x) * rises
+        return jn(order, x), growing * ine(np.abs(order), x) * rises
 
     (j, i), (j_up, i_up), (j_down, i_down) = both(m), both(m + 2), both(m - 2)
     up, down = j_up + i_up, j_down + i_down

@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from ..numerics.monotone import monotone_cubic
 from .air import IMPEDANCE, wavenumber
 from .heard import pressure
 from .material import Array
@@ -88,10 +89,7 @@ def _along_path(positions: Sequence[float] | None, gains: Sequence[Sequence[floa
     places = np.linspace(0, 1, _PLACES)
     if at.size == 1:
         return np.tile(rows[:, 0], (_PLACES, 1))
-    from scipy.interpolate import PchipInterpolator  # slow to load
-
-    found: Array = PchipInterpolator(at, rows, axis=1)(np.clip(places, at[0], at[-1])).T
-    return found
+    return np.ascontiguousarray(monotone_cubic(at, rows, np.clip(places, at[0], at[-1])).T)
 
 
 def _of_body(frequency: Array, order: Array, radius: float, height: float | None) -> Array:

@@ -24,6 +24,7 @@ RESERVE = 1.5  # beam products up to this times the highest wanted frequency mak
 LEAST_PRODUCTS = 400  # of which the series is made at least
 MOST_PRODUCTS = 2200
 MOST_FACTORS = 400  # beam modes along a side; k^4 of more would be lost in rounding
+_RANK = 1e-12  # of the greatest singular value: smaller ones are 0
 _ROUNDING = 1e-7  # of the highest frequency of a series: what lies lower is rounding
 _MENDING = 3  # polynomials for each edge that is free or clamped; with more a long strip's lowest modes lose digits
 
@@ -204,6 +205,13 @@ class _Beam:
         return legendre.legvander(2 * fraction - 1, self._series.shape[1] - 1) @ self._series.T
 
 
+def _null_space(conditions: Array) -> Array:
+    """Return unit vectors (n, k), across each other, that meet homogeneous conditions (m, k)."""
+    _, sizes, vectors = np.linalg.svd(conditions)
+    met: Array = vectors[int((sizes > _RANK * sizes[0]).sum()) :]
+    return met
+
+
 def _ritz_beam(low: str, high: str, orders: Indices, degree: int, kept: int) -> tuple[Array, Array, Array]:
     """Return the lowest modes of a beam on -1..1 from Legendre polynomials of the given orders.
 
@@ -211,14 +219,12 @@ def _ritz_beam(low: str, high: str, orders: Indices, degree: int, kept: int) -> 
     with their slopes at both ends: their bending energies are orthogonal, so high orders cost no accuracy.
     Returns the series (n, degree + 1) of the latter, k^4 (n,) and the series of the modes, int phi^2 = 1.
     """
-    from scipy.linalg import null_space
-
     cubic = orders[orders < 4]
     sign = (-1.0) ** cubic
     slope = cubic * (cubic + 1) / 2
     held = {"free": 0, "supported": 1, "clamped": 2}
     conditions = [sign, -sign * slope][: held[low]] + [np.ones_like(sign), slope][: held[high]]
-    allowed = null_space(np.array(conditions)).T if conditions else np.eye(cubic.size)
+    allowed = _null_space(np.array(conditions)) if conditions else np.eye(cubic.size)
 
     k = orders[(orders >= 2) & (orders <= degree - 2)]
     basis = np.zeros((len(allowed) + k.size, degree + 1))

@@ -18,6 +18,7 @@ from .law import checked_law, force_scale, potential, restitution_of, time_scale
 
 _WIDEST = 3.4  # of the variable of the double exponential rule: nodes end 4e-21 from 0 and 1
 _COUNT = 141
+_PER_HALF_TURN = 16  # nodes of an integral of sin(x)/x: to rounding
 _LEAST_Z = 1e-290  # of zeta^(a+1): below, it might underflow
 _NEWTON_STEPS = 60
 _CLOSE = 1e-14  # relative change of zeta that ends Newton's method
@@ -38,11 +39,13 @@ _NODES, _WEIGHTS = _double_exponential()
 @cache
 def _running() -> Array:
     """Return the matrix from integrand times weight to the integral from 0 to each node."""
-    from scipy.special import sici
-
+    nodes, weights = np.polynomial.legendre.leggauss(_PER_HALF_TURN)
+    x = np.pi * (np.arange(_COUNT - 1)[:, None] + (nodes + 1.0) / 2.0)
+    turns = np.append(0.0, np.cumsum((np.sin(x) / x) @ weights / 2.0))  # Si(k pi)/pi
     steps = np.arange(_COUNT)
-    turns: Array = sici(np.pi * (steps[:, None] - steps))[0] / np.pi
-    return 0.5 + turns
+    apart = steps[:, None] - steps
+    whole: Array = 0.5 + np.sign(apart) * turns[np.abs(apart)]
+    return whole
 
 
 @kernel

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.signal import correlate, resample_poly
+from scipy.signal import correlate
 
 from ..numerics.checks import Array
+from ..numerics.resampling import resampled
 from .hits import without_rumble
 from .noise import band
 
@@ -70,8 +71,7 @@ def distance(a: Array, b: Array, rate: float, rate_b: float | None = None) -> Di
 def at_rate(samples: Array, old: float, new: float) -> Array:
     """Resample a sound (n,) to another rate (Hz)."""
     common = np.gcd(round(old), round(new))
-    resampled: Array = resample_poly(samples, round(new) // common, round(old) // common)
-    return resampled
+    return resampled(samples[:, None], round(new) // common, round(old) // common)[:, 0]
 
 
 def log_spectral(a: Array, b: Array, rate: float) -> float:

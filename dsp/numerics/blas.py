@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import cache
@@ -10,8 +11,8 @@ from typing import Any
 
 
 def on_one_thread() -> AbstractContextManager[None]:
-    """Limit BLAS to one thread while any user is in this context: the first to enter sets the limit, the last to leave
-    lifts it."""
+    """Limit BLAS, numpy's and that of scipy if it is loaded, to one thread while any user is in this context: whoever
+    enters sets the limit, the last to leave lifts it."""
     return _blas.on_one_thread()
 
 
@@ -28,28 +29,29 @@ class _Blas:
 
     @contextmanager
     def on_one_thread(self) -> Iterator[None]:
-        """Limit BLAS to one thread while any user is in this context: the first to enter sets the limit, the last to
-        leave lifts it."""
+        """Limit BLAS to one thread while any user is in this context: whoever enters sets the limit, the last to leave
+        lifts it."""
         with self._lock:
-            if self._users == 0:
-                counts = ((each, each.num_threads) for each in _libraries())
-                self._limited = [(each, count) for each, count in counts if count not in (None, 1)]
-                for library, _ in self._limited:
-                    library.set_num_threads(1)
             self._users += 1
+            for library in _libraries("scipy.linalg" in sys.modules):
+                count = library.num_threads
+                if count not in (None, 1):
+                    self._limited.append((library, count))
+                    library.set_num_threads(1)
         try:
             yield
         finally:
             with self._lock:
                 self._users -= 1
                 if self._users == 0:
-                    for library, before in self._limited:
+                    while self._limited:
+                        library, before = self._limited.pop()
                         library.set_num_threads(before)
 
 
 @cache  # to look through all libraries takes longer than many an object
-def _libraries() -> list[Any]:
-    import scipy.linalg  # noqa: F401 - slow to load, and its BLAS must be there to be found
+def _libraries(scipy: bool) -> list[Any]:
+    """Return the libraries, scipy's among them once it is loaded."""
     from threadpoolctl import ThreadpoolController
 
     return [each for each in ThreadpoolController().lib_controllers if each.user_api == "blas"]

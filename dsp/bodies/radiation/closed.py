@@ -7,17 +7,17 @@ import math
 
 import numpy as np
 
+from ...numerics.bessel import bessel, derivatives, spherical_bessel, spherical_yn_table, yn_table
 from ..material import Array
 from ..modes import Indices
 
 
 def sphere_efficiency(order: int | Indices, x: Array) -> Array:
     """Return the radiation efficiency of a sphere's spherical harmonics of order n, at x = k a: 1/(x^2 |h_n'(x)|^2)."""
-    from scipy.special import spherical_jn, spherical_yn
-
-    square = spherical_jn(order, x, True) ** 2 + _finite(spherical_yn(order, x, True)) ** 2
-    efficiency: Array = 1 / (x**2 * square)
-    return efficiency
+    count = int(np.max(order, initial=0)) + 2
+    slopes = (derivatives(table(count, x), x, spherical=True) for table in (spherical_bessel, spherical_yn_table))
+    j, y = (each[order] if np.ndim(order) == 0 else each[order, np.arange(x.size)] for each in slopes)
+    return np.asarray(1 / (x**2 * (j**2 + _finite(y) ** 2)))
 
 
 def cylinder_efficiency(order: int, x: Array) -> Array:
@@ -28,11 +28,8 @@ def cylinder_efficiency(order: int, x: Array) -> Array:
 
 def radial_function(order: int, x: Array) -> Array:
     """Return |H_m'(x)|^2; where it overflows, so large that nothing radiates."""
-    from scipy.special import jvp, yvp
-
-    with np.errstate(invalid="ignore"):  # two infinities
-        square: Array = jvp(order, x) ** 2 + _finite(yvp(order, x)) ** 2
-    return square
+    j, y = (derivatives(table(order + 2, x), x)[order] for table in (bessel, yn_table))
+    return np.asarray(j**2 + _finite(y) ** 2)
 
 
 def _finite(value: Array) -> Array:

@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...numerics.bessel import bessel, ine, spherical_bessel, spherical_ine
 from ..air import IMPEDANCE, Complex
 from ..material import Array
 from ..modes import Indices
-from .quadrature import bessel, segment, spherical_bessel
+from .quadrature import segment
 
 _MARGIN = 2  # terms beyond those that the waves need
 
@@ -73,14 +74,10 @@ def _projections(waves: Waves, degree: Indices, whole: Array, half: float) -> Ar
 
     half = 0.5: spherical Bessel functions j_l. The transforms at lambda (whole, over lambda), and at i lambda for I_m.
     """
-    from scipy.special import ive
-
     root = waves.root
     projected: Array = waves.scale / root * whole
     if waves.growing.any():
-        grown = ive(degree[:, None] + half, root) / ive(waves.order, root)
-        if half:
-            grown *= np.sqrt(math.pi / (2 * root))
+        grown = (spherical_ine if half else ine)(degree[:, None], root) / ine(waves.order, root)
         projected += waves.scale / root * waves.growing * (-1.0) ** np.arange(degree.size)[:, None] * grown
     return projected
 

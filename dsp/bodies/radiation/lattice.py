@@ -19,6 +19,7 @@ COLUMNS = 8
 """Modes that are solved together, at most."""
 
 _BEND = 3.0  # x from which on the places are equally far apart in x, and below which in ln x
+_NEWTON_STEPS = 8
 _STEP = 0.2  # of ln x + x/_BEND, between places
 _NODES = 4  # between which a value is interpolated
 _AT_ONCE = 8  # places that are solved together
@@ -75,9 +76,11 @@ def _along(x: Array) -> Array:
 
 def _x_of(place: Indices) -> Array:
     """Return the x of places by their numbers: of ln x + x/_BEND = number _STEP."""
-    from scipy.special import wrightomega
-
-    return np.asarray(_BEND * wrightomega(place * _STEP - np.log(_BEND)), np.float64)
+    wanted = place * _STEP
+    x = np.exp(np.minimum(wanted, 0.0)) + _BEND * np.maximum(wanted, 0.0)
+    for _ in range(_NEWTON_STEPS):  # to rounding
+        x *= (1 + wanted - np.log(x)) / (1 + x / _BEND)
+    return np.asarray(x)
 
 
 @cache  # 13 kB

@@ -12,11 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...numerics.bessel import spherical_bessel
 from ..air import DENSITY, IMPEDANCE, Load, wavenumber
 from ..material import Array
 from ..ritz import legendre_at
 from .closed import cylinder_efficiency
-from .quadrature import segment, spherical_bessel
+from .quadrature import segment
 from .rectangle import free_rectangle, jump_terms, side
 from .strip_table import MASS, REACH, RESISTANCE
 from .thick import swaying

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...kept import Kept
+from ...numerics.bessel import bessel, spherical_bessel
 from ..air import Complex
 from ..material import Array
 from ..modes import read_only
-from .quadrature import bessel, panels, segment, spherical_bessel
+from .quadrature import panels, segment
 
 _REACH = 20.0  # beyond the terms: from there on products of Bessel functions are taken as their means, by Debye
 _TAIL, _FARTHEST = 32, 1e4  # nodes of that part, and how far it goes

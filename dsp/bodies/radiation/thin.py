@@ -11,9 +11,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ...numerics.bessel import bessel, derivatives, ine, kne, yn_table
 from ..air import IMPEDANCE, Complex
 from ..material import Array
-from .quadrature import bessel, segment
+from .quadrature import segment
 
 Profile = Callable[[Array], Array]
 """Places z in -1..1 across the surface -> velocity there."""
@@ -87,25 +88,26 @@ def _solve(
 def _inner_outer(order: int, r: Array) -> Complex:
     """Return pi r^2 J_m'(r) H_m'(r): the inside and the outside of a cylinder, of radial wavenumber r over its
     radius."""
-    from scipy.special import jvp, yvp
-
-    j = jvp(order, r)
+    j = derivatives(bessel(order + 2, r), r)[order]
     if order > _UNIFORM:
         near = r < order / 2
-        y = yvp(order, np.where(near, order, r))
+        y = _slope_of_y(order, np.where(near, order, r))
         both = np.where(near, np.sqrt(np.maximum(order**2 - r**2, 0)) / math.pi, r**2 * j * y)
     else:
-        both = r**2 * j * yvp(order, r)
+        both = r**2 * j * _slope_of_y(order, r)
     return np.asarray(math.pi * (r**2 * j**2 + 1j * both), np.complex128)
+
+
+def _slope_of_y(order: int, r: Array) -> Array:
+    slope: Array = derivatives(yn_table(order + 2, r), r)[order]
+    return slope
 
 
 def _inner_outer_evanescent(order: int, r: Array) -> Complex:
     """Return the same at i r: -2 i r^2 I_m'(r) K_m'(r)."""
-    from scipy.special import ive, kve
-
     if order > _UNIFORM:
         return np.asarray(1j * np.sqrt(order**2 + r**2), np.complex128)
     r = np.maximum(r, 1e-9)
-    i = (ive(abs(order - 1), r) + ive(order + 1, r)) / 2
-    k = (kve(abs(order - 1), r) + kve(order + 1, r)) / 2
+    i = (ine(abs(order - 1), r) + ine(order + 1, r)) / 2
+    k = (kne(abs(order - 1), r) + kne(order + 1, r)) / 2
     return np.asarray(2j * r**2 * i * k, np.complex128)

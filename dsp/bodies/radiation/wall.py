@@ -5,10 +5,11 @@ import math
 import numpy as np
 from numpy.polynomial import legendre
 
+from ...numerics.bessel import spherical_bessel
 from ..air import DENSITY, IMPEDANCE, Load, load, wavenumber
 from ..material import Array
 from .closed import radial_function
-from .quadrature import segment, spherical_bessel
+from .quadrature import segment
 from .thin import Profile, open_cylinder
 
 _TERMS = 32

@@ -1,14 +1,13 @@
-"""Spheres and cylinders against mpmath, Bessel functions and quadrature against scipy."""
+"""Spheres and cylinders against mpmath, and Gauss and Legendre's rule."""
 
 import math
 
 import mpmath
 import numpy as np
 import pytest
-from scipy.special import jv, spherical_jn
 
 from carom.dsp.bodies.radiation.closed import cylinder_efficiency, sphere_efficiency
-from carom.dsp.bodies.radiation.quadrature import bessel, segment, spherical_bessel
+from carom.dsp.bodies.radiation.quadrature import segment
 
 SIZES = np.array([0.05, 0.3, 1.0, 2.5, 7.0, 20.0])
 
@@ -40,15 +39,6 @@ def test_a_cylinders_orders_by_hankel_functions_of_many_digits(order):
 def test_what_hardly_radiates_is_small_and_no_error():
     assert 0 <= cylinder_efficiency(300, np.array([1e-3]))[0] < 1e-200
     assert 0 <= sphere_efficiency(200, np.array([1e-3]))[0] < 1e-200
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("count", "most"), [(1, 3.0), (2, 5.0), (8, 8.0), (20, 60.0), (60, 60.0), (300, 900.0)])
-def test_bessel_functions_of_many_orders(count, most):
-    x = np.concatenate([[0.0, 1e-9, 1e-3], np.random.default_rng(1).uniform(0, most, 500)])
-    orders = np.arange(count)[:, None]
-    assert bessel(count, x) == pytest.approx(jv(orders, x), abs=1e-12)
-    assert spherical_bessel(count, x) == pytest.approx(spherical_jn(orders, x), abs=1e-12)
 
 
 @pytest.mark.parametrize("points", [1, 16, 17, 100])
