@@ -7,7 +7,7 @@ from pathlib import Path
 from ..dsp.native.code import Code
 from ..dsp.runtime.engine import Engine
 
-_IN_A_LOG = re.compile(r"# carom .*; (code \S+ for \S+, numpy \S+); ")
+_IN_A_LOG = re.compile(r"# carom .*; (code \S+ for \S+, numpy [^;]+); ")
 
 
 def computed_by(engine: Engine) -> str:

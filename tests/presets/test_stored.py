@@ -1,4 +1,4 @@
-"""Modes of presets on disk: a later process reads the same bits, and needs no scipy; what is damaged or old is made."""
+"""Modes of presets on disk: a later process reads the same bits, and loads no scipy; what is damaged or old is made."""
 
 import os
 import subprocess

@@ -173,7 +173,7 @@ def test_an_object_in_the_making_does_not_hold_up_the_end(tmp_path):
     with serving(tmp_path, "--device", "none", "--record", "out.wav", "--log", "log.txt") as server:
         with server.client() as client, server.client() as other:
             other.new("a", "wood-block")
-            client.ask(*_words(slow("first", 299)), timeout=30.0)  # scipy is loaded
+            client.ask(*_words(slow("first", 299)), timeout=30.0)  # a first time takes longer
             for n in range(30):
                 client.send(*_words(slow(f"s{n}", 300 + n)))
                 client.impact(f"s{n}", 1.0)
