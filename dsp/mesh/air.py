@@ -24,6 +24,7 @@ Complex = npt.NDArray[np.complex128]
 _SAMPLES = 32  # of each point
 _NEAR = 3.2  # spacings: nearer points are summed over their samples
 _WINDOW = 0.9  # of the spacing: within, the plane's finite part stands for the samples
+_WINDOWS = 6  # of the window: beyond, samples count in full
 _INSET = 0.25  # of the spacing: by which a layer of even jumps ends before its rim, so that it acts as one as large
 _MOST_INSET = 0.4  # of a point's samples
 _SHARP = 0.4  # of the spacing: how far the rim is looked for
@@ -263,14 +264,20 @@ def _constant(layer: Layer) -> Array:
     from scipy.special import erfinv
 
     width = _WINDOW * float(np.sqrt(np.median(layer.areas)))
-    every = np.arange(len(layer.samples.places))
+    places, normals, _ = layer.samples
+    # A constant jump along the normal of this point: samples count by their own point's side.
+    weights = np.sign(np.einsum("ij,ij->i", normals, layer.normals[layer.own])) * layer.weights
     sums, covered = np.empty((2, len(layer.places)))
-    for number in range(len(sums)):
-        value = _kernel(layer, np.full(len(every), number), every)
-        # A constant jump along the normal of this point: samples count by their own point's side.
-        square = ((layer.samples.places - layer.places[number]) ** 2).sum(axis=1) / width**2
-        sums[number] = value @ -np.expm1(-(square**2))
-        covered[number] = layer.weights @ np.exp(-square) / (np.pi * width**2)
+    for number, (here, look) in enumerate(zip(layer.places, layer.normals, strict=True)):
+        difference = here - places
+        square = np.maximum(np.einsum("ij,ij->i", difference, difference), 1e-18)
+        turned = 3 * (difference @ look) * np.einsum("ij,ij->i", normals, difference)
+        value = weights * (normals @ look - turned / square) / (4 * np.pi * square * np.sqrt(square))
+        near = np.flatnonzero(square < (_WINDOWS * width) ** 2)
+        share = square[near] / width**2
+        value[near] *= -np.expm1(-(share**2))
+        sums[number] = value.sum()
+        covered[number] = layer.weights[near] @ np.exp(-share) / (np.pi * width**2)
     rim = erfinv(2 * np.clip(covered, 0.55, 1 - 1e-6) - 1)
     found: Array = sums - (math.gamma(0.75) / 2 + np.interp(rim, *_beyond_rim())) / width
     return found

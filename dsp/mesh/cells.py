@@ -35,7 +35,8 @@ _BENT = 0.01  # of a cell's volume, with normals over 45 degrees from the first 
 _LEFT = 0.4  # share of the stiffness along a sheet's normal that stays, over (thickness/side of a cell)^2
 _AGREED = 0.02  # of the volume, by triangles and by rays: within that the triangles' counts
 _SHIFT = 0.02  # of a wave's frequency along the body
-_SIZES = 24  # halvings
+_AT_ONCE = 256  # points of a cell
+_SIZES = 14  # halvings
 _SAMPLES = 30_000
 _SHARES, _FINE_SHARES = (0.6,), (0.8, 0.6, 0.45, 0.3)  # of cells that are all alike: large ones, before they are halved
 _MORE = 2.4  # times as many cells as if all were alike, those of a second grid among them
@@ -174,13 +175,19 @@ def solve(parts: Parts, size: Sizes, degree: int, count: int) -> Solution:
     whole = together(*turned)
     grids = graded(grid_about(whole, size.side, size.rays), whole, size.halvings)
     if not size.told or len(grids) == 1:
-        return _on_grid(parts, turned, grids[-1], degree, count, yielding=not size.told)
-    coarse = _on_grid(parts, turned, grids[-2], degree, count, yielding=False)
-    fine = _on_grid(parts, turned, grids[-1], degree, count, yielding=False)
-    if coarse.mesh.pieces.gaps:  # how far a gap goes in the cell that it ends in is chance
-        return fine
-    frequency = extrapolated(coarse.frequency, fine.frequency, _shared(coarse, fine) ** 2)
-    return fine._replace(frequency=frequency)
+        pieces, inside = _in_pieces(turned, grids[-1], _inside(turned, grids[-1], degree))
+        return of_points(inside, pieces, parts.materials, degree, count, yielding=not size.told)
+    coarse = _inside(turned, grids[-2], degree)
+    fine = _inside(turned, grids[-1], degree, coarse)
+    found = []
+    for grid, met in ((grids[-2], coarse), (grids[-1], fine)):
+        pieces, inside = _in_pieces(turned, grid, met)
+        if grid is grids[-1] or not pieces.gaps:  # how far a gap goes in the cell that it ends in is chance
+            found.append(of_points(inside, pieces, parts.materials, degree, count, yielding=False))
+    if len(found) == 1:
+        return found[0]
+    frequency = extrapolated(found[0].frequency, found[1].frequency, _shared(*found) ** 2)
+    return found[1]._replace(frequency=frequency)
 
 
 def _shared(one: Solution, other: Solution) -> Array:
@@ -211,20 +218,27 @@ def _moved(one: Solution, other: Solution) -> Array:
     return found
 
 
-def _on_grid(parts: Parts, turned: list[Surface], grid: Grid, degree: int, count: int, yielding: bool) -> Solution:
-    """Return the modes on a grid of parts that are turned against it; `yielding`: walls that meet yield across."""
-    inside = []
+def _inside(turned: list[Surface], grid: Grid, degree: int, coarse: list[Quadrature] | None = None) -> list[Quadrature]:
+    """Return the points inside of each of the parts that are turned against a grid; coarse: those on a grid that is one
+    halving behind it."""
+    found = []
     for number, own in enumerate(turned):
-        found = quadrature(own, grid, degree, together(*turned[:number]) if number else None)
+        without = together(*turned[:number]) if number else None
+        found.append(quadrature(own, grid, degree, without, coarse[number] if coarse else None))
+    if not any(len(each.weights) or len(each.full) for each in found):
+        raise MeshError("no ray meets the inside: expected a closed surface with a thickness")
+    return found
+
+
+def _in_pieces(turned: list[Surface], grid: Grid, inside: list[Quadrature]) -> tuple[Pieces, list[Quadrature]]:
+    """Return the pieces of the parts, and the points inside of them, which have the volume that the triangles tell."""
+    weighed = []
+    for own, found in zip(turned, inside, strict=True):
         true, weight = volume_of(own), float(found.weights.sum())
         got = weight + float((grid.sides[found.full] ** 3).sum())
-        if abs(got / true - 1) < _AGREED:
-            found = found._replace(weights=found.weights * (1 + (true - got) / max(weight, 1e-300)))
-        inside.append(found)
-    if not any(len(each.weights) or len(each.full) for each in inside):
-        raise MeshError("no ray meets the inside: expected a closed surface with a thickness")
-    pieces, inside = divided(together(*turned), grid, inside, _LEAST_FILLED)
-    return of_points(inside, pieces, parts.materials, degree, count, yielding)
+        right = (true - got) / max(weight, 1e-300) if abs(got / true - 1) < _AGREED else 0.0
+        weighed.append(found._replace(weights=found.weights * (1 + right)))
+    return divided(together(*turned), grid, weighed, _LEAST_FILLED)
 
 
 def solve_sheet(parts: Parts, wall: float, size: Sizes, degree: int, count: int) -> Solution:
@@ -405,15 +419,23 @@ def _held_across(own: Points, side: float, degree: int, material: Material) -> A
 
     Where it is left, sheets that meet don't bend near their edge: the curvature of each would stretch the other across.
     """
-    nu, normals, weights = material.poisson_ratio, own.normals, own.weights
+    from scipy.linalg.blas import dsyrk
+
+    nu = material.poisson_ratio
     mu = material.youngs_modulus / (2 * (1 + nu))
     lame = 2 * mu * nu / (1 - 2 * nu)
-    slopes = products(own.places, degree)[1] / side
-    along = np.einsum("inm,ni->nm", slopes, normals)
-    stress = lame * slopes.transpose(1, 2, 0) + 2 * mu * along[:, :, None] * normals[:, None, :]
-    share = np.sqrt(weights / (lame + 2 * mu))
-    scaled = share[:, None] * stress.reshape(len(normals), -1)
-    held: Array = scaled.T @ scaled
+    half = np.zeros((3 * (degree + 1) ** 3,) * 2, order="F")
+    for begin in range(0, len(own.weights), _AT_ONCE):
+        some = own.part(begin, begin + _AT_ONCE)
+        share = np.sqrt(some.weights / (lame + 2 * mu)) / side
+        slopes = products(some.places, degree)[1]
+        across = np.einsum("inm,ni->nm", slopes, 2 * mu * share[:, None] * some.normals)
+        scaled = np.empty((*across.shape, 3))
+        for axis in range(3):
+            scaled[:, :, axis] = across * some.normals[:, axis, None]
+            scaled[:, :, axis] += slopes[axis] * (lame * share)[:, None]
+        half = dsyrk(1.0, scaled.reshape(len(share), -1).T, beta=1.0, c=half, overwrite_c=1)
+    held: Array = half + np.triu(half, 1).T
     return held
 
 

@@ -70,7 +70,9 @@ def _said(notes: list[str], count: int, of: str, became: str) -> None:
 def edges_of(faces: Indices) -> tuple[Indices, Indices, Flags]:
     """Return the edges (e, 2) of faces, the edge of each side (m, 3), and whether the side runs from low to high."""
     sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
-    edges, number = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
+    most = int(faces.max(initial=0)) + 1
+    keys, number = np.unique(sides.min(axis=1) * most + sides.max(axis=1), return_inverse=True)
+    edges = np.stack([keys // most, keys % most], axis=1)
     return edges, number.reshape(-1, 3), (sides[:, 0] < sides[:, 1]).reshape(-1, 3)
 
 

@@ -13,7 +13,7 @@ from .surface import MeshError
 Apply = Callable[[Array], Array]
 
 _BLOCK = 16
-_RESIDUAL = 1e-5
+_RESIDUAL = 1e-4
 _MOST_STEPS = 60
 _ROOM = 10  # blocks of vectors beyond those wanted, at first
 
@@ -30,8 +30,8 @@ def lowest(solve: Apply, mass: Apply, size: int, shift: float, count: int) -> tu
     for _ in range(_MOST_STEPS):
         before = len(projected)
         vectors, weighed = (each[:before].T for each in room)
-        for _ in range(2):
-            ahead = ahead - vectors @ (weighed.T @ ahead)
+        for begin in (max(0, before - 2 * _BLOCK), 0):  # in the last two blocks lies all but what rounding left
+            ahead = ahead - vectors[:, begin:] @ (weighed[:, begin:].T @ ahead)
         new, heavy = _orthonormal(ahead, mass)
         block = new.shape[1]
         if before + block > room.shape[1]:

@@ -111,7 +111,7 @@ def divided(body: Surface, grid: Grid, inside: list[Quadrature], least: float) -
     volumes[volumes < np.where(linked, least, _FLAKE) * grid.sides**3] = 0
     links = number[found.pairs]
     links = links[(volumes[links] > 0).all(axis=1)]
-    inside = [_only(each, volumes[each.cells] > 0) for each in inside]
+    inside = [each.only(volumes[each.cells] > 0) for each in inside]
     links = np.vstack([links, _held(grid, links, volumes, thin)])
     return Pieces(grid, links, marks, _held_gaps(found, grid)), inside
 
@@ -127,12 +127,6 @@ def _held_gaps(found: _Found, grid: Grid) -> tuple[Gap, ...]:
             side = float(grid.sides[found.cells[piece]])
             gaps.append(Gap(middles[own].mean(axis=0), float(np.median(widths[own])), side))
     return tuple(gaps)
-
-
-def _only(points: Quadrature, kept: Flags) -> Quadrature:
-    """Return some of the points, and all cells that are full."""
-    names = "places", "weights", "cells", "normals", "through"
-    return points._replace(**{name: getattr(points, name)[kept] for name in names})
 
 
 def _thin(found: _Found, grid: Grid, inside: list[Quadrature], used: Indices) -> Indices:

@@ -38,6 +38,11 @@ class Quadrature(NamedTuple):
     through: Array
     leaks: float
 
+    def only(self, kept: Flags) -> "Quadrature":
+        """Return some of the points (flags, n), and all cells that are full."""
+        names = "places", "weights", "cells", "normals", "through"
+        return self._replace(**{name: getattr(self, name)[kept] for name in names})
+
 
 class Segments(NamedTuple):
     """Pieces of rays inside a body: where they begin and end (n,), in m, the numbers (n, 2) of the rays along the two
@@ -58,13 +63,21 @@ class _Hits(NamedTuple):
     face: Indices
 
 
-def quadrature(surface: Surface, grid: Grid, degree: int, without: Surface | None = None) -> Quadrature:
+def quadrature(
+    surface: Surface, grid: Grid, degree: int, without: Surface | None = None, coarse: Quadrature | None = None
+) -> Quadrature:
     """Return points inside a closed surface, and not inside another one, exact for polynomials up to about twice the
-    degree along each ray."""
+    degree along each ray. coarse: the points on a grid of which some of the smallest cells are halved in this one; all
+    others have the same."""
     others = Surface(surface.points[:0], surface.faces[:0]) if without is None else without
     leaves = grid.leaves
-    found = [_of_level(surface, others, grid, leaves[grid.levels[leaves] == level], degree)
-             for level in np.unique(grid.levels[leaves])]  # fmt: skip
+    levels = np.unique(grid.levels[leaves])
+    found = []
+    if coarse is not None:
+        leaf = grid.parts < 0
+        found.append(coarse.only(leaf[coarse.cells])._replace(full=coarse.full[leaf[coarse.full]]))
+    for level in levels if coarse is None else levels[-1:]:
+        found.append(_of_level(surface, others, grid, leaves[grid.levels[leaves] == level], degree))
     places, weights, numbers, full, normals, through = (
         np.concatenate(each) for each in list(zip(*found, strict=True))[:-1]
     )
@@ -154,12 +167,20 @@ def _hits_in(body: Surface, grid: Grid, along: tuple[int, int], columns: Flags) 
     u, v = (axis + 1) % 3, (axis + 2) % 3
     step, across = grid.side / 2**level / rays, columns.shape[1] * rays
     look = faces_of(body).normals
-    hits = _hits(body, look, grid.corner, step, (axis, columns.shape[0] * rays, across))
+    hits = _hits(body, look, grid.corner, step, (axis, rays, columns))
     kept = columns[hits.ray // across // rays, hits.ray % across // rays]
     hits = _Hits(hits.ray[kept], hits.place[kept], hits.sign[kept], hits.face[kept])
     at = np.empty((len(hits.ray), 3))
     at[:, axis], (at[:, u], at[:, v]) = hits.place, _centres(hits.ray, across, grid, step, (u, v))
     return hits, at, look[hits.face]
+
+
+def _any_within(flags: Flags, low: Indices, past: Indices) -> Flags:
+    """Return whether any of the flags (rows, columns) is set from low (n, 2) up to past (n, 2)."""
+    sums = np.zeros((flags.shape[0] + 1, flags.shape[1] + 1), np.int64)
+    sums[1:, 1:] = flags.cumsum(axis=0).cumsum(axis=1)
+    (i, j), (k, m) = low.T, past.T
+    return np.asarray(sums[k, m] - sums[i, m] - sums[k, j] + sums[i, j] > 0)
 
 
 def _centres(ray: Indices, columns: int, grid: Grid, step: float, sides: tuple[int, int]) -> tuple[Array, Array]:
@@ -168,9 +189,11 @@ def _centres(ray: Indices, columns: int, grid: Grid, step: float, sides: tuple[i
     return grid.corner[u] + (ray // columns + 0.5) * step, grid.corner[v] + (ray % columns + 0.5) * step
 
 
-def _hits(surface: Surface, normals: Array, corner: Array, step: float, rays: tuple[int, int, int]) -> _Hits:
-    """Return where rays along an axis meet the faces; rays: the axis, and how many there are along the other two."""
-    axis, rows, columns = rays
+def _hits(surface: Surface, normals: Array, corner: Array, step: float, rays: tuple[int, int, Flags]) -> _Hits:
+    """Return where rays along an axis meet the faces; rays: the axis, how many cross a column's side, and which columns
+    of them are asked for: others are met as far as a face goes on into one."""
+    axis, each, asked = rays
+    rows, columns = asked.shape[0] * each, asked.shape[1] * each
     u, v = (axis + 1) % 3, (axis + 2) % 3
     corners = surface.points[surface.faces]
     flat = corners[:, :, [u, v]]
@@ -179,6 +202,7 @@ def _hits(surface: Surface, normals: Array, corner: Array, step: float, rays: tu
     low, high = np.maximum(low, 0), np.minimum(high, [rows - 1, columns - 1])
     spans = np.maximum(high - low + 1, 0)
     count = spans.prod(axis=1) * (np.abs(normals[:, axis]) > 1e-6)
+    count[count > 0] *= _any_within(asked, low[count > 0] // each, high[count > 0] // each + 1)
     found: list[tuple[Indices, Array, Indices]] = []
     ends = np.cumsum(count)
     begin = 0

@@ -32,9 +32,10 @@ class Faces(NamedTuple):
 
 def faces_of(surface: Surface) -> Faces:
     """Return unit normals and areas; a triangle without area has the normal 0."""
-    corners = surface.points[surface.faces]
-    twice = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.linalg.norm(twice, axis=1)
+    a, b, c = surface.points[surface.faces.T].transpose(0, 2, 1)
+    (x, y, z), (u, v, w) = b - a, c - a
+    twice = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    length = np.sqrt(np.einsum("ij,ij->i", twice, twice))
     return Faces(twice / np.maximum(length, 1e-300)[:, None], length / 2)
 
 
