@@ -82,12 +82,16 @@ def _of_all_sides(at: Array, look: Array) -> tuple[Array, Array]:
 
 def extrapolated(before: Array, after: Array, shares: Array) -> Array:
     """Return the frequencies (n,) on the finer of two grids, `after`, less the error that their change from the coarser
-    one, `before` (m,), tells. shares (m, n): how much each mode there has of each one here, by their mass.
+    one, `before` (m,), tells. shares (m, n): how much each mode there has of each one here, by their mass."""
+    return np.asarray(after - _LEFT * np.maximum(changes(before, after, shares), 0))
 
-    A mode's frequency on the coarser grid is the root mean square of those of the modes that make it up.
+
+def changes(before: Array, after: Array, shares: Array) -> Array:
+    """Return by how much the frequencies (n,) of modes were higher before (m,); 0 of those that it is not known of.
+
+    A mode's frequency before is the root mean square of those of the modes that make it up.
     """
     shares = np.where(np.abs(before[:, None] - after) < _MOST_CHANGE * after, shares, 0)
     total = shares.sum(axis=0)
     squares = np.einsum("i,ij->j", before**2, shares) / np.maximum(total, 1e-300)
-    change = np.where(total > _ALIKE, np.maximum(np.sqrt(squares) - after, 0), 0)
-    return np.asarray(after - _LEFT * change)
+    return np.where(total > _ALIKE, np.sqrt(squares) - after, 0)

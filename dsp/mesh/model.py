@@ -15,6 +15,7 @@ from .forms import together
 from .parts import Division, Parts, joined, outside
 from .points import curvature, sampled
 from .refining import refined
+from .rounding import quartered
 from .skin import Skin, skin_of
 from .surface import Indices, MeshError, Surface, faces_of, size_of, volume_of
 
@@ -37,7 +38,8 @@ _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
 _DIGITS = 12  # to which proportions are alike
 _MOST_UNITS = 16
-_TRIANGLES, _FINE_TRIANGLES = 2600, 8000  # of a shell, about
+_TRIANGLES, _FINE_TRIANGLES = (500, 2600), (1250, 8000)  # of a shell, about: for quarters, and without
+_QUARTERS, _FINE_QUARTERS = 12_000, 30_000  # at most
 _MOST_TRIANGLES = 20_000
 
 Say = Callable[[str, float], object]
@@ -253,9 +255,21 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
     _require_few(surface.faces)
     if len(parts.materials) > 1:
         raise MeshError(f"wall = {wanted.wall:g}: expected one material in so thin walls, or solids")
-    fit = refined(surface, _FINE_TRIANGLES if fine else _TRIANGLES, _MOST_TRIANGLES)
-    made = shells.solve(fit, wanted.wall, parts.materials[0], count)
-    return made, "shells", (f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(fit.faces)} triangles",)
+    fit, twice = _triangles(surface, fine)
+    made = (shells.solve_twice if twice else shells.solve)(fit, wanted.wall, parts.materials[0], count)
+    return made, "shells", (f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(made.surface.faces)} triangles",)
+
+
+def _triangles(surface: Surface, fine: bool) -> tuple[Surface, bool]:
+    """Return a shell's triangles, and whether quarters of them are few enough to be solved for, too."""
+    fit = refined(surface, _TRIANGLES[0], _MOST_TRIANGLES)
+    few, many = _FINE_TRIANGLES if fine else _TRIANGLES
+    if fine:
+        again = 16 * len(fit.faces) <= _FINE_QUARTERS
+        fit = quartered(fit) if again else refined(surface, few, _MOST_TRIANGLES)
+    if 4 * len(fit.faces) <= (_FINE_QUARTERS if fine else _QUARTERS):
+        return fit, True
+    return refined(surface, many, _MOST_TRIANGLES), False
 
 
 def _held_gap(solved: cells.Solution, size: float) -> tuple[str, ...]:
@@ -295,6 +309,8 @@ def _errors(solved: Solved, wanted: Wanted, frequency: Array, say: Say) -> Array
     around = np.pad(change, _ABOUT, mode="edge")
     most = np.lib.stride_tricks.sliding_window_view(around, 2 * _ABOUT + 1).max(axis=1)
     found[: len(again)] = _LEAST_ERROR + (1 if wanted.fine else 2) * most
+    if isinstance(other, shells.Solution):
+        found[: len(again)] += other.sheared[_elastic(other.frequency, wanted.modes)][: len(again)]
     return found
 
 

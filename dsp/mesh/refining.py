@@ -1,9 +1,13 @@
 """Triangles made smaller: long sides are split, so that neighbours go on sharing whole sides."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
+from ..bodies.material import Array
+from .cleaning import edges_of
+from .rounding import middles_of
 from .surface import Indices, Surface, faces_of
 
 _MOST_SPLIT = 4  # times the triangles wanted: long thin ones are not split beyond
@@ -12,11 +16,11 @@ _ROUNDS = 24
 
 
 def refined(surface: Surface, count: int, most: int | None = None) -> Surface:
-    """Return a surface of about so many triangles at least: sides that are too long are split, as far as it stays below
-    `most`, and slivers are left out."""
+    """Return a surface of about so many triangles at least: sides that are too long are split, on the surface where it
+    is round, as far as it stays below `most`, and slivers are left out."""
     longest = 1.5 * math.sqrt(float(faces_of(surface).areas.sum()) / count * 2)
     bound = _MOST_SPLIT * count
-    points, faces = divided(surface, longest, bound if most is None else min(bound, most))
+    points, faces = divided(surface, longest, bound if most is None else min(bound, most), middles_of)
     corners = points[faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     faces = faces[area > _SLIVER * ((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=2).max(axis=1)]
@@ -24,15 +28,13 @@ def refined(surface: Surface, count: int, most: int | None = None) -> Surface:
     return Surface(points[used], np.searchsorted(used, faces))
 
 
-def divided(surface: Surface, longest: float, most: int) -> Surface:
+def divided(surface: Surface, longest: float, most: int, middles: Callable[[Surface], Array] | None = None) -> Surface:
     """Return a surface whose sides are at most `longest` (m), or to split which all once more makes over `most`
-    triangles."""
+    triangles. middles: tells those of a surface's edges; None: they are straight."""
     points, faces = surface
     for _ in range(_ROUNDS):
-        sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2)
-        edges, number = np.unique(np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+        edges, number, _ = edges_of(faces)
         length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-        number = number.reshape(-1, 3)
         each = length[number]
         # A side is split if it is too long, and the longest of one of its triangles.
         wanted = np.zeros(len(edges), bool)
@@ -41,7 +43,8 @@ def divided(surface: Surface, longest: float, most: int) -> Surface:
         if not wanted.any() or len(faces) + int(wanted[number].sum()) > most:
             break
         middle = np.where(wanted, len(points) + np.cumsum(wanted) - 1, -1)
-        points = np.vstack([points, points[edges[wanted]].mean(axis=1)])
+        new = points[edges[wanted]].mean(axis=1) if middles is None else middles(Surface(points, faces))[wanted]
+        points = np.vstack([points, new])
         faces = _split(faces, middle[number])
     return Surface(points, faces)
 

@@ -1,7 +1,7 @@
 """Points and weights inside of a sheet: a wall about any triangles, open or closed, for finite cells.
 
-Each triangle is cut into small ones and rounded by its corners' normals (Phong tessellation: T. Boubekeur, M. Alexa,
-ACM Trans. Graph. 27, 2008), so that coarse meshes of round things are round.
+Each triangle is cut into small ones and rounded by its corners' normals, so that coarse meshes of round things are
+round.
 """
 
 import numpy as np
@@ -10,12 +10,9 @@ from ..bodies.material import Array
 from .grids import Grid
 from .polynomials import gauss
 from .rays import Quadrature
+from .rounding import corner_normals, rounded
 from .surface import Surface, faces_of
 
-CREASE = 0.77
-"""Cosine of the angle between two faces: a sharper edge is one."""
-
-_ROUND = 0.75  # of the way to the corners' planes
 _FINE = 6  # small triangles along a cell's side
 
 
@@ -31,7 +28,7 @@ def of_sheet(surface: Surface, wall: float, grid: Grid, layers: int) -> Quadratu
     for count in np.unique(cuts):
         these = cuts == count
         at = _barycentric(int(count))
-        middle, normal = _rounded(corners[these], normals[these], at)
+        middle, normal = rounded(corners[these], normals[these], at)
         weight = np.repeat(area[these, None] / len(at), len(at), axis=1).ravel()
         for node, share in zip(nodes, shares, strict=True):
             places.append((middle + (node - 0.5) * wall * normal).reshape(-1, 3))
@@ -40,29 +37,6 @@ def of_sheet(surface: Surface, wall: float, grid: Grid, layers: int) -> Quadratu
     every = np.vstack(places)
     cells, none = grid.number(every), np.zeros(0, np.int64)
     return Quadrature(every, np.concatenate(weights), cells, none, np.vstack(across), np.full(len(every), wall), 0.0)
-
-
-def corner_normals(surface: Surface) -> Array:
-    """Return unit normals (m, 3, 3) at the corners of each face: the mean of the faces about that turn less than a
-    crease from it, either way round."""
-    normals, areas = faces_of(surface)
-    corners = surface.faces.ravel()
-    order = np.argsort(corners, kind="stable")
-    begin = np.flatnonzero(np.r_[True, np.diff(corners[order]) > 0, True])
-    size = np.diff(begin)
-    start, size = np.repeat(begin[:-1], size), np.repeat(size, size)
-    face = order // 3
-    total = np.zeros((len(order), 3))
-    for step in range(int(size.max())):
-        there = step < size
-        other = face[np.where(there, start + step, 0)]
-        cosine = np.einsum("ij,ij->i", normals[face], normals[other])
-        weight = np.where(there & (np.abs(cosine) > CREASE), areas[other] * np.sign(cosine), 0.0)
-        total += weight[:, None] * normals[other]
-    total /= np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
-    found = np.zeros((len(order), 3))
-    found[order] = total
-    return found.reshape(-1, 3, 3)
 
 
 def _barycentric(count: int) -> Array:
@@ -76,13 +50,3 @@ def _barycentric(count: int) -> Array:
     inner = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6
     at = np.einsum("gc,bcd->bgd", inner, np.array(small) / count).reshape(-1, 2)
     return np.asarray(np.c_[1 - at.sum(axis=1), at])
-
-
-def _rounded(corners: Array, normals: Array, at: Array) -> tuple[Array, Array]:
-    """Return places and normals (f, n, 3) of triangles at shares (n, 3) of their corners."""
-    flat = np.einsum("gc,fcd->fgd", at, corners)
-    below = np.einsum("fgcd,fcd->fgc", corners[:, None] - flat[:, :, None], normals)
-    places = flat + _ROUND * np.einsum("gc,fgc,fcd->fgd", at, below, normals)
-    normal = np.einsum("gc,fcd->fgd", at, normals)
-    normal /= np.maximum(np.linalg.norm(normal, axis=2), 1e-300)[:, :, None]
-    return places, normal

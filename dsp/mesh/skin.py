@@ -13,7 +13,7 @@ import numpy as np
 from ..bodies.material import Array
 from .cleaning import edges_of
 from .points import Samples, sampled
-from .sheets import CREASE
+from .rounding import CREASE
 from .surface import Flags, Indices, MeshError, Surface, faces_of
 
 _SAMPLES = 24  # for each corner that is wanted

@@ -6,6 +6,7 @@ import pytest
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms, shells
 from carom.dsp.mesh.refining import refined
+from carom.dsp.mesh.rounding import quartered
 from carom.dsp.mesh.surface import Surface
 
 METAL = Material("metal", 2700.0, 70e9, 0.3, 1.0, 0.0)
@@ -67,3 +68,44 @@ def test_triangles_are_made_smaller_as_far_as_there_is_room():
     plain = square(2, 0.2)
     assert 100 <= len(refined(plain, 100).faces) <= 400
     assert len(refined(plain, 100, 60).faces) <= 60
+
+
+def sphere(points):
+    """Return how far points are from the origin."""
+    return np.linalg.norm(points, axis=1)
+
+
+def test_triangles_of_what_is_round_are_split_on_it():
+    ball = forms.ball(1.0, 2)
+    flat = sphere(ball.points[ball.faces].mean(axis=1)).min()
+    for finer, most in ((quartered(ball), 0.1), (refined(ball, 3000), 0.25)):
+        assert len(finer.faces) >= 4 * len(ball.faces)
+        assert np.abs(sphere(finer.points) - 1).max() < most * (1 - flat)
+    # Of a can with a flat bottom the corner stays where wall and bottom meet, and is round.
+    profile = np.array([[0.0, 0.0], [0.02, 0.0], [0.033, 0.0], [0.033, 0.05], [0.033, 0.1]])
+    can = quartered(forms.lathe(profile, 24, closed=False))
+    out = np.hypot(*can.points[:, :2].T)
+    corner = np.abs(out - 0.033) < 0.0004
+    assert np.abs(out[corner] - 0.033).max() < 0.0003 * 0.033
+    assert np.abs(can.points[~corner, 2]).max() == 0 and can.points[:, 2].min() == 0
+
+
+def test_two_sizes_of_triangles_tell_the_rest():
+    """A free square plate: the lowest root of Rayleigh and Ritz with many terms is 13.468."""
+    side, wall = 0.2, 0.001
+    rigidity = METAL.youngs_modulus * wall**3 / 12 / (1 - 0.3**2)
+    scale = 2 * np.pi * side**2 * np.sqrt(METAL.density * wall / rigidity)
+    known = [13.468, 19.596, 24.270, 34.801, 34.801]
+    found = shells.solve_twice(square(8, side), wall, METAL, 14).frequency[6:11] * scale
+    assert found == pytest.approx(known, rel=2e-3)
+    plain = shells.solve(square(16, side), wall, METAL, 14).frequency[6:11] * scale
+    assert np.abs(plain / known - 1).max() > 2e-3
+
+
+def test_shear_is_what_mindlins_plates_lose_by_it():
+    """A simply supported plate of Mindlin's, waves of k wall = 0.2: (k wall)^2/12 2/(5/6 (1 - nu)) less in square."""
+    wall, nu, short = 0.01, 0.3, 0.2
+    speed = np.sqrt(METAL.youngs_modulus / (12 * METAL.density * (1 - nu**2)))
+    assert shells._sheared(np.array([short**2 / wall * speed]), wall, METAL)[0] == pytest.approx(
+        short**2 / 24 * 2 / (5 / 6 * (1 - nu))
+    )
