@@ -65,14 +65,17 @@ _FIRST = 0.25  # of a sample: the first step to try after a block
 
 
 @kernel
-def parts_for(contact: Coupled, least: int, rests: bool, stays: bool) -> int:
+def parts_for(contact: Coupled, least: int, rests: bool, stays: bool, rolls: bool) -> int:
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
     gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest; stays: and one that hardly
-    loses anything is to stay in step for as long as it swings."""
+    loses anything is to stay in step for as long as it swings. rolls: it may push with twice its weight, and then loses
+    twice as much; within -50 dB that does no harm."""
     swing = _swing(contact)
     if rests and swing < _SOFT:
         return 1
     loss = contact.mu * contact.rest_force * contact.period / contact.mass
+    if rolls and least > 1:
+        loss *= 2.0
     if stays and rests:
         while least < MOST_PARTS and (swing / least) ** 4 * swing > _DRIFTS * loss:
             least += 1

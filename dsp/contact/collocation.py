@@ -132,7 +132,7 @@ def solve(step: Step, k: float, mu: float, a: float, negligible: float) -> bool:
                     step.linear[i, j] = stiffness * step.give_x[i, j] + damping * step.give_v[i, j]
                 step.linear[i, i] += 1.0
                 step.linear[i, NODES] = force - step.f[i]
-            eliminate(step.linear, NODES)
+            eliminate_three(step.linear)
             for i in range(NODES):
                 step.f[i] += step.linear[i, NODES]
                 change = max(change, abs(step.linear[i, NODES]))
@@ -142,6 +142,24 @@ def solve(step: Step, k: float, mu: float, a: float, negligible: float) -> bool:
         for i in range(NODES):
             step.f[i] = 0.0
     return False
+
+
+@kernel
+def eliminate_three(m: View2D[float]) -> None:
+    """Do what `eliminate` does for three equations, by determinants: one quotient, and few products wait for others."""
+    r0, r1, r2 = m[0, 3], m[1, 3], m[2, 3]
+    share = 1.0 / (m[0, 0] * _cofactor(m, 0, 0) + m[0, 1] * _cofactor(m, 0, 1) + m[0, 2] * _cofactor(m, 0, 2))
+    x0 = _cofactor(m, 0, 0) * r0 + _cofactor(m, 1, 0) * r1 + _cofactor(m, 2, 0) * r2
+    x1 = _cofactor(m, 0, 1) * r0 + _cofactor(m, 1, 1) * r1 + _cofactor(m, 2, 1) * r2
+    x2 = _cofactor(m, 0, 2) * r0 + _cofactor(m, 1, 2) * r1 + _cofactor(m, 2, 2) * r2
+    m[0, 3], m[1, 3], m[2, 3] = share * x0, share * x1, share * x2
+
+
+@kernel
+def _cofactor(m: View2D[float], i: int, j: int) -> float:
+    """Return a cofactor of the first three columns of three equations."""
+    a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
+    return m[a, c] * m[b, d] - m[a, d] * m[b, c]
 
 
 @kernel

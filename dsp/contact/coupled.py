@@ -27,22 +27,22 @@ from typing import NamedTuple
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
+from ..numerics.sums import add_powers
 from .collocation import law
 from .coupled_records import Coupled
-from .coupled_step import set_powers
 from .power_series import (
-    BEYOND,
-    BINOMIAL,
-    FORCE_AT,
+    FORCES_THERE,
+    LAST_POWER,
+    ON,
     POWERS,
-    QUADRATURE,
-    QUADRATURE_WEIGHTS,
     TO_END,
+    put_push,
 )
 from .step_record import NODES
 from .touches import begin_touch, end_touch, look_at_touches
 
 _ON_KINK = 1e-12  # samples from a kink that are none
+_LEAST_POWER = 1e-200  # of a step's length, below which a series changes by nothing, but may be lost
 _FIRST = 0.2  # share of the contact's natural time: the first step to try
 
 
@@ -195,7 +195,7 @@ def lift(contact: Coupled, answer: View[float], force: float) -> None:
         contact.motion[n + 1] += force * answer[n] / (n + 1)
     last = force * answer[FINE - 1] / FINE
     for n in range(2, FINE):
-        contact.motion[n] += last * BEYOND[n]
+        contact.motion[n] += last * LAST_POWER[n]
 
 
 @kernel
@@ -216,10 +216,9 @@ def _touch(contact: Coupled, at: float) -> None:
 
 @kernel
 def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
-    """Go on by `eta` samples under the step's force: what becomes of the sample's rest, and the force's part of its
-    moments, those of the powers of 2 t - 1 (see `legendre_moments`)."""
+    """Go on by `eta` samples, those of `set_powers`, under the step's force: what becomes of the sample's rest, and the
+    force's part of its moments, those of the powers of 2 t - 1 (see `legendre_moments`)."""
     contact.last = eta
-    set_powers(contact, eta)
     time = eta * contact.period
     contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
     contact.position += eta * (contact.rise + eta * contact.bend)
@@ -227,32 +226,25 @@ def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     contact.v += time * contact.push / contact.m
     if contact.touching == 1 or contact.force[0] > 0.0:
         _push(contact, eta, at, powers)
-        return
+    back, shorter = 1.0, 1.0 / eta
     for k in range(FINE):
-        total = 0.0
-        for n in range(k, FINE):
-            total += BINOMIAL[n, k] * contact.motion[n] * contact.power[n - k]
-        contact.motion[k] = total
+        if contact.power[k] > _LEAST_POWER:
+            contact.motion[k] = contact.free[ON + k] * back
+        back *= shorter
 
 
 @kernel
 def _push(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     """Apply the force to striker and point: the rest of `move` where there is one."""
-    f, h, power = contact.force, contact.period, contact.power
+    f, h, power, free, pushed = contact.force, contact.period, contact.power, contact.free, contact.pushed
     for n in range(FINE):
         contact.impulse[n] = eta * power[n] * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
+        contact.given[n] = contact.answer[n] * power[n]
+    put_push(contact.given, pushed)
     for k in range(FINE):
-        total = 0.0
-        for n in range(k, FINE):
-            total += BINOMIAL[n, k] * (contact.motion[n] * power[n - k] - contact.answer[n] * contact.impulse[n - k])
-        contact.motion[k] = total
+        free[ON + k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
     contact.position -= h * h * contact.impulse[1] / contact.m
     contact.v -= h * contact.impulse[0] / contact.m
     contact.touches[contact.touched - 1].impulse += h * contact.impulse[0]
-    for q in range(len(QUADRATURE)):
-        here = eta * h * QUADRATURE_WEIGHTS[q]
-        here *= FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]
-        x = 2.0 * (at + eta * QUADRATURE[q]) - 1.0
-        for k in range(FINE):
-            powers[k] += here
-            here *= x
+    time = eta * h
+    add_powers(powers, FORCES_THERE, (time * f[0], time * f[1], time * f[2]), (2.0 * at - 1.0, 2.0 * eta), FINE)

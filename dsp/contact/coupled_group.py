@@ -19,7 +19,7 @@ from .coupled import lift, look, move, pass_kinks, settle, until_kink
 from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_records import Coupled, CoupledGroup, Member
-from .coupled_step import FINEST, HELD, LEAST, give_of, hold
+from .coupled_step import FINEST, HELD, LEAST, give_of, hold, set_powers
 from .power_series import BINOMIAL, POWERS, legendre_moments
 from .touches import begin_touch
 
@@ -120,6 +120,7 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
         taken = 0.0
         if group.touching == 0 and not last:
             taken = _until_first_meeting(contacts, group, longest)
+            _set_all(contacts, group, taken)
         elif not last and not held:
             taken = find_step(contacts, group, eta, longest)
         if taken > 0.0:
@@ -154,6 +155,13 @@ def _until_first_meeting(contacts: Items[Member], group: CoupledGroup, longest: 
                     group.event[j] = NOTHING
                 group.event[i] = MEETS
     return first
+
+
+@kernel
+def _set_all(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
+    """Scale the motion of all contacts to times of a step of `eta` samples."""
+    for i in range(group.size):
+        set_powers(contacts[group.member[i]].coupled, eta)
 
 
 @kernel
@@ -207,5 +215,6 @@ def _hold_in_turn(contacts: Items[Member], group: CoupledGroup, eta: float, at: 
         hold(held, eta, taken)
         held.motion[0] -= taken
         held.position -= taken
+    _set_all(contacts, group, eta)
     _move_all(contacts, group, eta, at)
     _answer_others(contacts, group, True)

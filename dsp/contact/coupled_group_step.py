@@ -31,20 +31,18 @@ from .coupled_step import (
     ROUNDING,
     TRIALS,
     collocate,
-    end_without,
     keep_at_rest,
     lasting_force,
     may_lose,
-    put_free,
     ratio_to_longest,
     set_powers,
     speed_of,
-    sums_of_nine,
+    take_free,
     taken_at_end,
     work_against,
     work_of,
 )
-from .power_series import ANSWER_AT
+from .power_series import END, put_give
 from .step_record import NODES
 
 NOTHING, MEETS, LEAVES = 0, 1, 2
@@ -95,7 +93,7 @@ def _try(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
         i = group.touches[0]
         contact = contacts[group.member[i]].coupled
         _start(contact, eta, 0)
-        solved, group.end_x[i], group.end_v[i] = collocate(contact, eta)
+        solved, group.end_x[i], group.end_v[i] = collocate(contact, group.give[i, i], eta)
     else:
         _set_equations(contacts, group, eta)
         # Most groups are pairs: the loops for two are unrolled.
@@ -113,10 +111,10 @@ def _try(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
 def _find_end_of(contacts: Items[Member], group: CoupledGroup, i: int, eta: float) -> None:
     """Find the compression of contact i at the step's end, and its rate."""
     contact = contacts[group.member[i]].coupled
-    x, v = end_without(contact.moved)
+    x, v = contact.free[END], contact.free[END + 1]
     for b in range(group.touching):
         j = group.touches[b]
-        taken_x, taken_v = taken_at_end(group.given[i, j], contacts[group.member[j]].coupled.step.f, eta)
+        taken_x, taken_v = taken_at_end(group.give[i, j], contacts[group.member[j]].coupled.step.f, eta)
         x -= taken_x
         v -= taken_v
     group.end_x[i] = x
@@ -125,14 +123,15 @@ def _find_end_of(contacts: Items[Member], group: CoupledGroup, i: int, eta: floa
 
 @kernel
 def _set_given(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
-    """Write all series in times of the step."""
+    """Write all series in times of the step, and their products."""
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
         set_powers(contact, eta)
         for b in range(group.touching):
             j = group.touches[b]
             for n in range(FINE):
-                group.given[i, j, n] = group.answer[i, j, n] * contact.power[n]
+                group.given[n] = group.answer[i, j, n] * contact.power[n]
+            put_give(group.given, group.give[i, j])
 
 
 @kernel
@@ -140,30 +139,29 @@ def _set_equations(contacts: Items[Member], group: CoupledGroup, eta: float) -> 
     """Write down the equations of all nodes."""
     for a in range(group.touching):
         contact = contacts[group.member[group.touches[a]]].coupled
-        put_free(contact.step, contact.moved, 1.0 / (eta * contact.period))
+        take_free(contact, eta)
         speed = speed_of(contact, contact.motion[0], contact.motion[1] / contact.period)
         group.negligible[a] = ROUNDING * contact.mass * speed / (eta * contact.period)
         for b in range(group.touching):
             _fill_give(group, a, b, eta, contact.period)
             j = group.touches[b]
             lasts = lasting_force(contacts[group.member[j]].coupled)
-            keep_at_rest(contact.step, group.given[group.touches[a], j], eta * lasts)
+            keep_at_rest(contact.step, group.give[group.touches[a], j], eta * lasts)
 
 
 @kernel
 def _fill_give(group: CoupledGroup, a: int, b: int, eta: float, period: float) -> None:
     """Fill in how far the nodes' forces of touching contact b move the nodes of touching contact a."""
-    g = sums_of_nine(ANSWER_AT, group.given[group.touches[a], group.touches[b]])
-    u, w, v, rate = a * NODES, b * NODES, group.give_v, 1.0 / period
-    v[u, w], v[u, w + 1], v[u, w + 2] = rate * g[0], rate * g[1], rate * g[2]
-    v[u + 1, w], v[u + 1, w + 1], v[u + 1, w + 2] = rate * g[3], rate * g[4], rate * g[5]
-    v[u + 2, w], v[u + 2, w + 1], v[u + 2, w + 2] = rate * g[6], rate * g[7], rate * g[8]
+    give = group.give[group.touches[a], group.touches[b]]
     for r in range(NODES):
         for s in range(NODES):
-            give = 0.0
+            group.give_v[a * NODES + r, b * NODES + s] = give[NODES * r + s] / period
+    for r in range(NODES):
+        for s in range(NODES):
+            x = 0.0
             for n in range(NODES):
-                give += INTEGRAL[r, n] * group.give_v[a * NODES + n, b * NODES + s]
-            group.give_x[a * NODES + r, b * NODES + s] = give * eta * period
+                x += INTEGRAL[r, n] * group.give_v[a * NODES + n, b * NODES + s]
+            group.give_x[a * NODES + r, b * NODES + s] = x * eta * period
 
 
 @kernel
@@ -322,10 +320,10 @@ def _is_sound(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
         stored = elastic(contact.motion[0], contact.k, contact.a)
         v = contact.motion[1] / contact.period
         contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
-        work = work_of(f, contact.moved)
+        work = work_of(f, contact.free)
         for b in range(group.touching):
             j = group.touches[b]
-            work -= work_against(f, contacts[group.member[j]].coupled.step.f, group.given[i, j], eta)
+            work -= work_against(f, contacts[group.member[j]].coupled.step.f, group.give[i, j], eta)
         gain = elastic(group.end_x[i], contact.k, contact.a) - stored - work
         lost = -gain
         for r in range(NODES):

@@ -4,6 +4,7 @@ from typing import Annotated, Protocol
 
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
+from .power_series import FREE_COUNT, GIVE_COUNT, PUSH_COUNT
 from .step_record import NODES, Step
 
 TOUCHES = 16
@@ -36,7 +37,9 @@ class Coupled(Record):
     answer: Annotated[View[float], FINE]  # m/(N sample): g times a sample's length
     power: Annotated[View[float], FINE]  # of the step's length
     moved: Annotated[View[float], FINE]  # m: motion[n] times power[n]
+    free: Annotated[View[float], FREE_COUNT]  # its products over the step (power_series.py)
     given: Annotated[View[float], FINE]  # m/(N sample): answer[n] times power[n]
+    pushed: Annotated[View[float], PUSH_COUNT]  # its products
     impulse: Annotated[View[float], FINE]  # N samples^(n+1): int (eta - s)^n f ds over the step
     v: float  # the striker's velocity towards the object, m/s
     position: float  # the striker's, m: its compression of the object at rest
@@ -97,7 +100,8 @@ class CoupledGroup(Record):
     # Of a step:
     touching: int  # contacts that touch
     touches: Annotated[View[int], GROUP]  # places of these in the group
-    given: Annotated[View3D[float], GROUP, GROUP, FINE]  # m/(N sample): answers times powers of its length
+    given: Annotated[View[float], FINE]  # m/(N sample): an answer times powers of its length
+    give: Annotated[View3D[float], GROUP, GROUP, GIVE_COUNT]  # the products of each (power_series.py)
     negligible: Annotated[View[float], GROUP]  # N: changes of a contact's force below it don't matter
     give_x: Annotated[View2D[float], _UNKNOWNS, _UNKNOWNS]  # m/N: what the forces take off
     give_v: Annotated[View2D[float], _UNKNOWNS, _UNKNOWNS]  # m/(s N)

@@ -12,6 +12,7 @@ from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
+from ..numerics.sums import AT_ONCE, BEYOND, add_tables
 from .collocation import CARDINAL, GAUSS, INTEGRAL
 from .step_record import NODES
 
@@ -19,8 +20,9 @@ _nodes, _weights = legendre.leggauss(FINE // 2 + 1)
 QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
 """Nodes and weights over a step, for a force times FINE powers."""
 
-FORCE_AT = np.vander(QUADRATURE, NODES, increasing=True) @ CARDINAL
-"""Values of a quadratic at QUADRATURE."""
+_AT_THEM = np.vander(QUADRATURE, NODES, increasing=True) @ CARDINAL
+FORCES_THERE = np.concatenate([*(QUADRATURE_WEIGHTS[:, None] * _AT_THEM).T, QUADRATURE])
+"""The weights times the quadratic that is 1 at a node of the step and 0 at the others, for each; then QUADRATURE."""
 
 BINOMIAL = np.array([[math.comb(n, k) for k in range(FINE)] for n in range(FINE)], np.float64)
 
@@ -41,7 +43,7 @@ def _beyond() -> Array:
     return np.concatenate([np.zeros(2), -top[:n] / top[n]])
 
 
-BEYOND = _beyond()
+LAST_POWER = _beyond()
 """Coefficients of t^FINE on [0, 1] by the powers below it, which err by 1.2e-7 at most."""
 
 
@@ -69,34 +71,80 @@ _TO_NODE, TO_END, _DOUBLE = _moment_tables()
 """[n, i, j]: int_0^c_i (c_i - s)^n l_j ds; [n, j]: the same up to 1; [n, i, j]: int_0^1 l_i(t) int_0^t (t - s)^n l_j(s)
 ds dt."""
 
-MISSED = np.vander(GAUSS, FINE, increasing=True).T @ INTEGRAL.T - np.array(
+_MISSED = np.vander(GAUSS, FINE, increasing=True).T @ INTEGRAL.T - np.array(
     [GAUSS ** (n + 1) / (n + 1) for n in range(FINE)]
 )
 """[n, i]: by how much the Gauss method's own integral of t^n up to c_i is above the exact one; 0 up to t^2."""
 
-AT_NODES = np.zeros((FINE, 2 * NODES))
-"""[n]: t^n at the nodes of a unit step, then its derivative there."""
+_N = np.arange(FINE)
+_LESS = np.maximum(_N - 1, 0)  # the power of a derivative, which has _N as its factor
 
-ANSWER_AT = np.zeros((FINE, NODES * NODES))
-"""[n]: the derivative of int_0^t (t - s)^n l_j(s) ds at GAUSS[i], as 3 i + j."""
 
-ANSWER_TO_END = np.zeros((FINE, 2 * NODES))
-"""[n]: that integral up to 1, then its derivative there, for each l_j."""
+def _derived(table: Array) -> Array:
+    """Return n table[n - 1], a row for each n, flat."""
+    return (_N * table[_LESS].reshape(FINE, -1).T).T
 
-WORK = np.zeros((FINE, 3))
-"""[n, j]: int_0^1 l_j(t) n t^(n-1) dt, the work of a force along t^n."""
 
-TAKEN = np.zeros((FINE, NODES * NODES))
-"""[n]: n int_0^1 l_i(t) int_0^t (t - s)^(n-1) l_j(s) ds dt, as 3 i + j."""
+def _by_lines(*tables: Array) -> tuple[int, Array]:
+    """Return the number of columns of tables, a row for each n, as `add_tables` adds them, and those tables as it reads
+    them."""
+    columns = np.concatenate(tables, axis=1)
+    count = -(-columns.shape[1] // BEYOND) * BEYOND
+    lines = np.pad(columns, ((0, 0), (0, count - columns.shape[1]))).reshape(FINE, count // AT_ONCE, AT_ONCE)
+    return count, np.ascontiguousarray(lines.transpose(1, 0, 2)).ravel()
 
-for _n in range(FINE):
-    AT_NODES[_n] = np.concatenate([GAUSS**_n, _n * GAUSS ** max(_n - 1, 0)])
-    ANSWER_TO_END[_n, :NODES] = TO_END[_n]
-    if _n > 0:
-        ANSWER_AT[_n] = _n * _TO_NODE[_n - 1].ravel()
-        ANSWER_TO_END[_n, NODES:] = _n * TO_END[_n - 1]
-        WORK[_n] = CARDINAL.T @ (_n / (_n + np.arange(NODES)))
-        TAKEN[_n] = _n * _DOUBLE[_n - 1].ravel()
+
+_WORK = np.array([CARDINAL.T @ (n / np.maximum(n + np.arange(NODES), 1)) for n in range(FINE)])
+FREE_COUNT, _FREE = _by_lines(
+    GAUSS ** _N[:, None], _N[:, None] * GAUSS ** _LESS[:, None], np.stack([_N**0, _N], 1), _WORK, BINOMIAL
+)
+NODE_RATES, END, WORK, ON = NODES, 2 * NODES, 2 * NODES + 2, 3 * NODES + 2
+"""Places of a motion's products, by t^n: behind its values at the nodes of a unit step their rates, value and rate at
+its end, the work int_0^1 l_j(t) n t^(n-1) dt of a force along it, and its power series from the end on."""
+
+GIVE_COUNT, _GIVE = _by_lines(_derived(_TO_NODE), TO_END, _derived(TO_END), _derived(_DOUBLE), _MISSED)
+TO_ENDS, TAKEN, MISSED = NODES * NODES, NODES * NODES + 2 * NODES, 2 * NODES * NODES + 2 * NODES
+"""Places of an answer's products, by t^n. At 3 i + j the derivative of int_0^t (t - s)^n l_j(s) ds at GAUSS[i]; that
+integral up to 1, then its derivative there, for each l_j; at 3 i + j n int_0^1 l_i(t) int_0^t (t - s)^(n-1) l_j(s) ds
+dt; and, for each node, what is missed of a force that lasts."""
+
+PUSH_COUNT, _PUSH = _by_lines(
+    *(
+        np.array([[BINOMIAL[n, k] * TO_END[n - k, j] if k <= n else 0.0 for k in range(FINE)] for n in range(FINE)])
+        for j in range(NODES)
+    )
+)
+"""FINE columns for each node: the power series, from the step's end on, of what its force takes off."""
+
+
+@kernel
+def put_free(series: View[float], products: View[float]) -> None:
+    """Set the products of a motion (FREE_COUNT), by its power series."""
+    _put(series, _FREE, FREE_COUNT, products)
+
+
+@kernel
+def put_give(series: View[float], products: View[float]) -> None:
+    """Set the products of an answer (GIVE_COUNT), by its power series."""
+    _put(series, _GIVE, GIVE_COUNT, products)
+
+
+@kernel
+def put_push(series: View[float], products: View[float]) -> None:
+    """Set what forces at the nodes take off a motion after the step (PUSH_COUNT), by the answer's power series."""
+    _put(series, _PUSH, PUSH_COUNT, products)
+
+
+@kernel
+def _put(series: View[float], tables: View[float], count: int, products: View[float]) -> None:
+    """Set the sums of tables times a power series."""
+    factors = (
+        series[0], series[1], series[2], series[3], series[4], series[5], series[6],
+        series[7], series[8], series[9], series[10], series[11], series[12], series[13],
+    )  # fmt: skip
+    for i in range(count):
+        products[i] = 0.0
+    add_tables(products, 0, tables, 0, factors, count)
 
 
 @kernel

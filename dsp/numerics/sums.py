@@ -74,6 +74,59 @@ def add_tables(
 
 
 @intrinsic
+def add_powers(
+    typingctx: object, sums: View[float], tables: View[float], factors: tuple[float, ...], line: tuple[float, float],
+    count: int,
+) -> Lowered[None]:  # fmt: skip
+    """Add sum_i a_i x_i^k to sums[k] for each k below `count`, with i below AT_ONCE.
+
+    a = sum_j factors[j] table_j, and x = line[0] + line[1] times the table that follows these.
+    """
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        vector = ir.VectorType(ir.DoubleType(), AT_ONCE)
+
+        def spread(factor: Any) -> Any:
+            each = ir.Constant(vector, ir.Undefined)
+            for lane in range(AT_ONCE):
+                each = builder.insert_element(each, factor, ir.IntType(32)(lane))
+            return each
+
+        def table(n: int) -> Any:
+            place = _pointer(context, builder, signature.args[1], args[1], ir.IntType(64)(n * AT_ONCE))
+            return builder.load(place, align=8)
+
+        def plus(a: Any, b: Any) -> Any:
+            return builder.fadd(a, b, flags=_REASSOCIATE)
+
+        def times(a: Any, b: Any) -> Any:
+            return builder.fmul(a, b, flags=_REASSOCIATE)
+
+        data = context.make_array(signature.args[0])(context, builder, args[0]).data
+        begin, slope = cgutils.unpack_tuple(builder, args[3])
+        term, factors = ir.Constant(vector, None), cgutils.unpack_tuple(builder, args[2])
+        for n, factor in enumerate(factors):
+            term = plus(term, times(spread(factor), table(n)))
+        x = plus(spread(begin), times(spread(slope), table(len(factors))))
+        held = cgutils.alloca_once_value(builder, term)
+        with cgutils.for_range(builder, args[4]) as loop:
+            term = total = builder.load(held)
+            half = AT_ONCE // 2
+            while half > 0:  # the upper half of what is left onto the lower
+                turned = ir.Constant(
+                    ir.VectorType(ir.IntType(32), AT_ONCE), [(lane + half) % AT_ONCE for lane in range(AT_ONCE)]
+                )
+                total = plus(total, builder.shuffle_vector(total, total, turned))
+                half //= 2
+            place = builder.gep(data, [loop.index])
+            builder.store(plus(builder.load(place), builder.extract_element(total, ir.IntType(32)(0))), place)
+            builder.store(times(term, x), held)
+        return context.get_dummy_value()
+
+    return types.void(sums, tables, factors, line, types.intp), codegen
+
+
+@intrinsic
 def put_convolved(
     typingctx: object, sums: View[float], causes: View[float], answers: View[float], frames: int
 ) -> Lowered[None]:  # fmt: skip

@@ -274,8 +274,9 @@ def _look(state: State, net: Net) -> int:
         if contact.unsettled == 1:
             observe_points(state, contact)
         take_room_again(state, contact)
-        blow = contact.trait.single == 1
-        needed = parts_for(contact.coupled, 1 if blow else least, contact.trait.rests == 1, level > 0)
+        trait, coupled = contact.trait, contact.coupled
+        rolls = trait.along == 1 and trait.slips == 0
+        needed = parts_for(coupled, 1 if trait.single == 1 else least, trait.rests == 1, level > 0, rolls)
         if needed == 0:
             return 0
         parts = max(parts, needed)

@@ -6,7 +6,7 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 
 import math
 
-from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
+from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, SLIDING_TOLERANCE, TOLERANCE, closed_form_will_do
 from ...contact.closed_form import find_nodes, find_power
 from ...contact.coupled_step import HELD
 from ...contact.pulse_record import Pulse
@@ -29,6 +29,9 @@ def tolerance_of(state: State, contact: Contact) -> float:
     """Return the tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
     if holds_steps(state):
         return HELD
+    if contact.trait.slips == 1:
+        sliding: float = SLIDING_TOLERANCE[state.choices.accuracy]
+        return sliding
     tolerance: float = (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
     return max(_FINER_AT_REST * tolerance, _FINEST) if contact.trait.rests == 1 else tolerance
 

@@ -20,6 +20,23 @@ def gradient(x, free, give, h, k, mu, a):
     return collocation.discrete_gradient(x, free, give, h, k, mu, a)
 
 
+@njit(error_model="numpy")
+def solved(linear):
+    collocation.eliminate_three(linear)
+
+
+def test_three_equations_by_determinants():
+    """Equations are as firm contacts have them: ones on the diagonal, and stiffness times how much forces give way."""
+    random = np.random.default_rng(1)
+    for size in (0.0, 1e-3, 1.0, 1e3):
+        linear = np.concatenate(
+            [np.eye(3) + size * np.tril(random.uniform(0.1, 1.0, (3, 3))), random.normal(size=(3, 1))], 1
+        )
+        expected = np.linalg.solve(linear[:, :3], linear[:, 3])
+        solved(linear)
+        np.testing.assert_allclose(linear[:, 3], expected, rtol=1e-10)
+
+
 def potential(x, k, a):
     return k * max(x, 0.0) ** (a + 1) / (a + 1)
 

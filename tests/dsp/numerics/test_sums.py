@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from carom.dsp.numerics.sums import AT_ONCE, BEYOND, add_tables, line_of, put_convolved
+from carom.dsp.numerics.sums import AT_ONCE, BEYOND, add_powers, add_tables, line_of, put_convolved
 
 pytestmark = pytest.mark.slow  # numba compiles the loops around the intrinsics
 
@@ -47,3 +47,15 @@ def test_answers_are_two_by_two_convolutions():
     for k in range(2):
         parts = [np.convolve(answers[2 * k + i, AT_ONCE:], causes[i * frames :][:frames])[:frames] for i in range(2)]
         np.testing.assert_allclose(sums[k * frames :][:frames], parts[0] + parts[1], rtol=1e-12, atol=1e-12)
+
+
+def test_powers_are_summed_as_numpy_does():
+    from numba import njit
+
+    random = np.random.default_rng(1)
+    add = njit(lambda sums, tables, n: add_powers(sums, tables, (0.5, -2.0), (-0.3, 1.2), n))
+    tables, sums = random.uniform(-1.0, 1.0, (3, AT_ONCE)), random.normal(size=15)
+    shares, values = 0.5 * tables[0] - 2.0 * tables[1], 1.2 * tables[2] - 0.3
+    expected = sums + np.append(np.vander(values, 14, increasing=True).T @ shares, 0.0)  # and nothing beyond
+    add(sums, tables.ravel(), 14)
+    np.testing.assert_allclose(sums, expected, rtol=1e-13, atol=1e-13)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import carom
 from carom.dsp.bodies import Modes, listed
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.commands import Command, Kind
@@ -172,6 +173,19 @@ def test_a_body_that_moves_over_an_object_against_dop853(level):
     pieces = path_pieces(profile, ROLL["radius"], ROLL["speed"], ROLL["speed"] * times[-1] * 1.01)
     right = on_its_way(frequency, sigma, shape, np.array(times), pieces)
     assert apart(np.array(states), right) < -50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rate", "bound"), [(44_100, -60), (48_000, -60), (48_000, -50)])
+def test_a_roll_whose_contact_loses_all_its_speed_in_a_sample(rate, bound):
+    """Sounds on polycarbonate, beside `exact`, 20 ms."""
+    found = []
+    for level in ("exact", str(bound)):
+        with carom.Scene(rate, limiter=False) as scene:
+            scene.accuracy(level)
+            scene.new("a", "polycarbonate-sheet", stereo_width=0).roll(seed=1)
+            found.append(scene.render(0.02).samples[:, 0].astype(float))
+    assert apart(found[1], found[0]) < bound
 
 
 MARBLE = (5e-3, 3e9, 3.0, 1.5)
