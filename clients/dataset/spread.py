@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
-from scipy.special import ndtr, ndtri
-
 from ...dsp.wording import expected
 from ...presets.schema import PresetError, check
 from ...presets.values import Domain, Quantity, Row, Text, Unfit, Whole, shown
@@ -82,6 +80,8 @@ class Normal(Spread):
         return self.low, self.high
 
     def at(self, u: float) -> float:
+        from scipy.special import ndtr, ndtri  # slow to load
+
         below, above = (float(ndtr((end - self.mean) / self.deviation)) for end in (self.low, self.high))
         value = self.mean + self.deviation * float(ndtri(below + (above - below) * u))
         return min(max(value, self.low), self.high)
