@@ -100,7 +100,7 @@ def _told(given: str | None, question: str) -> str | None:
 COMMAND = Command(
     "fit",
     "RECORDING [RECORDING ...] OUT",
-    "make an object of recordings, and a page that compares the two",
+    "make an object of recordings, and a page that compares the two (with carom[fit])",
     _options,
     _run,
 )

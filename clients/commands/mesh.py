@@ -119,7 +119,7 @@ def _make(arguments: argparse.Namespace, material: str) -> int:
 COMMAND = Command(
     "mesh",
     "FILE [FOLDER]",
-    "make an object of a mesh and a material, and a page that shows its modes",
+    "make an object of a mesh and a material, and a page that shows its modes (with carom[mesh])",
     _options,
     _run,
 )
