@@ -48,4 +48,6 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("compare", "A.wav B.wav", "measure how far apart two sounds are, and draw it (with carom[fit])", _options, _run)
+COMMAND = Command(
+    "compare", "A.wav B.wav", "measure how far apart two sounds are, and draw it (with carom[fit])", _options, _run
+)
