@@ -14,7 +14,7 @@ from . import acceleration
 from .acceleration import Click
 from .air import plate_mass
 from .choices import EDGES
-from .dome import SHALLOW, Waves, domed
+from .dome import SHALLOW, Waves, at_edge, domed
 from .felts import felt_losses
 from .heard import BAFFLES, heard, loaded
 from .karman import Sheet, mixing
@@ -354,17 +354,9 @@ def _bessel_table() -> tuple[Array, Array]:
     return table, slopes
 
 
-def _at_edge(order: Array, root: Array) -> tuple[Array, Array, Array]:
-    """Return J_n and J_n' at roots, and I_n'/I_n."""
-    order = np.broadcast_to(order, np.broadcast_shapes(order.shape, root.shape))
-    both = np.stack([order, order + 1])
-    (j, j_up), (i, i_up) = jn(both, root), ine(both, root)
-    return j, order / root * j - j_up, order / root + i_up / i
-
-
 def _conditions(edge: str, nu: float, root: Array, order: Array) -> tuple[Array, Array, Array, Array]:
     """Return the edge's conditions on J_n(root r) and I_n(root r) / I_n(root) at r = 1: (J1, J2, I1, I2)."""
-    j, dj, di = _at_edge(order, root)
+    j, dj, di = at_edge(order, root)
     dj, di, square = root * dj, root * di, root**2
 
     def moment(laplacian: Array | float, w: Array | float, slope: Array) -> Array:
@@ -435,7 +427,7 @@ def _waves_to(edge: str, nu: float, rung: float) -> tuple[Every, Array]:
     c = -np.where(second, j2, j1) / np.where(second, i2, i1)
 
     # int_0^1 r (J + c I)^2 dr in closed form; I is taken relative to its value at the edge
-    j, dj, di = _at_edge(order, root)
+    j, dj, di = at_edge(order, root)
     ratio = (order / root) ** 2
     square = 0.5 * (dj**2 + (1 - ratio) * j**2)
     square += c**2 * 0.5 * ((1 + ratio) - di**2)

@@ -6,6 +6,7 @@ angular order mix. (Thomas, Touze, Chaigne, Int. J. Solids Struct. 42, 2005.)
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -51,10 +52,11 @@ def domed(flat: Waves, frequency: Array, stress: Waves, stiffness: float) -> Mix
     stress: stress functions, of the orders of `flat` at least. stiffness (N/m): 4 E h d^2/R^2 for the rise d.
     """
     mixed, parts = frequency.copy(), []
+    strains = strains_of(stress, flat)
     for m in np.unique(flat.order):
         row, column = np.flatnonzero(stress.order == m), np.flatnonzero(flat.order == m)
         column = column[np.argsort(frequency[column], kind="stable")]
-        strain = math.sqrt(stiffness) * strains(Waves(*(each[row] for each in stress)), _only(flat, column))
+        strain = math.sqrt(stiffness) * strains(row, column)
         omega = 2 * math.pi * frequency[column]
         square, mixture = np.linalg.eigh(np.diag(omega**2) + strain.T @ strain)
         mixture *= np.sign(np.take_along_axis(mixture, np.abs(mixture).argmax(axis=0)[None], axis=0))
@@ -63,29 +65,36 @@ def domed(flat: Waves, frequency: Array, stress: Waves, stiffness: float) -> Mix
     return Mixed(mixed, parts)
 
 
-def _only(waves: Waves, which: Indices) -> Waves:
-    return Waves(*(each[which] for each in waves))
-
-
-def strains(stress: Waves, flat: Waves) -> Array:
-    """Return the integrals over the disc of the stress functions (s,) over z^2 times the Laplacians of waves (k,), all
-    of one order, (s, k).
+def strains_of(stress: Waves, flat: Waves) -> Callable[[Indices, Indices], Array]:
+    """Return the function of the numbers of stress functions (s,) and of waves (k,), all of one order, that returns the
+    integrals over the disc of these functions over z^2 times the Laplacians of these waves, (s, k).
 
     Both are eigenfunctions of the biharmonic operator, by z^4 and k^4. So Green's formula gives (z^4 - k^4) times the
     integral by what they are at the edge, where the stress function and its slope are 0.
     """
-    around = math.pi * (2.0 if flat.order[0] == 0 else 1.0)
     curved, curved_slope = _laplacian_at_edge(stress)
     bent, bent_slope = _laplacian_at_edge(flat)
-    edge = np.outer(curved_slope, bent) - np.outer(curved, bent_slope)
-    height = np.outer(stress.scale / stress.root**2, flat.scale)
-    overlap: Array = around * height * edge / (stress.root[:, None] ** 4 - flat.root**4)
-    return overlap
+
+    def strains(s: Indices, k: Indices) -> Array:
+        around = math.pi * (2.0 if flat.order[k[0]] == 0 else 1.0)
+        edge = np.outer(curved_slope[s], bent[k]) - np.outer(curved[s], bent_slope[k])
+        height = np.outer(stress.scale[s] / stress.root[s] ** 2, flat.scale[k])
+        overlap: Array = around * height * edge / (stress.root[s, None] ** 4 - flat.root[k] ** 4)
+        return overlap
+
+    return strains
 
 
 def _laplacian_at_edge(waves: Waves) -> tuple[Array, Array]:
     """Return the Laplacians of waves that are not scaled, and their slopes, at the edge (k,)."""
-    m, k, growing = waves.order, waves.root, waves.growing
-    slope = m / k * jn(m, k) - jn(m + 1, k)
-    growing_slope = m / k + ine(m + 1, k) / ine(m, k)
-    return k**2 * (growing - jn(m, k)), k**3 * (growing * growing_slope - slope)
+    k, growing = waves.root, waves.growing
+    value, slope, growing_slope = at_edge(waves.order, k)
+    return k**2 * (growing - value), k**3 * (growing * growing_slope - slope)
+
+
+def at_edge(order: Array, root: Array) -> tuple[Array, Array, Array]:
+    """Return J_n and J_n' at roots, and I_n'/I_n; arrays that broadcast."""
+    order = np.broadcast_to(order, np.broadcast_shapes(order.shape, root.shape))
+    both = np.stack([order, order + 1])
+    (j, j_up), (i, i_up) = jn(both, root), ine(both, root)
+    return j, order / root * j - j_up, order / root + i_up / i

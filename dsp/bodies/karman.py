@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..numerics.bessel import ine, jn
 from ..sizes import MOST_SCATTERED
-from .dome import Waves, strains
+from .dome import Waves, strains_of
 from .material import Array, Indices, Material
 
 _STRESSES = 0.7  # times the modes' highest wavenumber: that of the stress functions
@@ -193,17 +193,12 @@ def _ladder(sheet: Sheet, mode: Indices, coupled: Indices, half: int, others: in
 
 def _stiffest(sheet: Sheet) -> float:
     """Return how much of a flat disc's bending energy the linear stretching of a dome can be, in any shape."""
-    most = 0.0
+    most, strains = 0.0, strains_of(sheet.stress, sheet.flat)
     for column, _ in sheet.parts:
-        strain = _linear(sheet, column) / (2 * math.pi * sheet.bending[column])
+        row = np.flatnonzero(sheet.stress.order == sheet.flat.order[column[0]])
+        strain = sheet.rise * strains(row, column) / (2 * math.pi * sheet.bending[column])
         most = max(most, float(np.linalg.eigvalsh(strain.T @ strain)[-1]))
     return most
-
-
-def _linear(sheet: Sheet, column: Indices) -> Array:
-    """Return the linear strains of a dome by flat waves of one order (stress functions of it, waves)."""
-    row = np.flatnonzero(sheet.stress.order == sheet.flat.order[column[0]])
-    return sheet.rise * strains(_only(sheet.stress, row), _only(sheet.flat, column))
 
 
 def _only(waves: Waves, which: Indices) -> Waves:
@@ -302,6 +297,7 @@ def _bent(sheet: Sheet, functions: Indices, stress: Waves, orders: int) -> tuple
     order begins."""
     wave = sheet.function[functions]
     pieces: list[Array] = []
+    strains = strains_of(stress, sheet.flat)
     for order in range(orders):
         mine = np.flatnonzero(sheet.flat.order[wave] == order)
         row = np.flatnonzero(stress.order == order)
@@ -310,7 +306,7 @@ def _bent(sheet: Sheet, functions: Indices, stress: Waves, orders: int) -> tuple
             pieces.append(np.zeros(0))
             continue
         column, mixture = part[0]
-        strain = sheet.rise * strains(_only(stress, row), _only(sheet.flat, column))
+        strain = sheet.rise * strains(row, column)
         shrunk = strain @ _mixture(column, mixture, wave[mine]) * sheet.shrinking[functions[mine]]
         pieces.append(shrunk.ravel())
     sizes = np.array([each.size for each in pieces])

@@ -95,13 +95,16 @@ def _along_path(positions: Sequence[float] | None, gains: Sequence[Sequence[floa
 def _of_body(frequency: Array, order: Array, radius: float, height: float | None) -> Array:
     """Return the radiation resistance (kg/s) of modes of unit motion at their lip, or pole."""
     k = wavenumber(frequency)
-    each = [(int(m), float(at)) for m, at in zip(order, k, strict=True)]
     if height is None:
-        area = 4 * math.pi * radius**2
-        efficiency = [float(sphere_efficiency(m, np.array(at * radius))) / (2 * m + 1) for m, at in each]
-        return IMPEDANCE * area * np.array(efficiency)
+        efficiency = sphere_efficiency(order.astype(int), k * radius) / (2 * order + 1)
+        return np.asarray(IMPEDANCE * 4 * math.pi * radius**2 * efficiency)
     half = height / 2
-    return np.array([open_cylinder(m, at, radius, half, partial(_lip, m * half / radius)).real for m, at in each])
+    resistance = np.empty(k.size)
+    for m in np.unique(order):
+        mine = np.flatnonzero(order == m)
+        whole, profile = order[mine].astype(int), partial(_lip, m * half / radius)
+        resistance[mine] = open_cylinder(whole, k[mine], radius, half, profile).real
+    return resistance
 
 
 def _lip(steepness: float, z: Array) -> Array:

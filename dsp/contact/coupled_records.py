@@ -4,8 +4,7 @@ from typing import Annotated, Protocol
 
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
-from .power_series import FREE_COUNT, GIVE_COUNT, PUSH_COUNT
-from .step_record import NODES, Step
+from .step_record import FREE_COUNT, GIVE_COUNT, NODES, PUSH_COUNT, Step
 
 TOUCHES = 16
 """Touches in a sample that are told apart; those beyond count with the last of them."""

@@ -12,9 +12,9 @@ from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
-from ..numerics.sums import AT_ONCE, BEYOND, add_tables
+from ..numerics.sums import AT_ONCE, add_tables
 from .collocation import CARDINAL, GAUSS, INTEGRAL
-from .step_record import NODES
+from .step_record import FREE_COUNT, GIVE_COUNT, NODES, PUSH_COUNT
 
 _nodes, _weights = legendre.leggauss(FINE // 2 + 1)
 QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
@@ -85,34 +85,33 @@ def _derived(table: Array) -> Array:
     return (_N * table[_LESS].reshape(FINE, -1).T).T
 
 
-def _by_lines(*tables: Array) -> tuple[int, Array]:
-    """Return the number of columns of tables, a row for each n, as `add_tables` adds them, and those tables as it reads
-    them."""
+def _by_lines(count: int, *tables: Array) -> Array:
+    """Return tables, a row for each n, as `add_tables` reads them: `count` columns, of which the last ones are 0."""
     columns = np.concatenate(tables, axis=1)
-    count = -(-columns.shape[1] // BEYOND) * BEYOND
     lines = np.pad(columns, ((0, 0), (0, count - columns.shape[1]))).reshape(FINE, count // AT_ONCE, AT_ONCE)
-    return count, np.ascontiguousarray(lines.transpose(1, 0, 2)).ravel()
+    return np.ascontiguousarray(lines.transpose(1, 0, 2)).ravel()
 
 
 _WORK = np.array([CARDINAL.T @ (n / np.maximum(n + np.arange(NODES), 1)) for n in range(FINE)])
-FREE_COUNT, _FREE = _by_lines(
-    GAUSS ** _N[:, None], _N[:, None] * GAUSS ** _LESS[:, None], np.stack([_N**0, _N], 1), _WORK, BINOMIAL
+_FREE = _by_lines(
+    FREE_COUNT, GAUSS ** _N[:, None], _N[:, None] * GAUSS ** _LESS[:, None], np.stack([_N**0, _N], 1), _WORK, BINOMIAL
 )
 NODE_RATES, END, WORK, ON = NODES, 2 * NODES, 2 * NODES + 2, 3 * NODES + 2
 """Places of a motion's products, by t^n: behind its values at the nodes of a unit step their rates, value and rate at
 its end, the work int_0^1 l_j(t) n t^(n-1) dt of a force along it, and its power series from the end on."""
 
-GIVE_COUNT, _GIVE = _by_lines(_derived(_TO_NODE), TO_END, _derived(TO_END), _derived(_DOUBLE), _MISSED)
+_GIVE = _by_lines(GIVE_COUNT, _derived(_TO_NODE), TO_END, _derived(TO_END), _derived(_DOUBLE), _MISSED)
 TO_ENDS, TAKEN, MISSED = NODES * NODES, NODES * NODES + 2 * NODES, 2 * NODES * NODES + 2 * NODES
 """Places of an answer's products, by t^n. At 3 i + j the derivative of int_0^t (t - s)^n l_j(s) ds at GAUSS[i]; that
 integral up to 1, then its derivative there, for each l_j; at 3 i + j n int_0^1 l_i(t) int_0^t (t - s)^(n-1) l_j(s) ds
 dt; and, for each node, what is missed of a force that lasts."""
 
-PUSH_COUNT, _PUSH = _by_lines(
+_PUSH = _by_lines(
+    PUSH_COUNT,
     *(
         np.array([[BINOMIAL[n, k] * TO_END[n - k, j] if k <= n else 0.0 for k in range(FINE)] for n in range(FINE)])
         for j in range(NODES)
-    )
+    ),
 )
 """FINE columns for each node: the power series, from the step's end on, of what its force takes off."""
 

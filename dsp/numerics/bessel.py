@@ -13,7 +13,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from .checks import Array
@@ -29,7 +28,7 @@ _TERMS = 24  # of it
 _POINTS = 16  # in a quarter of a turn: exact up to _FAR
 _NEUMANN = 60  # orders of Neumann's series, up to _FAR
 _FADED = 40.0  # of an exponent: less than rounding
-_STEPS = 128  # of the integral of K_n
+_STEPS = 128  # of the integral of K_n below 1, and a quarter above
 _SQUARE_ROOTS = 9.0  # of x: I_n of n further up is exp(-40) of what it was
 
 
@@ -61,29 +60,39 @@ def spherical_ine(order: Order, x: Array) -> Array:
 def _growing(order: Order, x: Array, half: float) -> tuple[Array, Array]:
     """Return f_n/f_0 of the functions that grow, and the sum of all f_n/f_0 from n = 1 on."""
     order, x = np.asarray(order), np.asarray(x, np.float64)
-    start = int(order.max(initial=0)) + math.ceil(_SQUARE_ROOTS * math.sqrt(x.max(initial=0.0))) + _SPARE
+    most = int(order.max(initial=0))
+    start = most + math.ceil(_SQUARE_ROOTS * math.sqrt(x.max(initial=0.0))) + _SPARE
     ratio, above = np.zeros_like(x), np.zeros_like(x)
     share = np.ones(np.broadcast_shapes(order.shape, x.shape))
     for n in range(start, 0, -1):
         ratio = x / (2 * (n + half) + x * ratio)
         above = ratio * (1 + above)
-        share *= np.where(order >= n, ratio, 1.0)
+        if n <= most:
+            share *= np.where(order >= n, ratio, 1.0)
     return share, above
 
 
-def kne(order: int, x: Array) -> Array:
-    """Return exp(x) K_n(x) of an order at x > 0; infinite where it is too large for a number."""
-    most = np.arccosh(1 + _FADED / x)
-    t = most * (np.arange(_STEPS + 1) / _STEPS).reshape(-1, *[1] * np.ndim(x))
-    weight = np.exp(-2 * x * np.sinh(t / 2) ** 2) * (most / _STEPS)
-    weight[0] /= 2
-    below, here = weight.sum(axis=0), (weight * np.cosh(t)).sum(axis=0)
-    if order == 0:
-        return np.asarray(below)
+def kne_table(count: int, x: Array) -> Array:
+    """Return exp(x) K_0(x) to exp(x) K_(count - 1)(x) at x > 0, (count, *x.shape); infinite where they are too large
+    for a number."""
+    flat = np.ravel(x)
+    out = np.empty((max(count, 2), flat.size))
+    small = flat < 1
+    for some, steps in ((small, _STEPS), (~small, _STEPS // 4)):
+        out[:2, some] = _falling(flat[some], steps)
     with np.errstate(over="ignore"):
-        for n in range(1, order):
-            below, here = here, below + 2 * n / x * here
-    return np.asarray(here)
+        for n in range(1, count - 1):
+            out[n + 1] = out[n - 1] + 2 * n / flat * out[n]
+    return out[:count].reshape(count, *np.shape(x))
+
+
+def _falling(x: Array, steps: int) -> tuple[Array, Array]:
+    """Return exp(x) K_0(x) and exp(x) K_1(x)."""
+    most = np.arccosh(1 + _FADED / x)
+    above = 2 * np.sinh(most * (np.arange(steps + 1)[:, None] / (2 * steps))) ** 2  # cosh t - 1
+    weight = np.exp(-x * above) * (most / steps)
+    weight[0] /= 2
+    return weight.sum(axis=0), (weight * (1 + above)).sum(axis=0)
 
 
 def yn_table(count: int, x: Array) -> Array:
@@ -161,8 +170,8 @@ def _second_kind(x: Array) -> tuple[Array, Array]:
     log = np.log(near / 2) + np.euler_gamma
     k = np.arange(1, _NEUMANN // 2 + 1)
     sign = -((-1.0) ** k)
-    zero[~far] = 2 / math.pi * (log * j[0] + 2 * (sign / k) @ j[2 * k])
-    rest = (sign * (2 * k + 1) / (k * (k + 1))) @ j[2 * k + 1]
+    zero[~far] = 2 / math.pi * (log * j[0] + 2 * np.tensordot(sign / k, j[2 * k], 1))
+    rest = np.tensordot(sign * (2 * k + 1) / (k * (k + 1)), j[2 * k + 1], 1)
     one[~far] = 2 / math.pi * ((log - 1) * j[1] - j[0] / near + rest)
     return zero, one
 
@@ -170,24 +179,27 @@ def _second_kind(x: Array) -> tuple[Array, Array]:
 def _hankel(x: Array) -> tuple[Array, Array, Array, Array]:
     """Return J_0, J_1, Y_0 and Y_1 at large x, by Hankel's series."""
     size, cosine, sine = np.sqrt(1 / (math.pi * x)), np.cos(x), np.sin(x)
-    even, odd, even1, odd1 = (
-        polyval(1 / x**2, series[part::2]) * (1 / x) ** part for series in _hankel_series() for part in (0, 1)
-    )
+    sums = np.zeros((4, x.size))
+    for terms in _hankel_series():
+        sums = sums / x**2 + terms
+    even, odd, even1, odd1 = sums * np.stack([np.ones_like(x), 1 / x] * 2)
     a, b = cosine + sine, sine - cosine  # of the phase x - pi/4, times the root of 2
     zero, one = size * (even * a - odd * b), size * (even1 * b + odd1 * a)
     return zero, one, size * (even * b + odd * a), size * (odd1 * b - even1 * a)
 
 
 @cache
-def _hankel_series() -> tuple[list[float], list[float]]:
-    """Return the coefficients of Hankel's series of the orders 0 and 1, signs of pairs and powers of 1/x in it."""
+def _hankel_series() -> Array:
+    """Return the coefficients of Hankel's series by falling powers of 1/x^2, (powers, 4, 1): of the orders 0 and 1, the
+    even terms and the odd ones; with their signs."""
     both = []
     for four in (0, 4):  # 4 n^2
         terms = [1.0]
         for k in range(1, _TERMS):
             terms.append(terms[-1] * (four - (2 * k - 1) ** 2) / (8 * k))
-        both.append([(-1) ** (k // 2) * each for k, each in enumerate(terms)])
-    return both[0], both[1]
+        signed = [(-1) ** (k // 2) * each for k, each in enumerate(terms)]
+        both += [signed[::2], signed[1::2]]
+    return np.array(both).T[::-1, :, None]
 
 
 def _upwards(count: int, x: Array, half: float, zero: Array, one: Array) -> Array:

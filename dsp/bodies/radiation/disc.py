@@ -8,6 +8,7 @@ J_l(x)/x. Time goes as exp(-i omega t).
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from ...numerics.bessel import bessel, ine, spherical_bessel, spherical_ine
 from ..air import IMPEDANCE, Complex
 from ..material import Array
-from ..modes import Indices
+from ..modes import Indices, read_only
 from .quadrature import segment
 
 _MARGIN = 2  # terms beyond those that the waves need
@@ -77,9 +78,18 @@ def _projections(waves: Waves, degree: Indices, whole: Array, half: float) -> Ar
     root = waves.root
     projected: Array = waves.scale / root * whole
     if waves.growing.any():
-        grown = (spherical_ine if half else ine)(degree[:, None], root) / ine(waves.order, root)
+        grown = _grown(waves.order, root.tobytes(), degree.size, half)
         projected += waves.scale / root * waves.growing * (-1.0) ** np.arange(degree.size)[:, None] * grown
     return projected
+
+
+@lru_cache(maxsize=1024)  # 10 kB each at most; waves are asked for at one place after the other
+def _grown(order: int, roots: bytes, degrees: int, half: float) -> Array:
+    """Return I_(l + half)/I_m at roots, of the degrees l of an order m (degrees, k); read-only."""
+    root, degree = np.frombuffer(roots), order + 2 * np.arange(degrees)[:, None] + 1
+    grown: Array = (spherical_ine if half else ine)(degree, root) / ine(order, root)
+    read_only(grown)
+    return grown
 
 
 def baffled_disc(waves: Waves, x: Array, radius: float) -> Complex:

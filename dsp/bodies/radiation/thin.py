@@ -8,17 +8,20 @@ b_n = int phi psi_n dz, and c.b is the impedance. Time goes as exp(-i omega t).
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
-from ...numerics.bessel import bessel, derivatives, ine, kne, yn_table
+from ...numerics.bessel import bessel, derivatives, ine, kne_table, yn_table
 from ..air import IMPEDANCE, Complex
 from ..material import Array
+from ..modes import Indices
 from .quadrature import segment
 
 Profile = Callable[[Array], Array]
 """Places z in -1..1 across the surface -> velocity there."""
 
+_TOGETHER = 32  # modes that are computed at once
 _UNIFORM = 30  # order from which Debye's leading terms serve where Y_n and K_n might overflow; they err by 1/n^2
 
 
@@ -36,78 +39,91 @@ def strip(x: float, profile: Profile = np.ones_like) -> complex:
     def evanescent(s: Array) -> Complex:
         return np.asarray(1j * np.sqrt(s**2 - x**2), np.complex128)
 
-    return _solve(x, terms, 60.0, (travelling, evanescent), profile)
+    waves = _waves(x, terms, 60.0)
+    return _solve(x, terms, waves, np.concatenate([travelling(waves.low), evanescent(waves.high)]), profile)
 
 
-def open_cylinder(order: int, k: float, radius: float, half: float, profile: Profile) -> complex:
-    """Return the impedance (kg/s) of a thin cylinder of length 2 `half`, its ends open, moving radially by profile
-    cos(m theta).
+def open_cylinder(order: Indices, k: Array, radius: float, half: float, profile: Profile) -> Complex:
+    """Return the impedances (kg/s) of a thin cylinder of length 2 `half`, its ends open, that moves radially by profile
+    cos(m theta), for orders m (n,) at wave numbers k (n,).
 
     Both its sides radiate, one to the other around the edges. Lengths in m, k = omega/c. The order m may be 0.
     """
-    x, slim = k * half, radius / half
-    terms = 10 + int(x / 3)
-
-    def travelling(s: Array) -> Complex:
-        return _inner_outer(order, np.sqrt(x**2 - s**2) * slim) / slim
-
-    def evanescent(s: Array) -> Complex:
-        return _inner_outer_evanescent(order, np.sqrt(s**2 - x**2) * slim) / slim
-
-    ratio = _solve(x, terms, 40 + 30 / slim, (travelling, evanescent), profile)
-    return IMPEDANCE * (2 * math.pi if order == 0 else math.pi) * radius * half * ratio
+    found = np.empty(k.size, np.complex128)
+    for first in range(0, k.size, _TOGETHER):
+        some = slice(first, first + _TOGETHER)
+        found[some] = _cylinder(order[some], k[some] * half, radius / half, profile)
+    return IMPEDANCE * np.where(order == 0, 2 * math.pi, math.pi) * radius * half * found
 
 
-def _solve(
-    x: float,
-    terms: int,
-    reach: float,
-    kernel: tuple[Callable[[Array], Complex], Callable[[Array], Complex]],
-    profile: Profile,
-) -> complex:
-    """Return c.b of the kernel 2 x rho c Y, which goes as i s for large s, given for s < x and for s > x."""
+def _cylinder(order: Indices, x: Array, slim: float, profile: Profile) -> Complex:
+    """Return c.b for orders (n,) at x = k half (n,), slim the radius over `half`. What goes on inside and outside is
+    computed for all at once."""
+    terms = [10 + int(each / 3) for each in x]
+    waves = [_waves(each, count, 40 + 30 / slim) for each, count in zip(x, terms, strict=True)]
+    low = [np.sqrt(each**2 - given.low**2) * slim for each, given in zip(x, waves, strict=True)]
+    high = [np.sqrt(given.high**2 - each**2) * slim for each, given in zip(x, waves, strict=True)]
+    kernels = (_at_once(_inner_outer, order, low), _at_once(_inner_outer_evanescent, order, high))
+    return np.array(
+        [
+            _solve(each, count, given, np.concatenate(kernel) / slim, profile)
+            for each, count, given, *kernel in zip(x, terms, waves, *kernels, strict=True)
+        ]
+    )
+
+
+def _at_once(kernel: Callable[[Indices, Array], Complex], order: Indices, radial: list[Array]) -> list[Complex]:
+    """Return a kernel at lists of radial wavenumbers, one for each order."""
+    sizes = [each.size for each in radial]
+    return np.split(kernel(np.repeat(order, sizes), np.concatenate(radial)), np.cumsum(sizes)[:-1])
+
+
+class _Waves(NamedTuple):
+    """Wavenumbers s across the surface: nodes and weights of integrals from 0 to x, and from x on."""
+
+    low: Array
+    low_weights: Array
+    high: Array
+    high_weights: Array
+
+
+def _waves(x: float, terms: int, reach: float) -> _Waves:
+    t, w = segment(0, math.pi / 2, 24 + x)
+    y, wy = segment(0, math.sqrt(terms + reach), 80 + 0.6 * (terms + reach))
+    return _Waves(x * np.sin(t), w * x * np.cos(t), x + y**2, 2 * y * wy)
+
+
+def _solve(x: float, terms: int, waves: _Waves, kernel: Complex, profile: Profile) -> complex:
+    """Return c.b of the kernel 2 x rho c Y, which goes as i s for large s, given at the waves."""
     n = np.arange(terms)
     angle, weights = segment(0, math.pi, 4 * terms + 40)
     b = (np.sin(np.outer(n + 1, angle)) * np.sin(angle) * weights) @ profile(np.cos(angle))
 
-    t, w = segment(0, math.pi / 2, 24 + x)
-    low, low_weights = x * np.sin(t), w * x * np.cos(t)
-    y, w = segment(0, math.sqrt(terms + reach), 80 + 0.6 * (terms + reach))
-    high, high_weights = x + y**2, 2 * y * w
-    s = np.concatenate([low, high])
-    travelling, evanescent = kernel
-    rest = np.concatenate([travelling(low), evanescent(high)]) - 1j * s
+    s = np.concatenate([waves.low, waves.high])
     j = bessel(terms + 1, s)[1:] / s * (n + 1)[:, None]
-    moments = (j * (rest * np.concatenate([low_weights, high_weights]))) @ j.T
+    moments = (j * ((kernel - 1j * s) * np.concatenate([waves.low_weights, waves.high_weights]))) @ j.T
     even = (n[:, None] + n) % 2 == 0
     sign = np.where(even, (-1.0) ** ((n[:, None] - n) // 2), 0.0)
     a = (math.pi * sign * moments + 1j * math.pi * np.diag(n + 1) / 2) / (2 * x)
     return complex(np.linalg.solve(a, b) @ b)
 
 
-def _inner_outer(order: int, r: Array) -> Complex:
-    """Return pi r^2 J_m'(r) H_m'(r): the inside and the outside of a cylinder, of radial wavenumber r over its
-    radius."""
-    j = derivatives(bessel(order + 2, r), r)[order]
-    if order > _UNIFORM:
-        near = r < order / 2
-        y = _slope_of_y(order, np.where(near, order, r))
-        both = np.where(near, np.sqrt(np.maximum(order**2 - r**2, 0)) / math.pi, r**2 * j * y)
-    else:
-        both = r**2 * j * _slope_of_y(order, r)
+def _inner_outer(order: Indices, r: Array) -> Complex:
+    """Return pi r^2 J_m'(r) H_m'(r) of orders (n,): the inside and the outside of a cylinder, of radial wavenumbers r
+    (n,) over its radius."""
+    count, place = int(order.max()) + 2, np.arange(r.size)
+    near = (order > _UNIFORM) & (r < order / 2)
+    j = derivatives(bessel(count, r), r)[order, place]
+    far = np.where(near, order, r)
+    y = derivatives(yn_table(count, far), far)[order, place]
+    both = np.where(near, np.sqrt(np.maximum(order**2 - r**2, 0)) / math.pi, r**2 * j * y)
     return np.asarray(math.pi * (r**2 * j**2 + 1j * both), np.complex128)
 
 
-def _slope_of_y(order: int, r: Array) -> Array:
-    slope: Array = derivatives(yn_table(order + 2, r), r)[order]
-    return slope
-
-
-def _inner_outer_evanescent(order: int, r: Array) -> Complex:
+def _inner_outer_evanescent(order: Indices, r: Array) -> Complex:
     """Return the same at i r: -2 i r^2 I_m'(r) K_m'(r)."""
-    if order > _UNIFORM:
-        return np.asarray(1j * np.sqrt(order**2 + r**2), np.complex128)
-    r = np.maximum(r, 1e-9)
-    i = (ine(abs(order - 1), r) + ine(order + 1, r)) / 2
-    k = (kne(abs(order - 1), r) + kne(order + 1, r)) / 2
-    return np.asarray(2j * r**2 * i * k, np.complex128)
+    exact, r = np.minimum(order, _UNIFORM), np.maximum(r, 1e-9)
+    around = np.stack([np.abs(exact - 1), exact + 1])
+    i = ine(around, r).mean(axis=0)
+    k = kne_table(int(around.max()) + 1, r)[around, np.arange(r.size)].mean(axis=0)
+    return np.asarray(1j * np.where(order > _UNIFORM, np.sqrt(order**2 + r**2), 2 * r**2 * i * k), np.complex128)

@@ -26,8 +26,7 @@ def load_of(order: Array, radius: float, half: float, profile: Profile, frequenc
     k = wavenumber(frequency)
     if 2 * half > _LONG * radius:
         return _long(order, radius, half, profile, frequency)
-    impedance = [open_cylinder(int(m), each, radius, half, profile) for m, each in zip(order, k, strict=True)]
-    return load(np.array(impedance), frequency)
+    return load(open_cylinder(order.astype(int), k, radius, half, profile), frequency)
 
 
 def _long(order: Array, radius: float, half: float, profile: Profile, frequency: Array) -> Load:
