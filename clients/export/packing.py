@@ -85,7 +85,7 @@ def _stays(baked: Baked, first: int) -> bool:
 
 def compressed(content: bytes, *, words: bool = False) -> bytes:
     """Return a file as LZMA has it, in the format .lzma, the same for the same content; words: of 4 bytes."""
-    modelled = {"lc": 0, "lp": 2} if words else {"lc": 3, "lp": 0}
+    modelled = {"nice_len": 128, **({"lc": 0, "lp": 2} if words else {"lc": 3, "lp": 0})}
     filters = [{"id": lzma.FILTER_LZMA1, "preset": 9 | lzma.PRESET_EXTREME, **modelled}]
     made = lzma.compress(content, lzma.FORMAT_ALONE, filters=filters)
     return made[:5] + struct.pack("<Q", len(content)) + made[13:]  # with its size, where Python leaves that unsaid
