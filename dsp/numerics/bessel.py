@@ -4,8 +4,8 @@ J_n, and j_n, by f_(n-1) + f_(n+1) = 2 n/x f_n (spherical: 2 n + 1): upwards whe
 downwards from an order of which nothing is left, scaled to J_0 or J_1. These two are the means of cos(x sin t) and of
 sin t sin(x sin t) over a turn, and Hankel's series for large x. Y_0 and Y_1 are Neumann's series (Abramowitz and
 Stegun, 9.1.88 and 9.1.89); the further ones follow upwards. I_n: Perron's continued fraction of I_n/I_(n-1), scaled by
-exp x = I_0 + 2 sum I_n. K_n: the mean of exp(-x cosh t) cosh(n t). Each errs by some 1e-14 of itself, where it is not
-near a zero.
+exp x = I_0 + 2 sum I_n. K_n: the mean of exp(-x cosh t) cosh(n t). Each errs by 1e-13 of itself at most, where it is
+not near a zero.
 """
 
 import math

@@ -105,3 +105,11 @@ def test_what_is_kept_for_the_next_body_cannot_be_changed():
     for array in kept:
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
+
+
+@pytest.mark.parametrize("edge", ["free", "clamped", "supported"])
+def test_a_root_does_not_depend_on_the_limit_to_the_bit(edge):
+    search = import_module("carom.dsp.bodies.disc")._search
+    whole = set(zip(*search(edge, 0.3, 70.0), strict=True))
+    for limit in (20.0, 45.0):
+        assert set(zip(*search(edge, 0.3, limit), strict=True)) == {each for each in whole if each[1] < limit}
