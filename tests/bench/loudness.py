@@ -7,6 +7,7 @@ other gestures that suit the object are within GESTURES of it. `--dry` only prin
 
 import argparse
 import json
+import math
 import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -54,16 +55,18 @@ def measured(name: str, folders: Folders = ()) -> Loudness:
     return Loudness(preset.level, struck.loudness, struck.peak, pascals, decibels(pascals / _HEARING), others)
 
 
-def gesture(name: str, kind: str, folders: Folders = ()) -> Heard:
-    """Measure the loudness of a gesture at its defaults, on an object at its defaults."""
-    return heard(_played(name, kind, folders), RATE)
+def gesture(name: str, kind: str, folders: Folders = (), at_most: float = math.inf) -> Heard:
+    """Measure the loudness of a gesture at its defaults, on an object at its defaults; at_most: s of it."""
+    return heard(_played(name, kind, folders, at_most=at_most), RATE)
 
 
-def _played(name: str, kind: str, folders: Folders, calibrated: bool = False) -> NDArray[np.float32]:
+def _played(
+    name: str, kind: str, folders: Folders, calibrated: bool = False, at_most: float = math.inf
+) -> NDArray[np.float32]:
     with carom.Scene(RATE, limiter=False, presets=folders, calibrated=calibrated) as scene:
         body = scene.new("a", name)
         getattr(body, kind)(**{} if kind == "impact" else {"seed": 1})
-        return scene.render(SECONDS[kind]).samples
+        return scene.render(min(SECONDS[kind], at_most)).samples
 
 
 def write(path: Path, level: float) -> None:
