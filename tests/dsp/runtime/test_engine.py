@@ -12,6 +12,7 @@ import pytest
 
 from carom.dsp.engine.memory.capacity import MODES, USUAL_MODES, USUAL_OBJECTS
 from carom.dsp.engine.memory.state import QUANTUM, RING, STATE, Quality, new_state
+from carom.dsp.runtime import fresh
 from carom.dsp.runtime.arena import EngineFull
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.fresh import fresh_state
@@ -125,6 +126,45 @@ def test_a_state_that_is_a_map_of_another_is_as_fresh_as_a_new_one():
     np.testing.assert_array_equal(new["queue"]["heap"], mapped["queue"]["heap"])
     mapped["position"] = 64
     assert fresh_state(44_100.0, 3)[0]["position"] == 0
+
+
+def test_a_state_that_was_played_is_fresh_for_another_once_nobody_looks_at_it(monkeypatch):
+    monkeypatch.setattr(fresh, "_kept", kept := [])
+    fresh_state(48_000.0, 1)  # the first of a process is new itself
+    engine = Engine(RATE)
+    engine.trace(True)
+    strike(engine, engine.add(bell(), 0.05))
+    first = engine.process(960)
+    looks, address = engine.state[0]["bank"]["weight"][:64], engine.pointer
+    del engine
+    assert not kept and looks.any()
+    del looks
+    if not kept:
+        pytest.skip("this system does not tell which pages were written")
+    again = fresh_state(RATE, 2)
+    assert again.ctypes.data == address
+    new = new_state(RATE, 2)[0]
+    for name in STATE.names or ():
+        size = min(STATE[name].itemsize, 1 << 20)
+        was, now = (np.frombuffer(each[name], np.uint8, size) for each in (new, again[0]))
+        assert np.array_equal(was, now), name
+    for column in ("frequency", "sigma", "weight", "balance", "shape"):
+        assert not again[0]["bank"][column][:4096].any(), column
+    del again, now
+    engine = Engine(RATE)
+    assert engine.pointer == address
+    engine.trace(True)
+    strike(engine, engine.add(bell(), 0.05))
+    assert np.array_equal(engine.process(960), first)
+
+
+def test_a_state_that_was_written_all_over_is_not_kept(monkeypatch):
+    monkeypatch.setattr(fresh, "_kept", kept := [])
+    fresh_state(48_000.0, 1)
+    state = fresh_state(48_000.0, 1)
+    state[0]["bank"]["shape"][:1_000_000] = 1.0
+    del state
+    assert not kept
 
 
 FORKED = """
