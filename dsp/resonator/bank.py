@@ -38,9 +38,11 @@ MOBILITY = 2 * FINE * LANES
 """First of the rows that `observe`, `receptance` and velocity.py need."""
 FED = MOBILITY + 3 * LANES
 """First of the rows that fed.py needs."""
-RESPONSES = FED + 4 * LANES
+PACE = FED + 4 * LANES
+"""First of the row that rows.py needs."""
+RESPONSES = PACE + LANES
 """Coefficients of one group of modes: for injection by moment, by sample (last, last but one), by mode; then two rows
-that `observe` and `receptance` need, sigma/omega, and those of fed.py."""
+that `observe` and `receptance` need, sigma/omega, those of fed.py, and how far each mode turns in a sample."""
 
 _NYQUIST_SHARE = 0.95
 _AUDIBLE = 20_000.0  # Hz

@@ -5,7 +5,7 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
-from .bank import FED, MOBILITY, RESPONSES, Modes
+from .bank import FED, MOBILITY, PACE, RESPONSES, Modes
 from .fed import feed_tap
 from .mode import ring_at
 from .simd import LANES
@@ -59,6 +59,7 @@ def set_mode(modes: Modes, i: int, frequency: float, decay: float, rate: float, 
         response[b + LANES] = (g * before).imag
     _set_mobility(response, base, 2.0 * math.pi * frequency, r * math.sin(theta), weight)
     response[base + MOBILITY + 2 * LANES] = loss / theta
+    response[base + PACE] = theta + 2.0 * loss
     felt = weight.real if weight.imag == 0.0 else 0.0
     response[base + FED] = felt * r * math.sin(theta)
     for k in range(REACH + 1):

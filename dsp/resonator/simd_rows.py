@@ -1,14 +1,19 @@
-"""LANES modes at once that ring freely over a block, and rows that are sums over their samples: see rows.py."""
+"""LANES modes at once that ring freely over a block, and rows that are sums over all of them: see rows.py."""
 
 from typing import Any
 
-from ..native.jit import Lowered, cgutils, intrinsic, types
+from ..native.jit import Lowered, cgutils, intrinsic, ir, types
 from ..native.typed import View
 from ..numerics.legendre import AHEAD
 from .simd import LANES, REASSOCIATE, int64, pointer_to, sums_of, vector_of
 
-AT_ONCE = 5
-"""Rows that are laid at once, at most: so many factors stay in registers, of processors that have 16 of them too."""
+MOST_POINTS = 4
+"""Points of a sample at which a motion is summed, at most."""
+
+WIDE = AHEAD + 2 * LANES
+"""Samples for which it is summed, at most: some before and behind those that rows are found for."""
+
+_GONE = 1e-6  # of -a2: what is left of a mode after a sample whose samples before are not looked for
 
 
 def _times(builder: Any, a: Any, b: Any) -> Any:
@@ -59,14 +64,14 @@ def put_factors(
 @intrinsic
 def add_courses(
     typingctx: object, room: View[float], modes: tuple[View[float], ...], firsts: tuple[int, ...],
-    weights: tuple[tuple[float, ...], ...], samples: int,
+    weights: tuple[tuple[float, ...], ...], samples: int, behind: int,
 ) -> Lowered[None]:  # fmt: skip
-    """Add groups of LANES modes, from `firsts` on, to rows of so many samples, each mode in a lane of its own.
+    """Add groups of LANES modes, from `firsts` on, to their displacements at some points of so many samples, the first
+    of which lies so many behind now: each mode in a lane of its own.
 
-    modes: their y1, y2, a1 and a2. In `room` lie the lanes of each row at the first sample, then those at the next one,
-    and so on; after them the factors, as `put_factors` has them with those weights, one group's after the other's; and
-    behind room for those of two groups and LANES more values, the lanes of what the last row would have been a sample
-    before its first.
+    modes: their y1, y2, a1 and a2. In `room` lie the lanes of each point of the first sample, then those of the next
+    one, and so on; from MOST_POINTS WIDE LANES on the factors, as `put_factors` has them with those weights, one
+    group's after the other's. A sample's end as its only point needs none beside the first: it rings as modes do.
     """
 
     def codegen(context, builder, signature, args):
@@ -81,15 +86,21 @@ def add_courses(
                 builder.load(pointer_to(context, builder, kind, array, first), align=8)
                 for kind, array in zip(signature.args[1], cgutils.unpack_tuple(builder, args[1]), strict=True)
             )
-            begin = AHEAD * count + 2 * count * g
-            factors = [builder.load(place(int64((begin + i) * LANES)), align=8) for i in range(2 * count)]
-            begun = _plus(builder, _times(builder, p, y1), _times(builder, q, y2))
-            total = place(int64((AHEAD * count + 4 * count + 1) * LANES))
-            last = _plus(builder, _times(builder, factors[-2], begun), _times(builder, factors[-1], y1))
-            builder.store(_plus(builder, builder.load(total, align=8), last), total, align=8)
+            begin = MOST_POINTS * WIDE * LANES + 2 * count * g * LANES
+            factors = [builder.load(place(int64(begin + i * LANES)), align=8) for i in range(2 * count)]
+            motion = [cgutils.alloca_once_value(builder, each) for each in (y1, y2)]
+            _turn_back(builder, motion, (p, q), args[5])
+            last, before = (builder.load(each) for each in motion)
+            begun = _plus(builder, _times(builder, p, last), _times(builder, q, before))
             # A row's first sample is the one after the next: of that and the one before.
-            coming = _plus(builder, _times(builder, p, begun), _times(builder, q, y1))
-            motion = [cgutils.alloca_once_value(builder, each) for each in (coming, begun)]
+            coming = _plus(builder, _times(builder, p, begun), _times(builder, q, last))
+            if count == 1:
+                pairs = ((coming, begun), (begun, last))
+                coming, begun = (
+                    _plus(builder, _times(builder, factors[0], a), _times(builder, factors[1], b)) for a, b in pairs
+                )
+            for each, value in zip(motion, (coming, begun), strict=True):
+                builder.store(value, each)
             groups.append((p, q, factors, motion))
         stop = builder.mul(args[4], int64(count * LANES))
         with cgutils.for_range_slice(builder, int64(0), stop, int64(count * LANES)) as (n, _):
@@ -98,6 +109,9 @@ def add_courses(
                 total = place(builder.add(n, int64(r * LANES)))
                 added = builder.load(total, align=8)
                 for (_, _, factors, _), pair in zip(groups, values, strict=True):
+                    if count == 1:
+                        added = _plus(builder, added, pair[0])
+                        continue
                     for s in range(2):
                         added = _plus(builder, added, _times(builder, factors[2 * r + s], pair[s]))
                 builder.store(added, total, align=8)
@@ -106,30 +120,88 @@ def add_courses(
                 builder.store(here, motion[1])
         return context.get_dummy_value()
 
-    return types.void(room, modes, firsts, weights, types.intp), codegen
+    return types.void(room, modes, firsts, weights, types.intp, types.intp), codegen
+
+
+def _turn_back(builder: Any, motion: list[Any], turns: tuple[Any, Any], samples: Any) -> None:
+    """Bring a motion so many samples back, but for modes of which nothing is left after one."""
+    p, q = turns
+    rings = builder.fcmp_ordered("<", q, vector_of(builder, [ir.Constant(ir.DoubleType(), -_GONE)] * LANES))
+    ones = vector_of(builder, [ir.Constant(ir.DoubleType(), 1.0)] * LANES)
+    inverse = builder.fdiv(ones, builder.select(rings, q, ones))
+    inverse = builder.select(rings, inverse, ir.Constant(inverse.type, None))
+    with cgutils.for_range(builder, samples):
+        last, before = (builder.load(each) for each in motion)
+        older = _times(builder, inverse, builder.fsub(last, _times(builder, p, before), flags=REASSOCIATE))
+        builder.store(before, motion[0])
+        builder.store(older, motion[1])
 
 
 @intrinsic
-def add_lanes(
-    typingctx: object, out: View[float], room: View[float], weights: tuple[tuple[float, ...], ...], samples: int
+def put_lanes(
+    typingctx: object, room: View[float], begin: int, points: tuple[tuple[float, ...], ...], samples: int
 ) -> Lowered[None]:
-    """Add the lanes that `add_courses` has summed to `out`: so many samples of one row after the other, AHEAD apart."""
+    """Set the sums of the lanes that `add_courses` has: of so many samples, from room[begin] on those of one point
+    after the other's, WIDE apart."""
 
     def codegen(context, builder, signature, args):
         count = len(signature.args[2])
 
-        def place(n, index):
-            return pointer_to(context, builder, signature.args[n], args[n], index)
+        def place(index):
+            return pointer_to(context, builder, signature.args[0], args[0], index)
 
         with cgutils.for_range_slice(builder, int64(0), args[3], int64(LANES)) as (n, _):
-            begin = builder.mul(n, int64(count * LANES))
+            first = builder.mul(n, int64(count * LANES))
             for r in range(count):
                 lanes = [
-                    builder.load(place(1, builder.add(begin, int64((i * count + r) * LANES))), align=8)
+                    builder.load(place(builder.add(first, int64((i * count + r) * LANES))), align=8)
                     for i in range(LANES)
                 ]
-                row = place(0, builder.add(n, int64(r * AHEAD)))
-                builder.store(_plus(builder, builder.load(row, align=8), sums_of(builder, lanes)), row, align=8)
+                row = place(builder.add(args[1], builder.add(n, int64(r * WIDE))))
+                builder.store(sums_of(builder, lanes), row, align=8)
         return context.get_dummy_value()
 
-    return types.void(out, room, weights, types.intp), codegen
+    return types.void(room, types.intp, points, types.intp), codegen
+
+
+@intrinsic
+def add_filtered(
+    typingctx: object, out: View[float], rows: tuple[int, ...], points: View[float], begin: int, table: View[float],
+    filters: tuple[int, int, int], samples: int,
+) -> Lowered[None]:  # fmt: skip
+    """Add what filters make of points to rows of so many samples, AHEAD apart in `out`.
+
+    rows: a tuple with a number for each. filters: the number of points in a sample, of the samples that each filter
+    takes, and the place of the first in `table`, where those of all rows lie side by side: of the first point in all
+    samples, then of the next one. From points[begin] on lie the points, as `put_lanes` has them, of the first of these
+    samples on.
+    """
+
+    def codegen(context, builder, signature, args):
+        out, _, points, begin, table, filters, samples = args
+        count = len(signature.args[1])
+        times, taken, first = cgutils.unpack_tuple(builder, filters)
+        data = context.make_array(signature.args[4])(context, builder, table).data
+        zero = ir.Constant(ir.VectorType(ir.DoubleType(), LANES), None)
+        with cgutils.for_range_slice(builder, int64(0), samples, int64(LANES)) as (n, _):
+            totals = [cgutils.alloca_once_value(builder, zero) for _ in range(count)]
+            for total in totals:
+                builder.store(zero, total)
+            with cgutils.for_range(builder, times) as time:
+                row = builder.add(builder.add(begin, n), builder.mul(time.index, int64(WIDE)))
+                factors = builder.add(first, builder.mul(builder.mul(time.index, taken), int64(count)))
+                with cgutils.for_range(builder, taken) as sample:
+                    at = builder.add(row, sample.index)
+                    values = builder.load(pointer_to(context, builder, signature.args[2], points, at), align=8)
+                    factor = builder.add(factors, builder.mul(sample.index, int64(count)))
+                    for r, total in enumerate(totals):
+                        each = builder.load(builder.gep(data, [builder.add(factor, int64(r))]))
+                        product = _times(builder, vector_of(builder, [each] * LANES), values)
+                        builder.store(_plus(builder, builder.load(total), product), total)
+            for r, total in enumerate(totals):
+                place = pointer_to(context, builder, signature.args[0], out, builder.add(n, int64(r * AHEAD)))
+                builder.store(_plus(builder, builder.load(place, align=8), builder.load(total)), place, align=8)
+        return context.get_dummy_value()
+
+    void = types.void(out, rows, points, types.intp, table, filters, types.intp)
+    return void, codegen

@@ -1,8 +1,8 @@
 """Sizes of what forces and modes take, apart from kernels: records are laid out without loading these."""
 
-from ..numerics.legendre import AHEAD, KEPT
+from ..numerics.legendre import KEPT
 from .simd import FACTORS, LANES
-from .simd_rows import AT_ONCE
+from .simd_rows import MOST_POINTS, WIDE
 
 CLICK_MODES = 4
 """Modes of the bank that a click takes, one after the other: together they make one sound (`click.py`)."""
@@ -21,5 +21,5 @@ SENSED = 4
 ROWS = 1 + 2 * SENSED + 4 + 2
 """Values for each mode that slides at a point: its shape there, and what `set_rows` finds (`velocity.py`)."""
 
-ROOM_FOR_ROWS = (4 * AT_ONCE + AHEAD * AT_ONCE + 3) * LANES
+ROOM_FOR_ROWS = MOST_POINTS * ((WIDE + 4) * LANES + WIDE) + 2 * LANES
 """Values that `lay_rows` needs room for (`rows.py`)."""

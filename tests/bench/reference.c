@@ -1,6 +1,6 @@
 /* The modal bank of dsp/bank.py as plain C, to measure the compiled Python against: same form, same precision. */
 
-enum { LANES = 8, MOMENTS = 8, FINE = 14, QUANTUM = 64, RESPONSES = (2 * FINE + 7) * LANES };
+enum { LANES = 8, MOMENTS = 8, FINE = 14, QUANTUM = 64, RESPONSES = (2 * FINE + 8) * LANES };
 
 typedef const double *restrict in;
 typedef double *restrict inout;

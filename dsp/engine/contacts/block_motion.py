@@ -8,28 +8,31 @@ from ...native.typed import View
 from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
-from ...resonator.rows import course_weights, lay_rows, row_weights
-from ...resonator.simd_rows import AT_ONCE
+from ...resonator.rows import Row, at_time, course, filters_of, lay_rows
 from ..bodies.objects import modes_of, point_of
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import State
 
 
-def _weights_of(parts: int) -> tuple[tuple[float, ...], ...]:
-    """Return the weights of all rows of a sample of so many parts (block_records.py)."""
+def _rows_of(parts: int) -> list[Row]:
+    """Return all rows of a sample of so many parts (block_records.py)."""
     spans = [(part / parts, (part + 1) / parts) for part in range(parts)]
-    rows = [row_weights(float(time)) for time in nodes_of(parts)]
-    rows += [TILT * course_weights(1, *span) for span in spans]
-    rows += [row_weights(end) for _, end in spans[:-1]]
-    rows += [course_weights(moment, 0.0, 1.0) for moment in range(2, parts + 1)]
-    return tuple(tuple(row.tolist()) for row in [*rows, row_weights(1.0)])
+    rows = [at_time(float(time)) for time in nodes_of(parts)]
+    rows += [_tilted(*span) for span in spans]
+    rows += [at_time(end) for _, end in spans[:-1]]
+    rows += [course(moment, 0.0, 1.0) for moment in range(2, parts + 1)]
+    return [*rows, at_time(1.0)]
 
 
-_WEIGHTS = [_weights_of(parts) for parts in range(1, MOST_PARTS + 1)]
-_OF_ONE, _OF_TWO, _OF_THREE = ([rows[i : i + AT_ONCE] for i in range(0, len(rows), AT_ONCE)] for rows in _WEIGHTS)
-(_ONE_A,), (_TWO_A, _TWO_B), (_THREE_A, _THREE_B, _THREE_C) = _OF_ONE, _OF_TWO, _OF_THREE
-_LINE = tuple(tuple(row.tolist()) for row in (course_weights(1, 0.0, 1.0), row_weights(1.0)))
-_SECOND, _THIRD = AT_ONCE * AHEAD, 2 * AT_ONCE * AHEAD  # where their rows begin
+def _tilted(begin: float, end: float) -> Row:
+    """Return the row of a rate's tilt over a part of the sample."""
+    tilt = course(1, begin, end)
+    return lambda s: TILT * tilt(s)
+
+
+_ROWS = [[course(1, 0.0, 1.0), at_time(1.0)], *(_rows_of(parts) for parts in range(1, MOST_PARTS + 1))]
+_OF_LINE, _OF_ONE, _OF_TWO, _OF_THREE = filters_of(_ROWS)
+_LINE, _ONE, _TWO, _THREE = (tuple(range(len(rows))) for rows in _ROWS)
 
 BENT = -1
 """Number in the place of a moment for a force that lasts."""
@@ -48,15 +51,12 @@ def lay_motion(parts: int, samples: int, modes: Modes, point: Point, room: View[
     parts of a sample, or of LINE, one row after the other; return where it is now (m). `room` has ROOM values
     (resonator/rows.py)."""
     if parts == LINE:
-        return lay_rows(modes, point, _LINE, samples, room, rows)
+        return lay_rows(modes, point, _LINE, _OF_LINE, samples, room, rows)
     if parts == 1:
-        return lay_rows(modes, point, _ONE_A, samples, room, rows)
+        return lay_rows(modes, point, _ONE, _OF_ONE, samples, room, rows)
     if parts == 2:
-        lay_rows(modes, point, _TWO_A, samples, room, rows)
-        return lay_rows(modes, point, _TWO_B, samples, room, rows[_SECOND:])
-    lay_rows(modes, point, _THREE_A, samples, room, rows)
-    lay_rows(modes, point, _THREE_B, samples, room, rows[_SECOND:])
-    return lay_rows(modes, point, _THREE_C, samples, room, rows[_THIRD:])
+        return lay_rows(modes, point, _TWO, _OF_TWO, samples, room, rows)
+    return lay_rows(modes, point, _THREE, _OF_THREE, samples, room, rows)
 
 
 @kernel
