@@ -88,19 +88,7 @@ def add_courses(
             )
             begin = MOST_POINTS * WIDE * LANES + 2 * count * g * LANES
             factors = [builder.load(place(int64(begin + i * LANES)), align=8) for i in range(2 * count)]
-            motion = [cgutils.alloca_once_value(builder, each) for each in (y1, y2)]
-            _turn_back(builder, motion, (p, q), args[5])
-            last, before = (builder.load(each) for each in motion)
-            begun = _plus(builder, _times(builder, p, last), _times(builder, q, before))
-            # A row's first sample is the one after the next: of that and the one before.
-            coming = _plus(builder, _times(builder, p, begun), _times(builder, q, last))
-            if count == 1:
-                pairs = ((coming, begun), (begun, last))
-                coming, begun = (
-                    _plus(builder, _times(builder, factors[0], a), _times(builder, factors[1], b)) for a, b in pairs
-                )
-            for each, value in zip(motion, (coming, begun), strict=True):
-                builder.store(value, each)
+            motion = _begin(builder, (y1, y2), (p, q), factors, args[5])
             groups.append((p, q, factors, motion))
         stop = builder.mul(args[4], int64(count * LANES))
         with cgutils.for_range_slice(builder, int64(0), stop, int64(count * LANES)) as (n, _):
@@ -121,6 +109,25 @@ def add_courses(
         return context.get_dummy_value()
 
     return types.void(room, modes, firsts, weights, types.intp, types.intp), codegen
+
+
+def _begin(builder: Any, state: tuple[Any, Any], turns: tuple[Any, Any], factors: list[Any], behind: Any) -> list[Any]:
+    """Return where a group's motion is kept: the states a sample behind that which lies so many behind now, and at that
+    one; or its displacements at both ends, if these are all that is wanted."""
+    p, q = turns
+    motion = [cgutils.alloca_once_value(builder, each) for each in state]
+    _turn_back(builder, motion, turns, behind)
+    last, before = (builder.load(each) for each in motion)
+    begun = _plus(builder, _times(builder, p, last), _times(builder, q, before))
+    # A row's first sample is the one after the next: of that and the one before.
+    coming = _plus(builder, _times(builder, p, begun), _times(builder, q, last))
+    if len(factors) == 2:
+        a, b = factors
+        pairs = ((coming, begun), (begun, last))
+        coming, begun = (_plus(builder, _times(builder, a, x), _times(builder, b, y)) for x, y in pairs)
+    for each, value in zip(motion, (coming, begun), strict=True):
+        builder.store(value, each)
+    return motion
 
 
 def _turn_back(builder: Any, motion: list[Any], turns: tuple[Any, Any], samples: Any) -> None:
