@@ -5,7 +5,6 @@ hard blow. Rooms, microphones and equalisers differ as much as cymbals do, so th
 they are to each other.
 """
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
@@ -18,9 +17,8 @@ import soundfile
 
 from .recordings import SECONDS, difference, from_onset
 from .soundfont import Recording, SoundFont
+from .sources import ROOT
 
-ROOT = Path(os.environ.get("CAROM_RECORDINGS", "/"))
-"""The folder into which these packages are unpacked."""
 FONTS, KITS = ROOT / "usr/share/sounds/sf2", ROOT / "usr/share/hydrogen/data/drumkits"
 TREBLE = 4_000.0  # Hz
 _T = TypeVar("_T")

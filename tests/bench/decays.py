@@ -1,13 +1,17 @@
 """Decays of partials: recordings beside the default strikes of their presets, the share within 25 % by family.
 
 `python -m tests.bench.decays` takes the sampled instruments of the SoundFont that Debian's fluid-soundfont-gm installs,
-each up to its loop: what a loop repeats does not decay. `--rows` prints all partials. A partial is a peak of the
-spectrum and what is around it, a sixth of an octave wide, so that the crowded partials of a cymbal count as bands. Left
-out are partials that fall by less than 8 dB before the recording ends, and those that the preset has no partial near.
+each up to its loop: what a loop repeats does not decay. Further packages (`sources`) are measured where they are.
+`--rows` prints all partials. A partial is a peak of the spectrum and what is around it, a sixth of an octave wide, so
+that the crowded partials of a cymbal count as bands. Left out are partials that fall by less than 8 dB before the
+recording ends, and those that the preset has no partial near.
 
-Recordings of one kind differ, too: the share of their partials that agree with each other, each note's moved to the
-other's pitch, is what a preset of that kind can hope for. A preset is as near as they are where its share is no less
-than theirs by more than the standard error of the difference. The last line weighs families by the preset's partials.
+Recordings of one kind differ, too. "one" and "two" are the shares of partials that agree within 25 % between two
+recordings of one instrument and of two, each note's moved to the other's pitch; "others" is the share that agrees with
+the median of the other recordings, "itself" with the median of all. A model that is right in the mean of its kind
+agrees with a recording about as often as "others" says, and never as often as "itself": to be nearer it would have to
+know the very thing that was recorded. A preset is as near as recordings are to each other, of two instruments where
+there are, where its share is no less than theirs by more than the standard error of the difference.
 """
 
 import argparse
@@ -19,8 +23,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import find_peaks
 
-from .recordings import PAIRS, SOUNDFONT, Pair, from_onset, strike
+from .recordings import PAIRS, SOUNDFONT, from_onset, strike
 from .soundfont import Recording, SoundFont
+from .sources import Pair, further, there
 
 WIDTH = 1 / 6  # octave
 LEAST_WIDTH = 50.0  # Hz: a narrower band rings by itself for as long as short sounds do
@@ -46,10 +51,14 @@ MORE: tuple[Pair, ...] = (
 )
 """Recordings beside those of `PAIRS`: notes within half an octave of the preset, as `tune` leaves the T60 as it is."""
 
-HEADS = "preset", "partials", "within 25 %", "T60, median of ours over real", "real to real", "as near"
+HEADS = "preset", "partials", "within", "ours/real", "one", "two", "others", "itself", "as near"
+LINE = "{:17} {:>8} {:>7} {:>9} {:>6} {:>6} {:>6} {:>6} {:>7}"
+FLUID, HALF_OCTAVE = "FluidR3", 6  # semitones
 
 Decays = list[tuple[float, float]]
 """Frequencies (Hz) of partials and their T60 (s)."""
+Rows = list[tuple[float, float, float]]
+"""Hz, T60 (s) of a recording's partial, and that of what is compared with it."""
 
 
 def decays(sound: Recording) -> Decays:
@@ -128,7 +137,7 @@ def envelope(samples: np.ndarray, rate: float, at: float) -> tuple[np.ndarray, n
     return np.arange(len(blocks)) * hop / rate, 10 * np.log10(blocks + 1e-30)
 
 
-def beside(real: Decays, ours: Decays) -> list[tuple[float, float, float]]:
+def beside(real: Decays, ours: Decays) -> Rows:
     """Return Hz, T60 of the recording's partial (s) and of ours nearest to it, where there is one near."""
     rows = []
     for at, t60 in real:
@@ -139,39 +148,69 @@ def beside(real: Decays, ours: Decays) -> list[tuple[float, float, float]]:
 
 
 class Measured(NamedTuple):
-    """A recording's preset, its name, how far (semitones) its note is from the preset's, its decays, and ours."""
+    """A recording's preset, its name, how far (semitones) its note is from the preset's, its decays, ours, and whose
+    instrument it is."""
 
     preset: str
     name: str
     tune: float
     real: Decays
     ours: Decays
+    instrument: str = ""
 
 
 def measured(font: SoundFont) -> Iterator[Measured]:
-    """Yield each pair's decays, by preset."""
-    for name, preset, changes in sorted((*PAIRS, *MORE), key=lambda pair: pair[1]):
-        sound = font.recording(name)
+    """Yield each pair's decays, by preset: those of FluidR3, and of what else is there."""
+    near = [each for each in further() if abs(each[2][2].get("tune", 0.0)) <= HALF_OCTAVE]
+    pairs = [*((FLUID, font, pair) for pair in (*PAIRS, *MORE)), *near]
+    for instrument, source, (name, preset, changes) in sorted(pairs, key=lambda each: each[2][1]):
+        sound = source.recording(name)
         real = Recording(name, sound.unlooped, sound.rate)
         ours = strike(preset, changes, len(real.samples) / real.rate)
-        yield Measured(preset, name, float(changes.get("tune", 0.0)), decays(real), decays(ours))
+        yield Measured(preset, name, float(changes.get("tune", 0.0)), decays(real), decays(ours), instrument)
 
 
-def among(recordings: list[Measured]) -> list[tuple[float, float, float]]:
-    """Return Hz and T60 (s) of each recording's partials, and T60 of the nearest of each other's at the same pitch."""
+def among(recordings: list[Measured], kind: str = "all") -> Rows:
+    """Return Hz and T60 (s) of each recording's partials, and T60 of the nearest of each other's at the same pitch.
+
+    kind: "all" pairs, those of "one" instrument, or of "two".
+    """
     rows = []
     for one, other in permutations(recordings, 2):
-        ratio = 2 ** ((one.tune - other.tune) / 12)
-        rows += beside(one.real, [(at * ratio, t60) for at, t60 in other.real])
+        if kind == "all" or (one.instrument == other.instrument) == (kind == "one"):
+            rows += beside(one.real, _at_pitch_of(one, other))
     return rows
 
 
-def share(rows: list[tuple[float, float, float]]) -> float:
+def by_median(recordings: list[Measured], itself: bool) -> Rows:
+    """Return Hz and T60 (s) of each recording's partials, and the median of the nearest ones' of two others or more.
+
+    itself: with the partial's own among them. A model that is right in the mean of a kind agrees with a recording as
+    often as this median: that of the others is less sure than the mean of many would be, that with itself knows of it.
+    """
+    rows = []
+    for one in recordings:
+        near = [beside(one.real, _at_pitch_of(one, other)) for other in recordings if other is not one]
+        for at, t60 in one.real:
+            others = [ours for found in near for where, _, ours in found if where == at]
+            if len(others) > 1:
+                middle = np.exp(np.median(np.log([*others, t60] if itself else others)))
+                rows.append((at, t60, float(middle)))
+    return rows
+
+
+def _at_pitch_of(one: Measured, other: Measured) -> Decays:
+    """Return the decays of another recording, moved to the pitch of one."""
+    ratio = 2 ** ((one.tune - other.tune) / 12)
+    return [(at * ratio, t60) for at, t60 in other.real]
+
+
+def share(rows: Rows) -> float:
     """Return the share of partials whose T60 is within SAME of the recording's, in percent."""
     return 100 * float(np.mean([abs(ours / real - 1) <= SAME for _, real, ours in rows]))
 
 
-def as_near(rows: list[tuple[float, float, float]], others: list[tuple[float, float, float]]) -> bool:
+def as_near(rows: Rows, others: Rows) -> bool:
     """Return whether a preset agrees with recordings as well as these do with each other, but for chance.
 
     others: both ways round, so that half of them count.
@@ -188,40 +227,102 @@ def main() -> None:
     if not SOUNDFONT.exists():
         print(f"nothing to compare with: {SOUNDFONT} is not there (Debian: apt install fluid-soundfont-gm)")
         return
-    everything, alike, comparable = [], [], []
-    print("{:20} {:>8} {:>12} {:>30} {:>13} {:>8}".format(*HEADS))
-    for preset, group in groupby(measured(SoundFont(SOUNDFONT)), lambda each: each.preset):
-        recordings = list(group)
-        found = [(each.name, beside(each.real, each.ours)) for each in recordings]
-        rows = [row for _, part in found for row in part]
-        for name, at, t60, ours in [(name, *row) for name, part in found for row in part] if options.rows else ():
-            print(f"  {name:18} {at:8.0f} Hz {t60:7.2f} s {ours:7.2f} s {ours / t60:6.2f}")
-        others = among(recordings)
-        if rows:
-            near = ("yes" if as_near(rows, others) else "no") if others else ""
-            ratio = float(np.median([ours / real for _, real, ours in rows]))
-            print(f"{preset:20} {len(rows):8} {share(rows):10.0f} % {ratio:30.2f} {_percent(others):>13} {near:>8}")
-        if rows and others:
-            comparable.append((len(rows), share(rows), share(others), as_near(rows, others)))
-        everything += rows
-        alike += others
-    print(f"{'all':20} {len(everything):8} {share(everything):10.0f} % {'':30} {_percent(alike):>13}")
-    print(summary(comparable))
+    print("beside FluidR3:", "; ".join(f"{s.instrument} ({s.package}; {s.licence})" for s, _ in there()))
+    print(LINE.format(*HEADS))
+    found = []
+    for preset, recordings in by_preset(SoundFont(SOUNDFONT)):
+        for each in recordings if options.rows else ():
+            for at, t60, ours in beside(each.real, each.ours):
+                print(f"  {each.name:21} {at:8.0f} Hz {t60:7.2f} s {ours:7.2f} s {ours / t60:6.2f}")
+        found.append(Family.of(preset, recordings))
+        print(LINE.format(*found[-1].cells))
+    print(summary(found))
 
 
-def summary(families: list[tuple[int, float, float, bool]]) -> str:
-    """Return what is to be said of families: partials, share (%) beside recordings and of these among themselves, and
-    whether the first is as near."""
-    counts, ours, theirs, near = zip(*families, strict=True)
-    means = [float(np.average(each, weights=counts)) for each in (ours, theirs)]
-    spread = f"{min(theirs):.0f} to {max(theirs):.0f} % by family"
-    return (
-        f"as near as recordings are to each other: {sum(near)} of {len(near)} families; "
-        f"ours {means[0]:.0f} %, theirs {means[1]:.0f} % ({spread})"
-    )
+def by_preset(font: SoundFont) -> Iterator[tuple[str, list[Measured]]]:
+    """Yield each preset and its recordings."""
+    for preset, group in groupby(measured(font), lambda each: each.preset):
+        yield preset, list(group)
 
 
-def _percent(rows: list[tuple[float, float, float]]) -> str:
+class Family(NamedTuple):
+    """A preset's partials beside the recordings', by whose instrument these are; the recordings beside each other, of
+    one instrument and of two; and beside their medians, without themselves and with."""
+
+    preset: str
+    rows: dict[str, Rows]
+    one: Rows
+    two: Rows
+    others: Rows
+    medians: Rows
+
+    @classmethod
+    def of(cls, preset: str, recordings: list[Measured]) -> "Family":
+        """Return the family of a preset's recordings."""
+        rows: dict[str, Rows] = {}
+        for each in recordings:
+            rows.setdefault(each.instrument, []).extend(beside(each.real, each.ours))
+        pairs = among(recordings, "one"), among(recordings, "two")
+        return cls(preset, rows, *pairs, by_median(recordings, False), by_median(recordings, True))
+
+    @property
+    def all(self) -> Rows:
+        """All of the preset's partials."""
+        return [row for part in self.rows.values() for row in part]
+
+    @property
+    def alike(self) -> Rows:
+        """Recordings beside each other, of two instruments where there are, as the preset is no recorded one."""
+        return self.two or self.one
+
+    @property
+    def cells(self) -> list[str]:
+        """The row of the table."""
+        rows, theirs = self.all, self.alike
+        ratio = f"{np.median([ours / real for _, real, ours in rows]):.2f}" if rows else ""
+        near = ("yes" if as_near(rows, theirs) else "no") if rows and theirs else ""
+        first, *rest = map(_percent, (rows, self.one, self.two, self.others, self.medians))
+        return [self.preset, str(len(rows)), first, ratio, *rest, near]
+
+
+def summary(families: list[Family]) -> str:
+    """Return what is to be said of all families."""
+    everything = [row for family in families for row in family.all]
+    by_instrument: dict[str, Rows] = {}
+    for family in families:
+        for instrument, rows in family.rows.items():
+            by_instrument.setdefault(instrument, []).extend(rows)
+    comparable = [each for each in families if each.all and each.alike]
+    near = sum(as_near(each.all, each.alike) for each in comparable)
+    lines = [
+        f"all: {share(everything):.0f} % of {len(everything)} partials",
+        *(f"  {name}: {share(rows):.0f} % of {len(rows)}" for name, rows in by_instrument.items() if rows),
+        f"as near as recordings are to each other: {near} of {len(comparable)} families",
+        "by family, weighed by the preset's partials: " + _weighed(families),
+    ]
+    return "\n".join(lines)
+
+
+def _weighed(families: list[Family]) -> str:
+    """Return the shares (%) of families by what they are of, each in the mean of those that have it."""
+    kinds = {
+        "recordings of one instrument": "one",
+        "of two": "two",
+        "the median of the other recordings": "others",
+        "the median with itself, which is more than a perfect model has": "medians",
+    }
+    parts = []
+    for said, field in kinds.items():
+        having = [each for each in families if each.all and getattr(each, field)]
+        if having:
+            weights = [len(each.all) for each in having]
+            theirs = np.average([share(getattr(each, field)) for each in having], weights=weights)
+            ours = np.average([share(each.all) for each in having], weights=weights)
+            parts.append(f"{said} {theirs:.0f} % (ours there {ours:.0f} %)")
+    return ", ".join(parts)
+
+
+def _percent(rows: Rows) -> str:
     return f"{share(rows):.0f} %" if rows else ""
 
 

@@ -4,6 +4,7 @@
 installs: a cello's notes from its looped part on, and notes of bars within half an octave of the presets'. Of a cello,
 the power about each harmonic is fitted by a line over the octaves. Of a bar, it is the lowest partial's power against
 that of all higher ones, over the first 0.3 s, that the tube below decides; the mallet and where it falls do, too.
+Bars of further packages (`sources`) are measured where they are.
 """
 
 from dataclasses import replace
@@ -13,8 +14,9 @@ import numpy as np
 
 import carom
 
-from .recordings import RATE, SOUNDFONT, Pair, from_onset, strike
+from .recordings import RATE, SOUNDFONT, from_onset, strike
 from .soundfont import Recording, SoundFont
+from .sources import Font, Pair, further
 
 CELLO = tuple(f"Cello {note}" for note in ("C#3", "E3", "G3", "A#3", "C#4", "E4", "G4", "A#4", "C#5"))
 LOWEST, HIGHEST = 1500.0, 8000.0  # Hz: from the bridge's hill up
@@ -100,19 +102,23 @@ def played(preset: str, changes: dict[str, float], lowest: float) -> list[float]
 
 def bars(font: SoundFont) -> None:
     """Print how far the lowest partial exceeds the rest, of each recorded bar and of the preset's."""
-    print("dB of the lowest partial over all others      real    ours    ours less real   ours, as it may be played")
-    near, within = 0, 0
-    for name, preset, changes in BARS:
-        found = font.recording(name)
+    recorded: list[tuple[str, Font, Pair]] = [("FluidR3", font, pair) for pair in BARS]
+    recorded += [each for each in further() if each[2][1] in NOTES]
+    found: dict[str, list[tuple[float, float]]] = {preset: [] for preset in NOTES}
+    print("dB of the lowest partial over all others               real    ours  ours less real  as it may be played")
+    for instrument, source, (name, preset, changes) in recorded:
+        sound = source.recording(name)
         lowest = NOTES[preset] * 2 ** (changes.get("tune", 0.0) / 12)
-        pair = Recording(name, found.unlooped, found.rate), strike(preset, changes, FIRST + 0.1)
+        pair = Recording(name, sound.unlooped, sound.rate), strike(preset, changes, FIRST + 0.1)
         real, ours = (over_the_rest(each, lowest) for each in pair)
         others = played(preset, changes, lowest)
-        near += abs(ours - real) <= WITHIN
-        within += min(others) - WITHIN <= real <= max(others) + WITHIN
+        found[preset].append((real, ours))
         row = f"{real:7.1f} {ours:7.1f} {ours - real:10.1f} {min(others):14.1f} to {max(others):.1f}"
-        print(f"  {name:18} {preset:16} {lowest:6.0f} Hz {row}")
-    print(f"within {WITHIN:.0f} dB: {near} of {len(BARS)} as the presets are struck, {within} as they may be")
+        print(f"  {instrument[:8]:8} {name:15} {preset:15} {lowest:6.0f} Hz {row}")
+    for preset, rows in found.items():
+        real, ours = zip(*rows, strict=True)
+        print(f"{preset}: {sum(abs(a - b) <= WITHIN for a, b in rows)} of {len(rows)} within {WITHIN:.0f} dB; ", end="")
+        print(f"recorded {min(real):.1f} to {max(real):.1f}, ours {min(ours):.1f} to {max(ours):.1f}")
 
 
 def main() -> None:

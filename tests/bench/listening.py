@@ -1,7 +1,8 @@
 """A page with recordings and default strikes beside each other, by family, to listen to: blind if wished.
 
 `python -m tests.bench.listening build/listening.html` takes the SoundFont that Debian's fluid-soundfont-gm installs.
-Each family says how far strikes are from the recordings, and how far recordings of one kind are from each other.
+Each family says how far strikes are from the recordings, and how far recordings of one kind are from each other; a
+second table, in how many partials T60 agrees, and how often a right model of the kind would.
 """
 
 import argparse
@@ -14,8 +15,10 @@ import numpy as np
 
 from carom.clients.comparison import player, rows
 from carom.dsp.fitting.kinds import Excess, excess
-from tests.bench.recordings import PAIRS, SECONDS, SOUNDFONT, Pair, from_onset, strike
+from tests.bench.decays import HEADS, Family, by_preset, summary
+from tests.bench.recordings import PAIRS, SECONDS, SOUNDFONT, from_onset, strike
 from tests.bench.soundfont import Recording, SoundFont
+from tests.bench.sources import Pair
 
 KINDS: dict[str, tuple[str, ...]] = {
     "glockenspiel-bar": ("Glocken C9", "Glocken D#9", "Glocken G8"),
@@ -41,9 +44,13 @@ body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto
 .blind .name { visibility: hidden; }
 body:not(.blind) .guess { display: none; }
 th, td { padding: 0.1rem 0.8rem; text-align: right; }
+pre { white-space: pre-wrap; }
 </style></head><body><h1>Recorded and rendered</h1>
 <p><label><input type="checkbox" id="blind"> Blind: which one is the recording?</label> <output id="score"></output></p>
 """
+_DECAYS = """<h2>T60</h2><p>Percent of partials whose T60 is within 25 % of the recording's: of ours; of recordings of
+one instrument, and of two; of the median of all other recordings, as often as which a model that is right in the mean
+of its kind agrees; and of the median with the recording itself, which no model knows.</p>"""
 _SCRIPT = """<script>
 const score = { right: 0, all: 0 };
 
@@ -89,8 +96,8 @@ def _cell(sound: Recording, is_real: bool) -> str:
     )
 
 
-def page(font: SoundFont, seed: int = 1) -> str:
-    """Return the page; which of the two comes first follows from the seed."""
+def page(font: SoundFont, families: list[Family], seed: int = 1) -> str:
+    """Return the page; which of the two comes first follows from the seed. families: what their decays say."""
     random_order = random.Random(seed)
     parts, table = [], []
     for preset, group in groupby(PAIRS, family):
@@ -112,7 +119,8 @@ def page(font: SoundFont, seed: int = 1) -> str:
         "T60 (octaves)",
         "each other",
     )
-    return "\n".join([_HEAD, rows(head, table), *parts, _SCRIPT])
+    agree = [_DECAYS, rows(HEADS, [each.cells for each in families]), f"<pre>{escape(summary(families))}</pre>"]
+    return "\n".join([_HEAD, rows(head, table), *agree, *parts, _SCRIPT])
 
 
 def main() -> None:
@@ -123,7 +131,9 @@ def main() -> None:
         print(f"nothing to compare with: {SOUNDFONT} is not there (Debian: apt install fluid-soundfont-gm)")
         return
     options.page.parent.mkdir(parents=True, exist_ok=True)
-    options.page.write_text(page(SoundFont(SOUNDFONT)), encoding="utf-8")
+    font = SoundFont(SOUNDFONT)
+    families = [Family.of(preset, recordings) for preset, recordings in by_preset(font)]
+    options.page.write_text(page(font, families), encoding="utf-8")
     print(f"{options.page} is here")
 
 

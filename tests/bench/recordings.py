@@ -1,8 +1,9 @@
 """Default strikes beside recordings of real ones: how bright, how tilted, how far apart in third octaves.
 
 `python -m tests.bench.recordings` takes the sampled instruments of the SoundFont that Debian's fluid-soundfont-gm
-installs; `--folder FOLDER` takes its WAV files, each named by its preset: tom.wav, tom-2.wav. `--json FILE` keeps the
-figures. The recordings are single ones: sizes, microphones and mallets are unknown, so the medians say more than a row.
+installs, and then those of further packages (`sources`) that are there. `--folder FOLDER` takes its WAV files, each
+named by its preset: tom.wav, tom-2.wav. `--json FILE` keeps the figures. The recordings are single ones: sizes,
+microphones and mallets are unknown, so the medians say more than a row.
 """
 
 import argparse
@@ -17,19 +18,13 @@ import soundfile
 import carom
 
 from .soundfont import Recording, SoundFont
+from .sources import Pair, further
 
 SOUNDFONT = Path("/usr/share/sounds/sf2/FluidR3_GM.sf2")
 RATE, ATTACK, SECONDS = 48_000, 0.02, 1.0
 LOWEST_BAND, HIGHEST_BAND, FLOOR = 100.0, 16_000.0, -60.0
 """Hz, Hz, and dB under the loudest band: what lies lower counts as this low; where both do, the band does not count."""
 ONSET = 0.05  # of the highest sample
-
-Pair = tuple[str, str, dict[str, float]]
-"""A recording's name, a preset's, and what the object is given beside so that it is of the recording's size.
-
-The tubular bell has the partials of the recording (carom fit). A ride is as thick as 2.2 kg on 20 inches are, a splash
-as 250 g on 10 inches.
-"""
 
 PAIRS: tuple[Pair, ...] = (
     ("Glocken C9", "glockenspiel-bar", {}),
@@ -149,6 +144,11 @@ def of_soundfont() -> list[Measures]:
     return [measured(pair, font.recording(pair[0]), others.get(pair[0])) for pair in PAIRS]
 
 
+def of_others() -> list[Measures]:
+    """Return the pairs of all further packages that are there."""
+    return [measured(pair, font.recording(pair[0])) for _, font, pair in further()]
+
+
 def of_folder(folder: Path) -> list[Measures]:
     """Return the WAV files of a folder, each named by its preset. SystemExit names one that is named by none."""
     presets, found = carom.Presets().names("objects"), []
@@ -183,19 +183,28 @@ def main() -> None:
         print(f"nothing to compare with: {SOUNDFONT} is not there (Debian: apt install fluid-soundfont-gm)")
         return
     rows = of_folder(options.folder) if options.folder else of_soundfont()
-    names = f"{'recording':18} {'preset':20} {'real Hz':>8} {'ours Hz':>8} {'octaves':>8}"
+    report(rows)
+    others = [] if options.folder else of_others()
+    if others:
+        print("\nFurther packages")
+        report(others)
+    if options.json:
+        figures = {"pairs": [asdict(row) for row in rows], "summary": summary(rows)}
+        options.json.write_text(json.dumps(figures, indent=1) + "\n")
+
+
+def report(rows: list[Measures]) -> None:
+    """Print all pairs and their summary."""
+    names = f"{'recording':21} {'preset':20} {'real Hz':>8} {'ours Hz':>8} {'octaves':>8}"
     print(f"{names} {'slope':>6} {'gap dB':>7} {'L-R dB':>7}")
     for row in rows:
         own = "" if row.channels is None else f"{row.channels:.1f}"
         print(
-            f"{row.recording:18} {row.preset:20} {row.centroid_real:8.0f} {row.centroid_ours:8.0f} "
+            f"{row.recording:21} {row.preset:20} {row.centroid_real:8.0f} {row.centroid_ours:8.0f} "
             f"{row.octaves:8.2f} {row.slope:6.1f} {row.gap:7.1f} {own:>7}"
         )
     for name, value in summary(rows).items():
         print(f"{name:36} {value:6.2f}")
-    if options.json:
-        figures = {"pairs": [asdict(row) for row in rows], "summary": summary(rows)}
-        options.json.write_text(json.dumps(figures, indent=1) + "\n")
 
 
 if __name__ == "__main__":

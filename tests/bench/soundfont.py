@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-_LEAST = 1_000  # samples before a loop: where one seems to begin earlier, the sample has none
+LEAST_LOOP = 1_000  # samples before a loop: where one seems to begin earlier, the sample has none
 HEADER = struct.Struct("<20s5I2BhH")
 """Name, start, end, start and end of the loop, rate, key, correction, the other channel's number, type."""
 
@@ -66,6 +66,6 @@ class SoundFont:
             if each in self._places:
                 start, end, loop, rate = self._places[each]
                 samples = self._wave[start:end].astype(np.float64)
-                begins = loop - start if start + _LEAST < loop < end else None
+                begins = loop - start if start + LEAST_LOOP < loop < end else None
                 return Recording(name, samples / np.abs(samples).max(), rate, begins)
         raise ValueError(f"sample = {name!r}: expected one of {len(self._places)} samples of the file")
