@@ -125,6 +125,7 @@ class RainKeys(Keys, total=False):
     by: str
     gain: SupportsFloat
     size: SupportsFloat
+    reach: SupportsFloat
     spread: SupportsFloat
     seed: SupportsFloat
 

@@ -329,6 +329,10 @@ RAIN = Gesture(
             "size", 5e-5, 2e-3, "m", "mean diameter of the drops in the air, above 0.5 mm; 0.4 mm in moderate rain",
             default=5e-4, useful=(2e-4, 1e-3), steerable=True,
         ),
+        Parameter(
+            "reach", 1.0, 100.0, "", "how far the farthest drops are from the ear, in the distance of the nearest, as "
+            "on a wide level: those are fainter; 1: all are as near", default=1.0, useful=(1.0, 10.0),
+        ),
         SPREAD,
         SEED,
     ),

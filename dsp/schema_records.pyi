@@ -105,6 +105,7 @@ class Values(Record):
     along: float
     load: float
     size: float  # m
+    reach: float
     spread: float
     rate: float  # 1/s
     evenness: float

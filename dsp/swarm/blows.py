@@ -16,8 +16,11 @@ A ball of water begins to push a wall by 3 sqrt(6)/2 rho v^(5/2) D^(3/2) sqrt(t)
 J. Fluid Mech. 795, 2016, as Gordillo, Sun and Cheng measured, 835, 2018). With sqrt(t) exp(-t/T) for the whole force,
 and its momentum, T is DROP_TIME D/v, and the force greatest at half of that: 0.86 rho v^2 D^2 after 0.15 D/v. A drop
 that falls is flat below: it pushes as a ball of a larger radius R does, and T goes as 1/R. The shapes that Chuang and
-Beard computed (J. Atmospheric Sciences 47, 1990) are as flat over the first 0.05 radii as balls of 1.2, 1.5, 1.8, 2.1
-and 2.5 times theirs, for 2 to 6 mm: that is exp((D - 1.07 mm)/5.3 mm) within 2 %, from where on it is more than 1.
+Beard computed (J. Atmospheric Sciences 47, 1990, table 1) are as flat over the first 0.05 radii as balls of 1.2, 1.5,
+1.8, 2.2 and 2.5 times theirs, for 2 to 6 mm: that is exp((D - 0.87 mm)/5.4 mm) within 3 %, from where on it is above 1.
+
+Drops on a wide level fall at all distances r from an ear: as many at each share of its area, so that r^2 is spread
+evenly from that of the nearest. The pressure of each goes as 1/r: it moves the object as if it were that much fainter.
 
 An object yields to a pulse by the modes that are not faster than it. With mobility M(s) = sum phi^2/(1 + (0.83 omega
 s)^3), where s is the pulse's rms width, the grain's mass is as if it were m/(1 + m M). The factor on phi^2 is above the
@@ -25,7 +28,7 @@ pulse's |P|^2 at any frequency, so that the modes of an object at rest take at m
 
 Many blows move a mode together while it goes one way, for 1/omega: r blows a second of the mean mass m are r m/omega
 then, and the momentum of each is less by 1/(1 + STREAM r m sum phi^2/omega), too, where r m is that of all swarms on
-the object.
+the object. Of drops at all distances it is less by the square of their mean share 2/(R + 1), where R is the reach.
 """
 
 import math
@@ -36,7 +39,7 @@ from ..numerics.elementary import exp, log
 from ..schema import DROPS, ENERGIES, FALLS
 from .grid import MOST_LOSS
 from .record import BATCH, FORMS, WIDTHS, Blows, PulseTable, Swarm
-from .times import MAGNITUDE, OTHER, PLACE, VARIETY, unit
+from .times import DISTANCE, MAGNITUDE, OTHER, PLACE, VARIETY, unit
 
 ROLL_OFF = 0.83
 """The roll-off of a pulse's power: |P|^2 <= 1/(1 + (0.83 omega s)^3) for drops, and 1.0 for contacts of w up to 3."""
@@ -53,7 +56,7 @@ _FASTEST, _SLOWING, _SLOWED = 9.65, 10.3, 600.0  # m/s, m/s, 1/m
 _NEARLY = _SLOWING / _FASTEST * math.exp(-_SLOWED * SMALLEST_DROP)
 DROP_TIME = (math.pi / (9.0 * math.sqrt(6.0) * math.gamma(1.5))) ** (2.0 / 3.0)
 """Time scale of a ball's force, in its diameter over its speed."""
-_ROUND, _FLATTER = 1.07e-3, 190.0  # m, 1/m
+_ROUND, _FLATTER = 0.87e-3, 186.0  # m, 1/m
 _SLOWEST = 1e-9  # m/s
 _GAS = 2.0  # exponent of a gas's speeds at a wall
 _LN2 = math.log(2.0)
@@ -79,15 +82,17 @@ def draw_blows(swarm: Swarm, table: PulseTable, blows: Blows) -> None:
 
 @kernel
 def _draw_drops(swarm: Swarm, table: PulseTable, blows: Blows) -> None:
-    """Draw drops, and the speeds at which they fall."""
+    """Draw drops, the speeds at which they fall, and by how much they are heard."""
     first, scale, width = blows.number[0], swarm.knots[0].scale, table.width[0]
     magnitude, other, variety = swarm.random[MAGNITUDE], swarm.random[OTHER], swarm.random[VARIETY]
+    distance, beyond = swarm.random[DISTANCE], swarm.beyond
     for n in range(BATCH):
         i = first + n
         diameter = _draw_drop(scale, unit(magnitude, i), unit(other, i), unit(variety, i))
         v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
         blows.v[n], blows.mass[n], blows.loss[n] = v, _WATER * diameter * diameter * diameter, 0.0
         blows.width[n] = log(DROP_TIME * diameter / v) - _FLATTER * max(diameter - _ROUND, 0.0) + width
+        blows.heard[n] = 1.0 / math.sqrt(1.0 + unit(distance, i) * beyond)
 
 
 @kernel

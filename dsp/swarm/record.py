@@ -10,7 +10,7 @@ from ..sizes import CAPACITY
 
 SWARMS = 16
 """Swarms that can go on at once."""
-CHANNELS = 8
+CHANNELS = 9
 """Random numbers of a blow."""
 PLACES = 8
 """Places on an object at which the blows of a swarm fall."""
@@ -139,6 +139,8 @@ class Swarm(Record):
     retuned: int  # of the object, for which `mobility` is known; -1: for none
     spread: float  # of the places, as a share of the strike path
     centre: float  # position about which they are
+    together: float  # the square of the mean share by which blows are heard: of their mass, in a stream
+    beyond: float  # of the farthest drops: the square of their distance, in that of the nearest, less 1
     spot: Annotated[View[float], 3]  # m: the point of the surface where all of them are, if it is at one
     busy: Annotated[View[int], PLACES]  # samples of the grids that hold something
     sounds: Annotated[View[int], PLACES]  # 1: there is a force at the place in this quantum
@@ -195,6 +197,7 @@ class Blows(Record):
     light: Annotated[View[float], BATCH]  # ln of m/k
     loss: Annotated[View[float], BATCH]  # w/(1 + w)
     width: Annotated[View[float], BATCH]  # ln of the rms width (s)
+    heard: Annotated[View[float], BATCH]  # of a drop: its share by its distance
     alike: Annotated[View[float], BATCH]  # of the momentum, moves a piece's modes as its blows on the floor do
     shorter: Annotated[View[float], BATCH]  # by so much ln of the width is less then
     ratio: Annotated[View[float], BATCH]  # of the mass that the object leaves it

@@ -15,7 +15,7 @@ from ..numerics.elementary import exp, log
 from ..numerics.random import STEP, mixed
 from .record import BATCH, CHANNELS, KNOTS, Blows, Knot, Swarm
 
-GAP, SET_OFF, MAGNITUDE, OTHER, PLACE, VARIETY, SIZE, FORM = range(CHANNELS)
+GAP, SET_OFF, MAGNITUDE, OTHER, PLACE, VARIETY, SIZE, FORM, DISTANCE = range(CHANNELS)
 """Channels of a blow's random numbers."""
 
 _LATTICE = 2.0**30  # per s: knots lie on it, so that times in samples of any rate give the same knots

@@ -40,9 +40,9 @@ SCORES = {
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {}\n0 /object/a/decay 0.03 over 1.5",
 }
 JUDGED = {
-    "rain": "an even noise out of which single large drops stand, greatest from 0.8 to 5 kHz, without lines: a sheet "
+    "rain": "an even noise out of which a few near drops stand, greatest from 0.8 to 5 kHz, without lines: a sheet "
     "that is damped; in recordings, of which none says that it rains on a roof, it is greatest from 1.5 to 6 kHz, and "
-    "fewer drops stand out",
+    "as few drops stand out",
     "gravel": "crackles that crowd at the heel and the ball of the foot, from 1 to 8 kHz, without lines, as in "
     "minetest; ufoai has duller ones, from 0.5 to 2 kHz",
     "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 3 kHz; a "

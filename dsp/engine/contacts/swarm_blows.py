@@ -93,7 +93,8 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
 @noinline_kernel
 def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> None:
     """Lay blows onto the grids, or make them contacts of their own."""
-    rate, sizes, stream = state.rate, swarm.sized == 1, (STREAM * mean_mass(swarm), STREAM * _flow_beside(state, swarm))
+    rate, sizes, mass = state.rate, swarm.sized == 1, swarm.together * mean_mass(swarm)
+    stream = STREAM * mass, STREAM * _flow_beside(state, swarm)
     for n in range(blows.count):
         _weigh_blow(state, contact, swarm, blows, n, stream)
     if sizes and swarm.cracked == swarm.pieces == 0:
@@ -150,6 +151,8 @@ def _weigh_blow(
         return
     state.stats.impacts += 1
     blows.momentum[n] = known_of(table.momentum, loss) * ratio * mass * v
+    if swarm.law == DROPS:
+        blows.momentum[n] *= blows.heard[n]
     if width > _WIDEST:  # as much power at frequencies above the longer pulse's, and less below
         blows.momentum[n] *= exp(1.5 * (_WIDEST - width))
 

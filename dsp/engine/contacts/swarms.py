@@ -75,6 +75,8 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     swarm.m, swarm.k, swarm.mu, swarm.a, swarm.w = contact.m, contact.k, contact.mu, contact.a, contact.w
     swarm.places = PLACES if values.spread > 0.0 else 1
     swarm.retuned, swarm.spread, swarm.centre = -1, values.spread, -1.0
+    reach = max(values.reach, 1.0)
+    swarm.beyond, swarm.together = reach * reach - 1.0, 4.0 / ((reach + 1.0) * (reach + 1.0))
     swarm.lead, swarm.log_rate = max(LEAD * state.rate, LOOK + 1.0), math.log(state.rate)
     for p in range(PLACES):
         swarm.busy[p] = swarm.sounds[p] = 0
@@ -276,9 +278,10 @@ def swarm_on(state: State, index: int) -> bool:
 @kernel
 def _find_flow(swarm: Swarm, time: float) -> None:
     """Find how many kilograms a second a swarm's blows bring at a time (s from its beginning), for others on its
-    object."""
+    object, as a stream has them."""
     last = swarm.knots[swarm.count - 1]
-    swarm.flow = mean_mass(swarm) * (max(last.rate + last.slope * max(time - last.time, 0.0), 0.0) + swarm.excited)
+    rate = max(last.rate + last.slope * max(time - last.time, 0.0), 0.0) + swarm.excited
+    swarm.flow = swarm.together * mean_mass(swarm) * rate
 
 
 @kernel

@@ -154,14 +154,14 @@ def test_drops_that_arrive_are_as_many_as_are_there_times_their_speed():
 
 
 CHUANG = {
-    2.0: (-131, -120, -376, -96, -4, 15, 5, 0, -2, 0, 1),
-    3.0: (-282, -230, -779, -175, 21, 46, 11, -6, -7, 0, 3),
-    4.0: (-458, -335, -1211, -227, 83, 89, 12, -21, -13, 1, 8),
-    5.0: (-644, -416, -1629, -246, 176, 131, 2, -44, -18, 9, 14),
-    6.0: (-840, -480, -2034, -237, 297, 166, -21, -72, -19, 24, 23),
+    2.0: (-134, -118, -385, -100, -5, 17, 6, -1, -3, -1, 1),
+    3.0: (-297, -247, -816, -188, 24, 52, 13, -8, -8, -1, 4),
+    4.0: (-481, -359, -1263, -244, 91, 99, 15, -25, -16, 2, 10),
+    5.0: (-665, -435, -1674, -258, 187, 141, 4, -48, -21, 11, 17),
+    6.0: (-843, -472, -2040, -240, 299, 168, -21, -73, -20, 25, 24),
 }
-"""Chuang and Beard's drops (J. Atmospheric Sciences 47, 1990) by mm: 10,000 times what cosines of the angle from the
-lowest point add to the radius, in that of the ball."""
+"""Chuang and Beard's drops (J. Atmospheric Sciences 47, 1990, table 1, as ScatterPy has it) by mm: 10,000 times what
+cosines of the angle from the lowest point add to the radius, in that of the ball."""
 
 
 def flatness(size):
@@ -185,6 +185,16 @@ def test_a_drop_begins_to_push_as_water_does_and_has_its_momentum():
         force = 1.5 * math.sqrt(6.0) * 1000.0 * v[n] ** 2.5 * (1e-3 * size) ** 1.5 * flatness(size) ** 1.5
         time = math.exp(width[n])  # s: of sqrt(t) exp(-t), as the table's width is 1
         assert mass[n] * v[n] / (time**1.5 * math.gamma(1.5)) == pytest.approx(force, rel=0.05), size
+
+
+def test_drops_on_a_wide_level_are_as_many_at_each_share_of_its_area():
+    """Squares of the distances, in that of the nearest, are spread evenly from 1 to the farthest's."""
+    record = swarm(DROPS, scale=4e-4)
+    assert np.all(drawn(record, 100, ("heard",)) == 1.0)
+    record["beyond"] = 3.0**2 - 1.0
+    heard, mass = drawn(record, 4000, ("heard", "mass"))
+    assert kstest((heard**-2.0 - 1.0) / 8.0, "uniform").pvalue > 0.05
+    assert abs(np.corrcoef(heard, mass)[0, 1]) < 0.05
 
 
 @pytest.mark.parametrize("evenness", [0.7, 2.0, 6.0])

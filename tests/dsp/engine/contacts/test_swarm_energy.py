@@ -78,6 +78,7 @@ def rung(kind, keys, modal_mass=10.0, law=GRAIN, rate=RATE, seconds=None, events
     ("kind", "keys"),
     [
         *((kind, {}) for kind in KINDS), ("shatter", {"stage": 1.0}), ("shake", {"rate": 100.0}),
+        ("rain", {"rate": 1e6, "reach": 9.0}),
         *((kind, {"variety": 0.5}) for kind in ("shake", "pour", "crumple", "step")),
     ],
 )  # fmt: skip

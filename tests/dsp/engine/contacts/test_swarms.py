@@ -87,6 +87,13 @@ def test_blows_are_the_same_and_as_loud_at_any_sampling_rate(kind, keys):
     assert np.abs(np.array(bands) - bands[0]).max() < 0.2
 
 
+@pytest.mark.slow
+def test_rain_on_a_wide_level_is_as_loud_as_its_drops_at_all_distances_are():
+    """The mean of 1/r^2 over an area up to R times as far as its middle is ln(R^2)/(R^2 - 1)."""
+    near, far = ((swarmed("rain", {**RAIN, "rate": 3e5, "reach": reach})[0][4800:] ** 2).mean() for reach in (1.0, 4.0))
+    assert far / near == pytest.approx(np.log(16.0) / 15.0, rel=0.1)
+
+
 def test_a_swarm_sounds_the_same_in_any_blocks():
     whole, _ = swarmed("crumple", CRUMPLE, seconds=0.3)
     for blocks in ([37] * 1000, [1000] * 100):
