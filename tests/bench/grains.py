@@ -35,6 +35,9 @@ SCORES = {
     "can": "0 /object/new a drinks-can\n0 /object/a/crumple 0.2 id c seed {}\n1.5 /gesture/c/stop",
     "glass": "0 /object/new a wine-glass\n0 /object/new b ceramic-tile\n"
     "0 /object/a/shatter 2 height 0.15 onto b seed {}",
+    "glass in a room": "0 /listener 0 0 0.5\n0 /room 5 4 2.5 x -2.5 y -2\n0 /object/new a wine-glass\n"
+    "0 /object/new b ceramic-tile\n0 /object/a/place 0.8 0.3 0.05\n0 /object/b/place 0.8 0.3 0\n"
+    "0 /object/a/shatter 2 height 0.15 onto b seed {}",
     "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {}",
     "dice": "0 /object/new a plastic-cup\n0 /object/a/shake 40 speed 0.5 seed {}",
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {}\n0 /object/a/decay 0.03 over 1.5",
@@ -49,7 +52,9 @@ JUDGED = {
     "bin that is emptied crackles as much, without lines",
     "glass": "a burst of all frequencies, then pieces that clatter for half a second, in short tones of many pitches, "
     "most above 3 kHz; recordings clatter for a second and more, in rooms",
-    "pane": "the same, lower, from 1 kHz on, as recorded; without the part below 500 Hz that recordings have",
+    "glass in a room": "the same, and the room fills the pauses: it dies away for a second, and fewer blows stand "
+    "out than in recordings",
+    "pane": "as the glass, lower, from 1 kHz on, as recorded; without the part below 500 Hz that recordings have",
     "dice": "bursts of blows from 0.5 to 10 kHz with pauses between, as recorded; the cup rings on at 1 kHz for 50 ms",
     "rice": "the bowl's lines at first, which drown in noise as rice covers it; less bright than shakers are",
 }
@@ -65,6 +70,7 @@ RECORDINGS = {
     "gravel": (_MINETEST + "gravel_footstep.*.ogg", _UFO + "footsteps/gravel?.ogg"),
     "can": ("usr/share/games/minetest/mods/homedecor/homedecor_trash_cans/sounds/homedecor_trash_all.ogg",),
     "glass": (_UFO + "misc/breakglass0[2-5].ogg",),
+    "glass in a room": (_UFO + "misc/breakglass0[2-5].ogg",),
     "pane": (_MINETEST + "break_glass.*.ogg",),
     "dice": ("usr/share/gnubg/sounds/roll.wav",),
     "rice": (_FLUID + "GM.sf2/Maracas(L)", _FLUID + "GM.sf2/Small Shaker (L)", _FLUID + "GM.sf2/Cabasa(L)"),
