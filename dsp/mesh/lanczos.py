@@ -15,6 +15,7 @@ Apply = Callable[[Array], Array]
 _BLOCK = 16
 _RESIDUAL = 1e-4
 _MOST_STEPS = 60
+_STEPS = 2  # from modes that are near
 _ROOM = 10  # blocks of vectors beyond those wanted, at first
 
 
@@ -58,6 +59,19 @@ def lowest(solve: Apply, mass: Apply, size: int, shift: float, count: int) -> tu
     raise MeshError(f"modes did not settle in {_MOST_STEPS} steps: expected a body without slivers")
 
 
+def followed(solve: Apply, mass: Apply, shift: float, start: Array, count: int) -> tuple[Array, Array]:
+    """Return the lowest eigenvalues (count,) and vectors (size, count) as `lowest` does, by vectors (size, m) that are
+    near them, some more than are wanted: steps of subspace iteration (K.-J. Bathe, E. Wilson, Int. J. Numer. Methods
+    Eng. 6, 1973)."""
+    vectors, heavy, inverse = start, mass(start), np.zeros(0)
+    for _ in range(_STEPS):
+        ahead = solve(heavy)
+        again = mass(ahead)
+        inverse, turn = _pencil(ahead.T @ again, ahead.T @ heavy)
+        vectors, heavy = ahead @ turn, again @ turn
+    return 1 / inverse[:count] - shift, vectors[:, :count]
+
+
 def _orthonormal(block: Array, mass: Apply) -> tuple[Array, Array]:
     """Return a block's vectors made orthonormal by the mass, and the mass times these; what depends is left out."""
     heavy = mass(block)
@@ -69,3 +83,12 @@ def _orthonormal(block: Array, mass: Apply) -> tuple[Array, Array]:
     gram = block.T @ heavy
     factor = np.linalg.cholesky((gram + gram.T) / 2)
     return np.linalg.solve(factor, block.T).T, np.linalg.solve(factor, heavy.T).T
+
+
+def _pencil(gram: Array, stiff: Array) -> tuple[Array, Array]:
+    """Return the eigenvalues (n,) of `gram` against `stiff`, the greatest first, and vectors (n, n) of unit gram."""
+    factor = np.linalg.cholesky((stiff + stiff.T) / 2)
+    half = np.linalg.solve(factor, (gram + gram.T) / 2)
+    found, turn = np.linalg.eigh(np.linalg.solve(factor, half.T))
+    found, turn = found[::-1], turn[:, ::-1]
+    return found, np.linalg.solve(factor.T, turn) / np.sqrt(found)

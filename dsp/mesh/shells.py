@@ -10,16 +10,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bodies.material import Array, Material
+from .cleaning import edges_of
 from .fronts import Elements, Factor
 from .grading import changes
-from .lanczos import lowest
+from .lanczos import followed, lowest
 from .rounding import quartered
 from .surface import Indices, Surface, faces_of
 
 _STRETCH = 1.5  # Felippa's alpha_b
 _DRILL = ((1, 2, 1, 0, 1, -1, -1, -1, -2), (-2, -1, -1, 1, 1, 2, -1, 0, 1), (1, -1, 0, -1, -2, -1, 2, 1, 1))
 _LUMPED = 0.57  # of the mass: at the corners, which lowers; the rest raises. Plates want 0.5, cans 0.8
-_LEAF = 24
+_LEAF = 64
+_UNKNOWNS = 6  # of a corner
+_SPARE = 16  # modes beyond those wanted, of a shell that leads to a finer one
 _SHIFT = 0.1  # of a wave's frequency along the body, times the wall over its length
 
 
@@ -47,10 +50,41 @@ class Solution(NamedTuple):
         return found
 
 
+class _System(NamedTuple):
+    """The equations of a shell: its surface, the factor of its stiffness and `shift` (1/s^2) times its mass, its mass
+    as a sparse matrix and in kg."""
+
+    surface: Surface
+    factor: Factor
+    weight: Any
+    shift: float
+    mass: float
+
+    def weigh(self, x: Array) -> Array:
+        """Return the mass times vectors (unknowns, n)."""
+        return np.asarray(self.weight @ x)
+
+    def lowest(self, count: int) -> tuple[Array, Array]:
+        """Return the lowest eigenvalues (count,) in 1/s^2 and vectors (unknowns, count)."""
+        return lowest(self.factor.solve, self.weigh, self.weight.shape[0], self.shift, count)
+
+    def solution(self, values: Array, vectors: Array, wall: float, material: Material) -> Solution:
+        """Return the modes of eigenvalues (n,) and vectors (unknowns, n)."""
+        shapes = vectors.reshape(len(self.surface.points), _UNKNOWNS, -1)[:, :3]
+        turns = np.sqrt(np.maximum(values, 0))
+        return Solution(turns / (2 * np.pi), shapes, self.surface, self.mass, _sheared(turns, wall, material))
+
+
 def solve_twice(surface: Surface, wall: float, material: Material, count: int) -> Solution:
     """Return the `count` lowest modes of a shell of a wall (m), rigid motions among them, by its triangles and by their
-    quarters: errors go with the square of the sides, so that the two tell the rest."""
-    coarse, fine = (solve(each, wall, material, count) for each in (surface, quartered(surface)))
+    quarters: errors go with the square of the sides, so that the two tell the rest. The triangles' modes lead to those
+    of the quarters."""
+    system, finer = (_system(each, wall, material) for each in (surface, quartered(surface)))
+    values, vectors = system.lowest(count + _SPARE)
+    start = _between(surface, vectors)
+    coarse = system.solution(values, vectors, wall, material)
+    values, vectors = followed(finer.factor.solve, finer.weigh, finer.shift, start, count)
+    fine = finer.solution(values, vectors, wall, material)
     areas = np.repeat(faces_of(surface).areas / 3, 3)
     masses = material.density * wall * np.bincount(surface.faces.ravel(), areas, len(surface.points))
     there = fine.displacement[: len(masses)]
@@ -58,21 +92,35 @@ def solve_twice(surface: Surface, wall: float, material: Material, count: int) -
     return fine._replace(frequency=fine.frequency - changes(coarse.frequency, fine.frequency, shares) / 3)
 
 
+def _between(surface: Surface, vectors: Array) -> Array:
+    """Return vectors (unknowns, n) of a surface's triangles at the corners of their quarters, too. A side bends as a
+    beam does, by the turns at its ends."""
+    each = vectors.reshape(len(surface.points), _UNKNOWNS, -1)
+    one, other = edges_of(surface.faces)[0].T
+    middles = (each[one] + each[other]) / 2
+    along = (surface.points[other] - surface.points[one])[:, None]
+    bent = np.cross((each[one] - each[other])[:, 3:].transpose(0, 2, 1), along) / 8
+    middles[:, :3] += bent.transpose(0, 2, 1)
+    return np.vstack([each, middles]).reshape(-1, vectors.shape[1])
+
+
 def solve(surface: Surface, wall: float, material: Material, count: int) -> Solution:
     """Return the `count` lowest modes of a shell of a wall (m), rigid motions among them."""
+    system = _system(surface, wall, material)
+    return system.solution(*system.lowest(count), wall, material)
+
+
+def _system(surface: Surface, wall: float, material: Material) -> _System:
+    """Return the equations of a shell."""
     stiffness, mass, total = matrices(surface, wall, material)
     corners = surface.points[surface.faces]
-    elements = Elements(surface.faces, corners.mean(axis=1), 6, len(surface.points))
+    elements = Elements(surface.faces, corners.mean(axis=1), _UNKNOWNS, len(surface.points))
     length = float(np.ptp(surface.points, axis=0).max())
     speed = np.sqrt(material.youngs_modulus / material.density)
-    shift = (2 * np.pi * _SHIFT * speed * wall / length**2) ** 2
+    shift = float((2 * np.pi * _SHIFT * speed * wall / length**2) ** 2)
     factor = Factor(elements, stiffness + shift * mass, _LEAF)
-    unknowns = (surface.faces[:, :, None] * 6 + np.arange(6)).reshape(len(surface.faces), 18)
-    weigh = _summed(unknowns, mass, 6 * len(surface.points))
-    values, vectors = lowest(factor.solve, lambda x: np.asarray(weigh @ x), 6 * len(surface.points), shift, count)
-    shapes = vectors.reshape(len(surface.points), 6, -1)[:, :3]
-    turns = np.sqrt(np.maximum(values, 0))
-    return Solution(turns / (2 * np.pi), shapes, surface, total, _sheared(turns, wall, material))
+    unknowns = (surface.faces[:, :, None] * _UNKNOWNS + np.arange(_UNKNOWNS)).reshape(len(surface.faces), -1)
+    return _System(surface, factor, _summed(unknowns, mass, _UNKNOWNS * len(surface.points)), shift, total)
 
 
 def _sheared(turns: Array, wall: float, material: Material) -> Array:

@@ -5,6 +5,7 @@ import pytest
 
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms, shells
+from carom.dsp.mesh.lanczos import followed
 from carom.dsp.mesh.refining import refined
 from carom.dsp.mesh.rounding import quartered
 from carom.dsp.mesh.surface import Surface
@@ -100,6 +101,34 @@ def test_two_sizes_of_triangles_tell_the_rest():
     assert found == pytest.approx(known, rel=2e-3)
     plain = shells.solve(square(16, side), wall, METAL, 14).frequency[6:11] * scale
     assert np.abs(plain / known - 1).max() > 2e-3
+
+
+def test_triangles_modes_lead_to_those_of_their_quarters_in_two_steps():
+    plate, wall = square(10, 0.2), 0.001
+    system, finer = (shells._system(each, wall, METAL) for each in (plate, quartered(plate)))
+    start = shells._between(plate, system.lowest(46)[1])
+    solved = []
+
+    def solve(right):
+        solved.append(right.shape[1])
+        return finer.factor.solve(right)
+
+    values, vectors = followed(solve, finer.weigh, finer.shift, start, 30)
+    known = shells.solve(quartered(plate), wall, METAL, 30)
+    assert finer.solution(values, vectors, wall, METAL).frequency[6:] == pytest.approx(known.frequency[6:], rel=1e-5)
+    assert vectors.T @ finer.weigh(vectors) == pytest.approx(np.eye(30), abs=1e-9)
+    assert solved == [46, 46]
+
+
+def test_a_middle_of_a_side_moves_as_a_bent_beam_does():
+    plate, curve = square(2, 0.2), 3.0
+    x = plate.points[:, 0]
+    vectors = np.zeros((len(x), 6, 1))
+    vectors[:, 2, 0], vectors[:, 4, 0] = curve * x**2 / 2, -curve * x
+    found = shells._between(plate, vectors.reshape(-1, 1)).reshape(-1, 6)
+    places = quartered(plate).points[:, 0]
+    assert found[:, 2] == pytest.approx(curve * places**2 / 2, abs=1e-12)
+    assert found[:, 4] == pytest.approx(-curve * places, abs=1e-12)
 
 
 def test_shear_is_what_mindlins_plates_lose_by_it():
