@@ -5,7 +5,7 @@ import pytest
 
 from carom.dsp.mesh.surface import volume_of
 from tests.bench import elastic, hexahedra
-from tests.bench.meshes import METAL
+from tests.bench.meshes import BODIES, METAL, blob, tetrahedral
 
 SIDES = (0.1, 0.08, 0.06)
 Y, Z = (0.0, SIDES[1]), (0.0, SIDES[2])
@@ -23,3 +23,12 @@ def test_a_skin_is_closed_and_turned_outward(blocks, volume):
     sides = np.sort(np.concatenate([surface.faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
     assert (np.unique(sides, axis=0, return_counts=True)[1] == 2).all()
     assert volume_of(surface) == pytest.approx(volume)
+
+
+def test_a_lump_of_hexahedra_rings_as_one_of_tetrahedra():
+    """The map is singular at the cube's edges: so the tetrahedra's error goes with the third power of their side."""
+    pytest.importorskip("skfem")
+    coarse, fine = (tetrahedral((count,) * 3, blob)[:6] for count in (4, 6))
+    known = BODIES["lump of 60"].known(1)[:6]
+    assert fine - (coarse - fine) / (1.5**3 - 1) == pytest.approx(known, rel=3e-4)
+    assert (known < fine).all()
