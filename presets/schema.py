@@ -293,6 +293,7 @@ SHAPES: Mapping[str, Shape] = {
             "nonlinear_modes": Whole(0, MOST_COUPLED),
             "edge": Choice(EDGES),
             "felt": Quantity(0, 0.2, "m"),
+            "stand": Quantity(0, 100, "kg/s"),
             **DOUBLETS,
             "baffle": BAFFLE,
         },

@@ -15,7 +15,7 @@ from .acceleration import Click
 from .air import plate_mass
 from .choices import EDGES
 from .dome import SHALLOW, Waves, at_edge, domed
-from .felts import felt_losses
+from .felts import felt_losses, on_stand
 from .heard import BAFFLES, heard, loaded
 from .karman import Sheet, mixing
 from .material import Array, Material
@@ -47,6 +47,7 @@ def disc(
     nonlinear_modes: int = 0,
     edge: str = "free",
     felt: float = 0.0,
+    stand: float = 0.0,
     split: float = 0.0,
     imperfection: float = 20.0,
     split_seed: int = 0,
@@ -57,11 +58,11 @@ def disc(
     radius and thickness in m; dome (m): the rise of the centre over the edge, which is free, as of a shallow parabolic
     cap (dome.py), on which the air acts as on the flat disc at the cap's frequencies; nonlinear_modes: how many of the
     lowest modes are coupled by the plate's stretching (karman.py), which no edge holds in its plane; felt (m): the
-    radius of felts at the centre (felts.py), 0 for none; top in Hz; the strike path is a diameter, from edge (0) over
-    the centre (0.5) to edge (1); split, imperfection and split_seed as in `ring.doublets`, baffle as in
-    `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of
-    the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969),
-    lowered by the air.
+    radius of felts at the centre, 0 for none; stand (kg/s): what it stands on resists (felts.py); top in Hz; the strike
+    path is a diameter, from edge (0) over the centre (0.5) to edge (1); split, imperfection and split_seed as in
+    `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2)
+    sqrt(D/(rho h)), lambda the roots of the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration
+    of Plates, NASA SP-160, 1969), lowered by the air.
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
@@ -70,6 +71,8 @@ def disc(
         _require_coupled(nonlinear_modes, split, split_seed)
     if not 0 <= felt <= radius:
         raise ValueError(f"felt = {felt}: expected 0 to {radius:g}, the radius")
+    if not 0 <= stand < math.inf:
+        raise ValueError(f"stand = {stand}: expected 0 or more")
     areal = material.density * thickness
     rigidity = material.contact_modulus * thickness**3 / 12
     unit = math.sqrt(rigidity / areal) / (2 * math.pi * radius**2)
@@ -97,7 +100,7 @@ def disc(
         mixes = mixing(material, radius, thickness, dome)
         made_of = waves, stress, math.sqrt(stiffness), stretching, mixes, parts, unit * root**2
         body = body._replace(sheet=partial(Sheet, nonlinear_modes, thickness, *made_of))
-    made = _round(material, body, Doublets(split, imperfection, split_seed), top)
+    made = _round(on_stand(material, stand, mass), body, Doublets(split, imperfection, split_seed), top)
     return replace(made, clicks=disc_clicks(material, radius=radius, thickness=thickness, edge=edge, baffle=baffle))
 
 

@@ -23,6 +23,7 @@ import numpy as np
 from ..kept import Kept
 from .bar import bar, bar_clicks, over_tube, tube_of
 from .disc import disc, disc_clicks
+from .felts import on_stand
 from .heard import pressure
 from .material import Array, Material
 from .modes import Modes, Silent, Unheard, audible
@@ -39,7 +40,7 @@ _CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
 }  # fmt: skip
 """Shapes that are elastic bodies in air and no more, with what makes their clicks."""
 
-_ASIDE = ("felt", "board", "tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
+_ASIDE = ("felt", "stand", "board", "tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
 """Arguments of discs and bars that say what takes from them or sounds besides, and does not change their shapes."""
 
 _UNDER = ("tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
@@ -75,6 +76,7 @@ class Sized:
         if board := arguments.get("board"):
             into = self._into(str(board), top, material, own, table)[heard] * BOARDS[str(board)].conductance(found)
             radiated, lost = resistance + BOARDS[str(board)].radiated_share(found) * into, resistance + into
+        material = on_stand(material, arguments.get("stand", 0.0), table.mass * size**3)
         decay = material.decay(found)
         if material.losses == "material":
             decay = decay + lost / 2

@@ -165,6 +165,7 @@ MEANINGS = {
     ("plate", "path_to"): "end of the strike path",
     ("disc", "dome"): "rise of the centre over the edge, which is free: up to a quarter of the radius; 0 if not given",
     ("disc", "felt"): "radius of felts that hold it at its centre, as on a cymbal's stand; 0 if not given",
+    ("disc", "stand"): "resistance of its stand: all modes lose it over twice the mass (1/s); 0 if not given",
     ("disc", "nonlinear_modes"): "how many of the lowest modes stretching couples where the plate swings far; 0 if not "
     "given; needs a `split`; a deep thin dome may fall silent where a heavy striker turns it inside out",
     ("disc", "edge"): "",

@@ -33,6 +33,19 @@ def test_small_felts_take_what_a_dashpot_at_the_centre_does(dome):
     assert loss[~moves].max() < 0.02 * loss.max()
 
 
+@pytest.mark.parametrize("radius", [0.1, 0.2])
+def test_a_stand_takes_its_resistance_over_twice_the_mass_from_all_modes(radius):
+    size = {**SIZE, "radius": radius}
+    held, free = (bodies.disc(HEAVY, stand=each, **size) for each in (1.5, 0.0))
+    mass = HEAVY.density * SIZE["thickness"] * np.pi * radius**2
+    assert held.decay - free.decay == pytest.approx(1.5 / (2 * mass), rel=1e-9)
+
+
+def test_a_stand_resists_and_never_pushes():
+    with pytest.raises(ValueError, match="stand = -1: expected 0 or more"):
+        bodies.disc(HEAVY, stand=-1, **SIZE)
+
+
 def test_an_error_names_felts_that_are_larger_than_the_disc():
     with pytest.raises(ValueError, match=r"felt = 0\.3: expected 0 to 0\.2, the radius"):
         bodies.disc(HEAVY, felt=0.3, **SIZE)

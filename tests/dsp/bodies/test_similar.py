@@ -24,7 +24,7 @@ BODIES = {
     "disc": (bodies.disc, STEEL, ("radius", "thickness", "dome"), dict(
         radius=0.1, thickness=0.0015, dome=0.008, split=0.004, imperfection=37.0)),
     "cymbal": (bodies.disc, STEEL, ("radius", "thickness", "felt"), dict(
-        radius=0.1, thickness=0.0015, felt=0.01, split=0.004, imperfection=37.0)),
+        radius=0.1, thickness=0.0015, felt=0.01, stand=1.5, split=0.004, imperfection=37.0)),
     "plate": (bodies.plate, STEEL, ("length", "width", "thickness"), dict(
         length=0.25, width=0.15, thickness=0.003, edges=("free", "free", "clamped", "supported"),
         path_from=(0.0, 0.9), path_to=(0.9, 0.3))),
