@@ -58,7 +58,9 @@ _EDGE = 0.03
 
 _ROUNDS = 6  # of such changes
 _SWEEPS = 3  # of them, after which several contacts may be found anew
-_CHANGED = 2e-3  # relative change of the forces that ends Newton's method: what is left is about its square
+_CHANGED = np.array([0.0, 1e-2, 2e-3, 2e-3])
+"""Relative change of the forces that ends Newton's method, by parts: below a third of its square is left."""
+
 _NEWTON_STEPS = 12
 _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
@@ -378,7 +380,7 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
     f0, f1 = block.force[i], block.force[j]
     if x0 <= 0.0 and x1 <= 0.0:
         f0 = f1 = 0.0
-    rate = 1.0 / contact.period
+    rate, changed = 1.0 / contact.period, _CHANGED[block.parts]
     solved = False
     for _ in range(_NEWTON_STEPS):
         f, s, d = _law(contact, x0 - a00 * f0 - a01 * f1, rate * (v0 - w00 * f0 - w01 * f1))
@@ -394,7 +396,7 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
         f1 += c1
         # What the law changes by, as it is linear, where both nodes touch: what is left is about its square.
         left = abs(r0 - c0) + abs(r1 - c1) if min(f, g) > 0.0 else abs(c0) + abs(c1)
-        if left <= _CHANGED * (abs(f0) + abs(f1)):
+        if left <= changed * (abs(f0) + abs(f1)):
             solved = True
             break
     block.force[i], block.force[j] = f0, f1

@@ -232,10 +232,11 @@ def test_a_pane_is_a_dashpot_for_less():
     np.testing.assert_array_equal(without_steps, dashpot)
     np.testing.assert_array_equal(without_room, dashpot)
     rigid = rolled(pane(0.5e6), "-80")[0] + 60.0
-    further = rolled(pane(0.5), "-80", quality=1, seeds=16)[0] - rolled(pane(0.5), "-80", seeds=16)[0]
+    many = rolled(pane(0.5), "-80", seeds=16)[0]
+    further = rolled(pane(0.5), "-80", quality=1, seeds=16)[0] - many
     assert np.abs(further).max() < 5.0 < (rigid - full).mean()
-    cheapest, counted = rolled(pane(0.5), "-40")
-    assert counted.coupled == 1 and np.abs(cheapest - full).max() < 1.5
+    cheapest, counted = rolled(pane(0.5), "-40", seeds=16)
+    assert counted.coupled == 1 and np.abs(cheapest - many).max() < 1.0
 
 
 def test_a_roll_in_blocks_goes_on_so_where_time_is_short():
