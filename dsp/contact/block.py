@@ -44,6 +44,10 @@ LOSSIEST = np.array([0.0, 0.3, 0.6, 2.0])
 """The same of what rolls or slides, for its loss: the share of its speed that the contact takes in a sample. Where it
 takes all within a part, a kink of the path leaves a speed behind that nothing takes."""
 
+LONGEST_PART = 25e-6
+"""s: a longer sample takes one part more. On a rough path modes near its Nyquist frequency, which are heard as low as
+that, feel the moments that are left out."""
+
 STIFFEST_AT_REST = np.array([0.0, 1.6, 2.2, 3.6])
 """The same of a rest, which hardly leaves its stiffness: one part mostly follows it within -55 dB."""
 
@@ -67,22 +71,35 @@ _FIRST = 0.25  # of a sample: the first step to try after a block
 
 
 @kernel
-def parts_for(contact: Coupled, least: int, rests: bool, stays: bool, rolls: bool) -> int:
+def parts_for(contact: Coupled, least: int, rests: bool, stays: bool) -> int:
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
     gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest; stays: and one that hardly
-    loses anything is to stay in step for as long as it swings. rolls: it may push with twice its weight, and then loses
-    twice as much; within -50 dB that does no harm."""
+    loses anything is to stay in step for as long as it swings."""
     swing = _swing(contact)
     if rests and swing < _SOFT:
         return 1
     loss = contact.mu * contact.rest_force * contact.period / contact.mass
-    if rolls and least > 1:
-        loss *= 2.0
-    if stays and rests:
-        while least < MOST_PARTS and (swing / least) ** 4 * swing > _DRIFTS * loss:
-            least += 1
+    if not rests:
+        return parts_along(swing, loss, contact.period, least)
+    while stays and least < MOST_PARTS and (swing / least) ** 4 * swing > _DRIFTS * loss:
+        least += 1
     for parts in range(least, MOST_PARTS + 1):
-        if swing < (STIFFEST_AT_REST[parts] if rests else STIFFEST[parts]) and (rests or loss < LOSSIEST[parts]):
+        if swing < STIFFEST_AT_REST[parts]:
+            return parts
+    return 0
+
+
+@kernel
+def parts_along(swing: float, loss: float, period: float, least: int) -> int:
+    """Return the parts of a sample (s), `least` or more, that follow what rolls, slides or strikes, by its swing and by
+    its loss under its weight; 0 if no number does. It may push with twice its weight, and then loses twice as much;
+    within -50 dB that does no harm."""
+    if least > 1:
+        loss *= 2.0
+    if period > LONGEST_PART:
+        least = min(least + 1, MOST_PARTS)
+    for parts in range(least, MOST_PARTS + 1):
+        if swing < STIFFEST[parts] and loss < LOSSIEST[parts]:
             return parts
     return 0
 

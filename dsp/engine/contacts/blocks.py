@@ -275,8 +275,7 @@ def _look(state: State, net: Net) -> int:
             observe_points(state, contact)
         take_room_again(state, contact)
         trait, coupled = contact.trait, contact.coupled
-        rolls = trait.along == 1 and trait.slips == 0
-        needed = parts_for(coupled, 1 if trait.single == 1 else least, trait.rests == 1, level > 0, rolls)
+        needed = parts_for(coupled, 1 if trait.single == 1 else least, trait.rests == 1, level > 0)
         if needed == 0:
             return 0
         parts = max(parts, needed)

@@ -176,14 +176,38 @@ def test_a_body_that_moves_over_an_object_against_dop853(level):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("rate", "bound"), [(44_100, -60), (48_000, -60), (48_000, -50)])
-def test_a_roll_whose_contact_loses_all_its_speed_in_a_sample(rate, bound):
-    """Sounds on polycarbonate, beside `exact`, 20 ms."""
+@pytest.mark.parametrize(("level", "bound", "modal_mass"), [("-50", -50, 50.0), ("-60", -60, 50.0), ("-80", -80, 5e3)])
+def test_a_roll_on_what_hardly_gives_way_against_dop853(level, bound, modal_mass):
+    """A body on an object that is some hundred times as heavy, and more: it feels the modes even so."""
+    engine = Engine(RATE)
+    handle = engine.add(light(modal_mass), 0.05)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
+    found, right = followed(engine, handle, 30)
+    assert engine.stats.coupled == 1
+    assert apart(found, right) < bound
+
+
+SLAB = {"material": "nylon", "length": 0.07, "width": 0.03, "thickness": 0.014,
+        "edges": ["free", "supported", "supported", "free"]}  # fmt: skip
+"""A body whose lowest modes lie at some kHz."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("rate", "bound", "preset", "keys"),
+    [
+        (44_100, -60, "polycarbonate-sheet", {}), (48_000, -60, "polycarbonate-sheet", {}),
+        (48_000, -50, "polycarbonate-sheet", {}), (22_050, -50, "glass-plate", SLAB),
+        (22_050, -60, "glass-plate", SLAB),
+    ],
+)  # fmt: skip
+def test_rolls_beside_exact(rate, bound, preset, keys):
+    """Sounds of 20 ms: a contact that loses all its speed in a sample, and a sample that lasts long."""
     found = []
     for level in ("exact", str(bound)):
         with carom.Scene(rate, limiter=False) as scene:
             scene.accuracy(level)
-            scene.new("a", "polycarbonate-sheet", stereo_width=0).roll(seed=1)
+            scene.new("a", preset, stereo_width=0, **keys).roll(seed=1)
             found.append(scene.render(0.02).samples[:, 0].astype(float))
     assert apart(found[1], found[0]) < bound
 
