@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from ...dsp.bodies.material import contact_between
 from ...dsp.numerics.constants import HARDEST_REST
+from ...dsp.schema import MASS
 from ...presets.supports import SUPPORTS
 from .bodies import Body
 from .pairs import law_of
@@ -14,7 +15,6 @@ from .step import Event
 
 _STATIC, _DYNAMIC = 0.4, 0.3
 _STRIDE, _SEEDS = 1_000_003, 2**31
-_LIGHTEST, _HEAVIEST = 1e-9, 1e6  # kg
 _GROUND = "table"  # with a law of its own and without resistance it is any rigid ground
 
 Key = tuple[int, int]
@@ -47,7 +47,7 @@ class Gestures:
         law, mass, behind = _law(lies, ground, support, event.radius), event.mass, 0.0
         if support:
             mass, behind = min(mass, SUPPORTS[support].mass or mass), SUPPORTS[support].resistance
-        keys = {**law, "mass": min(max(mass, _LIGHTEST), _HEAVIEST)}
+        keys = {**law, "mass": min(max(mass, MASS.low), MASS.high)}
         most = min(HARDEST_REST * keys["mass"], SUPPORTS[support].most if support else math.inf)
         if not ground.rings:
             keys["resistance"] = behind

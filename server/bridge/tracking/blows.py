@@ -12,6 +12,7 @@ from ....dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
 from ....dsp.contact.law import restitution_of
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.native.typed import View2D
+from ....dsp.schema import MASS
 from .grains import is_of_grains, pile_up
 from .microphones import MicrophoneState
 from .points import along
@@ -23,7 +24,7 @@ _IN = 0.05  # s: the time over which blows are counted
 _RECENT = 0.1  # s: what was louder so lately hides what is fainter
 _DULLEST = 0.02  # restitution: with less, a blow would hardly end
 _FASTEST = 1e3  # m/s
-_LIGHTEST, _HEAVIEST = 1e-9, 1e6  # kg
+LIGHTEST, HEAVIEST = MASS.low, MASS.high  # kg
 _SHARPEST, _FLATTEST = 1e-4, 10.0  # m: radii of contacts
 
 
@@ -141,7 +142,7 @@ def weigh_blow(state: State, microphones: MicrophoneState, blow: Blow) -> None:
         lost = 1.5 * (1.0 - blow.left) / blow.left
     struck = blow.b if blow.side == 1 else blow.a
     blow.rings = 0
-    if state.rings[struck] == 1 and _LIGHTEST <= mass <= _HEAVIEST:
+    if state.rings[struck] == 1 and LIGHTEST <= mass <= HEAVIEST:
         longest = longest_estimate(blow.met, mass, blow.stiffness, blow.exponent, lost)
         blow.rings = 1 if longest <= LONGEST_CONTACT else 0
     if blow.rings == 0:

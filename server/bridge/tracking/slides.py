@@ -13,7 +13,7 @@ import math
 
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.numerics.constants import STANDARD_GRAVITY
-from .blows import contact_radius, loudness_of, masked_at, time_of_contact
+from .blows import HEAVIEST, LIGHTEST, contact_radius, loudness_of, masked_at, time_of_contact
 from .microphones import MicrophoneState, gain_at
 from .skins import curvature_of
 from .state import AT, EVENTS, HEARD, LIE, LOAD, MOVE, POSITION, Pair, State
@@ -179,7 +179,7 @@ def find_slides(state: State) -> None:
             event.radius = contact_radius(curvature_of(state, a, b, event.local))
             event.stiffness, event.exponent = law[0] * math.sqrt(event.radius), law[2]
             if event.kind == MOVE:
-                event.mass = 1.0 / max(state.lightness[a], state.lightness[b])
+                event.mass = min(max(1.0 / max(state.lightness[a], state.lightness[b]), LIGHTEST), HEAVIEST)
             event.patch = 0.0 if is_round(state, a, b) else _FLAT
             event.seed = (state.seed + event.slide) % _SEEDS
             slides, under = (a, b) if event.side == 1 else (b, a)

@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("mujoco", reason="without mujoco nothing simulates")
 import mujoco
 
+import carom
 from carom.mujoco import Bridge
 
 SCENE = """<mujoco><option timestep="{step}"/><default><geom solref="{solref} 1"/></default><worldbody>
@@ -54,3 +55,13 @@ def test_a_plank_that_lands_on_one_end_slaps_with_the_other():
     """The first blow takes a part of its mass alone: the second one is told, and harder."""
     hits, _ = landed('<geom type="box" size=".2 .03 .01"/>', 0.001, 0.005, 'euler="0 6 0"')
     assert len(hits) >= 2 and hits[1].speed > hits[0].speed
+
+
+def test_a_body_of_any_mass_slides():
+    with carom.World(microphones=[(0.0, -1.0, 0.5)]) as world:
+        world.body("floor", "plate", (2.0, 2.0, 0.02), "wood", held=True)
+        world.body("block", "box", (0.2, 0.2, 0.2), "granite", mass=2e8)
+        for n in range(1, 101):
+            touch = carom.Touch("floor", "block", (0.002 * n, 0, 0), (0, 0, 1), approach=0.0, slip=0.5, force=2e9)
+            block = world.step(n / 500, [touch], {"block": carom.Pose((0.002 * n, 0, 0.1), velocity=(0.5, 0, 0))})
+        assert world.counts.gestures == 1 and 0.0 < abs(block).max() < 10.0
