@@ -62,9 +62,8 @@ _EDGE = 0.03
 
 _ROUNDS = 6  # of such changes
 _SWEEPS = 3  # of them, after which several contacts may be found anew
+# Relative change of the forces that ends Newton's method, by parts: below a third of its square is left.
 _CHANGED = np.array([0.0, 1e-2, 2e-3, 2e-3])
-"""Relative change of the forces that ends Newton's method, by parts: below a third of its square is left."""
-
 _NEWTON_STEPS = 12
 _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block

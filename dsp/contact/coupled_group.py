@@ -23,8 +23,7 @@ from .coupled_step import FINEST, HELD, LEAST, give_of, hold, set_powers
 from .power_series import BINOMIAL, POWERS, legendre_moments
 from .touches import begin_touch
 
-MOST_STEPS = 3_000  # of a contact that is alone, in a sample; what is left of it then is one held step
-_MOST_TOGETHER = 600  # of several
+MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
 
 
 @kernel
@@ -55,12 +54,11 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
             group.answer[i, i, k] = contact.answer[k]
     _lift_others(contacts, group)
     at = 0.0
-    most = MOST_STEPS if group.size == 1 else _MOST_TOGETHER
-    for count in range(most + 1):
+    for count in range(MOST_STEPS + 1):
         left = 1.0 - at
         if left <= 0.0:
             break
-        eta = _step(contacts, group, at, count == most)
+        eta = _step(contacts, group, at, count == MOST_STEPS)
         at = 1.0 if eta >= left else at + eta
         for i in range(group.size):
             contact = contacts[group.member[i]].coupled

@@ -132,9 +132,7 @@ def test_a_contact_of_closed_form_goes_on_coupled_when_it_is_moved():
 
 
 def test_two_that_need_more_steps_than_a_sample_has_gain_no_energy():
-    """A light blow lies on a body as a heavy one comes, both so stiff that the sample ends in a held step."""
-    engine = Engine(22_050)
-    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+    """A slow blow lies on a light body as a fast one comes, both so stiff that some samples end in held steps."""
     phi = np.array(
         [
             [-0.0555, -0.293, 0.231, -0.493, -0.119, -0.26, 0.105, -0.687],
@@ -143,17 +141,23 @@ def test_two_that_need_more_steps_than_a_sample_has_gain_no_energy():
     )
     frequency = [784.0, 903.0, 1100.0, 1440.0, 1570.0, 4200.0, 7850.0, 8600.0]
     modes = listed(
-        frequency=frequency, t60=1e12, modal_mass=1.0, mass=1.0, top=10_000, positions=[0.0, 1.0], gains=phi.T
+        frequency=frequency, t60=1e12, modal_mass=1e-6, mass=1.0, top=10_000, positions=[0.0, 1.0], gains=phi.T
     )  # fmt: skip
-    handle = engine.add(modes, 1e6)
-    blow(engine, handle, (5.25, 1.03e13, 0.0, 1.0), 0.0265, 0.0049, 1.0)
-    blow(engine, handle, (1.34, 1.33e10, 0.0, 1.0), 11.1, 24.5, 0.0)
-    engine.process(QUANTUM)
-    strikers = engine.state["contacts"]["coupled"][0]
-    left = 0.5 * float((strikers["m"] * strikers["v"] ** 2).sum()) + energy(engine, handle, felt(engine, handle))
-    given = 0.5 * (5.25 * 0.0049**2 + 1.34 * 24.5**2)
-    assert engine.stats.held > 0 and not strikers["touching"].any()
-    assert abs(left / given - 1) < GROWTH.bound
+    held = 0
+    for time in (3.7, 4.03, 4.1):
+        engine = Engine(8_000)
+        engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+        handle = engine.add(modes, 1e6)
+        blow(engine, handle, (5.25, 1.03e14, 0.0, 1.0), 0.0096, 0.0049, 1.0)
+        blow(engine, handle, (1.34, 1.33e12, 0.0, 1.0), time, 24.5, 0.0)
+        engine.process(QUANTUM)
+        strikers = engine.state["contacts"]["coupled"][0]
+        left = 0.5 * float((strikers["m"] * strikers["v"] ** 2).sum())
+        left += energy(engine, handle, felt(engine, handle))
+        given = 0.5 * (5.25 * 0.0049**2 + 1.34 * 24.5**2)
+        assert not strikers["touching"].any() and abs(left / given - 1) < GROWTH.bound
+        held += engine.stats.held
+    assert held > 0
 
 
 def test_twenty_strokes_in_a_tenth_of_a_second_all_sound():

@@ -210,3 +210,22 @@ def test_steady_slides_are_as_loud_as_at_exact(name):
         levels.append(10 * np.log10(np.add.reduceat(power, bands)[:-1]))
     loud = levels[0] > levels[0].max() - 50.0
     assert all(np.abs(each - levels[0])[loud].max() < 1.0 for each in levels)
+
+
+@pytest.mark.parametrize("material", ["rubber", "polycarbonate"])
+def test_what_swings_for_hundreds_of_steps_a_sample_does_so_beside_another(material):
+    """A weight rolls on a sheet that something as stiff slides on: at `exact` no force is held."""
+    found = []
+    for accuracy in ("exact", "-60"):
+        with carom.Scene(22_050, limiter=False) as scene:
+            scene.accuracy(accuracy)
+            size = {"length": 0.5, "width": 0.4, "thickness": 0.002, "most_modes": 16}
+            sheet = scene.new("a", "glass-plate", stereo_width=0, material=material, **size)
+            sheet.roll(seed=1, mass=0.58, stiffness=7e6, radius=0.026, surface="concrete", speed=0.29, position=0.8)
+            sheet.slide(
+                seed=1, mass=0.016, stiffness=2e9, radius=0.002, surface="boards", speed=1.9, force=11.5, position=0.23
+            )
+            made = scene.render(0.005)
+        assert made.report.steps_held == 0
+        found.append(made.samples[:, 0].astype(float))
+    assert apart(found[1], found[0]) < -60
