@@ -37,8 +37,9 @@ class NotLinear(CaromError, ValueError):
 def rebuild(row: Row) -> NDArray[np.float64]:
     """Return the sound of a clip in Pa, (frames, channels), from its row of a data set's table.
 
-    NotLinear where an object glides in pitch, was retuned meanwhile, was heard from a place in space, or was touched
-    off its strike path (`linear` is false). MissingLibrary where there is no scipy.
+    NotLinear where an object glides in pitch, was retuned meanwhile, faded in a panic, was heard from a place in space,
+    was touched off its strike path, or was freed and forgotten (`linear` is false). MissingLibrary where there is no
+    scipy.
     """
     require_scipy("to rebuild a clip", "dataset")
     frames, rate = int(row["frames"]), float(row["rate"])
@@ -60,6 +61,8 @@ def rebuild(row: Row) -> NDArray[np.float64]:
         if len(body["bends"]):
             own -= _lines(body["bends"], frames)
         sound += own * _lines(body["fades"], frames) if len(body["fades"]) else own
+    if not row["linear"]:
+        raise NotLinear("an object was freed before the clip's end, and is not told; expected objects that stay")
     return sound
 
 

@@ -89,7 +89,8 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
         for name, at in touched.items()
     )
     truth["objects"] = [each for each in told if each]
-    truth["linear"] = all(each["linear"] for each in truth["objects"])
+    kept = followed.all_in(each.handle.serial for each in performer.scene.objects.values())
+    truth["linear"] = kept and all(each["linear"] for each in truth["objects"])
     truth["contacts"] = about_contacts(performer, contacts)
     if sensed.shape[1]:
         truth["sensors"] = _about_sensors(performer)

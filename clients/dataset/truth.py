@@ -60,11 +60,13 @@ class Followed:
     def __init__(self) -> None:
         self._seen: dict[int, list[_Seen]] = {}
         self._in_space: set[int] = set()
+        self._panicked: set[int] = set()
 
     def look(self, performer: Performer) -> None:
         """Take notice of a quantum that was computed."""
         channels = performer.engine.channels
         sides = [0, 1] if channels == 2 else [0] * channels
+        main = performer.engine.state[0]["output"]["gain"]
         space = performer.engine.state[0]["surroundings"]
         if space["on"]:
             self._in_space.update(space["lines"]["serial"][space["lines"]["used"] == 1].tolist())
@@ -72,10 +74,12 @@ class Followed:
             record = performer.engine.state[0]["objects"][placed.handle.slot]
             if record["serial"] == serial:
                 place, settings = record["place"], record["settings"]
-                gains = np.array([place["before"][:channels], place["gain"][:channels]])
+                gains = np.array([place["before"][:channels], place["gain"][:channels]]) * main[:, None]
                 bend = np.array([record["static_before"][sides], record["static"][sides]])
                 seen = _Seen(gains, bend, tuple(float(settings[name]) for name in _SOUND))
                 self._seen.setdefault(serial, []).append(seen)
+                if record["fading"] > 0:
+                    self._panicked.add(serial)
 
     def fades(self, serial: int, gains: NDArray[np.float64], quanta: int) -> Ends:
         """Return an object's gains at the beginning and the end of each quantum, between which they go as lines, as
@@ -97,8 +101,13 @@ class Followed:
         return whole
 
     def stayed(self, serial: int) -> bool:
-        """True if an object rang on as it was made, and was never heard from a place in space."""
-        return serial not in self._in_space and len({each.settings for each in self._seen.get(serial, ())}) <= 1
+        """True if an object rang on as it was made, through no panic, and was never heard from a place in space."""
+        settings = {each.settings for each in self._seen.get(serial, ())}
+        return serial not in self._in_space | self._panicked and len(settings) <= 1
+
+    def all_in(self, serials: Iterable[int]) -> bool:
+        """True if no object was there but these."""
+        return self._seen.keys() <= set(serials)
 
 
 def about_object(
@@ -234,7 +243,8 @@ class _Strikers:
     def _sound(self, contact: Contact) -> Truth:
         """Describe what does not differ between the blows of one striker on one object."""
         performer, drive = self._performer, contact.drive
-        heard = performer.heard(performer.placed(contact.object)) if drive.sound >= 0 else None
+        there = drive.sound >= 0 and contact.object in performer.scene.objects  # it may be gone by now
+        heard = performer.heard(performer.placed(contact.object)) if there else None
         if heard is None:
             return {"clicks": [], "ringing": sines(*_NONE), "second": sines(*_NONE)}
         kind, gains = performer.engine.state[0]["strikers"][drive.sound], heard[1]

@@ -8,7 +8,7 @@ from carom.clients.dataset.clip import render, row_of
 from carom.clients.dataset.design import items
 from carom.clients.dataset.recipe import find, read
 from carom.presets import Presets
-from tests.clients.dataset.support import SMALL, recipe_of
+from tests.clients.dataset.support import SMALL, recipe_of, written
 
 ATTACK = 96  # frames from the first force on
 
@@ -102,3 +102,35 @@ def test_what_stretches_is_refused_by_name(tmp_path, preset):
     )
     with pytest.raises(ValueError, match="object: it is not linear"):
         missed(recipe, 0)
+
+
+def followed(folder, *lines, seconds=0.1):
+    """Return the row of a clip that follows a score."""
+    (folder / "score.txt").write_text("\n".join(["0 /object/new board wood-board", *lines]))
+    head = f'count = 1\nseconds = {seconds}\nsamples = "float"\nformat = "wav"\n'
+    path = written(folder, f'{head}[score]\nfile = "score.txt"\n')
+    return next(carom.render_many(path))
+
+
+def test_the_level_of_everything_is_in_the_truth(tmp_path):
+    """The level goes with an object's own gain, whenever either changes."""
+    for score in (["0 /gain -6"], ["0.01 /gain -6 over 0.03", "0.02 /object/board/gain -3 over 0.05"]):
+        row = followed(tmp_path, *score, "0.005 /object/board/impact 1")
+        assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-8 * np.square(row["sound"]).sum()
+
+
+def test_a_panic_is_refused_by_name(tmp_path):
+    row = followed(tmp_path, "0 /object/board/impact 1", "0.05 /panic")
+    assert not row["linear"]
+    with pytest.raises(carom.NotLinear, match="board: it is not linear"):
+        carom.rebuild(row)
+
+
+@pytest.mark.parametrize("gesture", ["impact 1", "press 1 striker wood"])
+def test_a_clip_with_an_object_that_is_gone_is_refused(tmp_path, gesture):
+    """Later messages forget it, and another may have its name by then: the table cannot tell it."""
+    free = ["0.05 /object/board/free", "0.08 /object/new pane glass-plate"]
+    row = followed(tmp_path, f"0 /object/board/{gesture}", *free)
+    assert not row["linear"] and [each["name"] for each in row["objects"]] == ["pane"]
+    with pytest.raises(carom.NotLinear, match="was freed before the clip's end"):
+        carom.rebuild(row)
