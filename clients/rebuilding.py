@@ -28,6 +28,7 @@ Row = Mapping[str, Any]
 
 _PATH = 3 + TRACED_MOMENTS  # columns of a path: place, gain, place of friction and its moments
 _ROWS = 4  # of shapes, between which a cubic goes
+_SAME = 1e-6  # of a strike path: as good as the same place
 
 
 class NotLinear(CaromError, ValueError):
@@ -240,9 +241,11 @@ def _in_lines(table: Array, places: Array, lines: int) -> Array:
     frame = np.arange(len(places))
     begin = frame // lines * lines
     last, end = (np.minimum(begin + n, len(places) - 1) for n in (lines - 1, lines))
-    end = np.where(places[begin] == places[last], begin, end)  # what is steered moves from quantum to quantum alone
+    step = places[last] - places[np.maximum(last - 1, 0)]
+    jumps = np.abs(places[end] - places[last]) > 4.0 * np.abs(step) + _SAME  # as what is steered, between quanta alone
+    ends = np.where(jumps, np.clip(places[last] + step, 0.0, 1.0), places[end])
     row = _row_of(table, places[begin]) if lines == LINE else None  # these keep their rows, those of a quantum do not
-    here, there = (_along(table, places[at], row) for at in (begin, end))
+    here, there = (_along(table, at, row) for at in (places[begin], ends))
     return np.asarray(here + (frame - begin) / np.maximum(end - begin, 1) * (there - here))
 
 

@@ -104,10 +104,10 @@ def test_what_stretches_is_refused_by_name(tmp_path, preset):
         missed(recipe, 0)
 
 
-def followed(folder, *lines, seconds=0.1):
+def followed(folder, *lines, rate=48_000):
     """Return the row of a clip that follows a score."""
     (folder / "score.txt").write_text("\n".join(["0 /object/new board wood-board", *lines]))
-    head = f'count = 1\nseconds = {seconds}\nsamples = "float"\nformat = "wav"\n'
+    head = f'count = 1\nseconds = 0.1\nrate = {rate}\nsamples = "float"\nformat = "wav"\n'
     path = written(folder, f'{head}[score]\nfile = "score.txt"\n')
     return next(carom.render_many(path))
 
@@ -134,3 +134,12 @@ def test_a_clip_with_an_object_that_is_gone_is_refused(tmp_path, gesture):
     assert not row["linear"] and [each["name"] for each in row["objects"]] == ["pane"]
     with pytest.raises(carom.NotLinear, match="was freed before the clip's end"):
         carom.rebuild(row)
+
+
+def test_a_slide_that_travels_is_rebuilt_when_it_is_put_elsewhere(tmp_path):
+    """The quantum before ends where the slide would have gone on to."""
+    slide = "0 /object/cup/slide 0.2 0.5 striker chair-leg surface wood travel 0.3 id leg seed 5"
+    lines = "0 /object/new cup wine-glass", slide, "0.05 /gesture/leg/position 0.65"
+    row = followed(tmp_path, *lines, rate=16_000)
+    assert row["contacts"][0]["fed"]
+    assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
