@@ -190,7 +190,7 @@ def level(sound):
 
 ROLL = (
     "0 /accuracy -40\\n0 /object/new board church-bell\\n"
-    "0 /object/board/roll 0.5 striker glass-marble surface wood seed 1 id marble"
+    "0 /object/board/roll 0.5 striker glass-marble mass 1e-6 surface wood seed 1 id marble"  # to which a bell is a wall
 )
 plain = level(carom.render(ROLL, seconds=0.5).samples)
 
@@ -207,7 +207,7 @@ for steered in (False, True):
         scene.accuracy(-40)
         scene.new("board", "church-bell")
         keys = {} if steered else {"looseness": 0.5}
-        scene.roll("board", 0.5, striker="glass-marble", surface="wood", seed=1, id="marble", **keys)
+        scene.roll("board", 0.5, striker="glass-marble", mass=1e-6, surface="wood", seed=1, id="marble", **keys)
         if steered:
             scene.steer("marble", looseness=0.5)
         is_halved(scene.render(0.5).samples)
@@ -220,7 +220,8 @@ with carom.Client(port=port) as client:
     client.accuracy(-40)
     client.new("board", "church-bell")
     with client.bundle():  # the server may take its time between two packets
-        client.roll("board", 0.5, striker="glass-marble", surface="wood", seed=1, id="marble", looseness=0.9)
+        keys = {"surface": "wood", "seed": 1, "id": "marble", "looseness": 0.9}
+        client.roll("board", 0.5, striker="glass-marble", mass=1e-6, **keys)
         client.steer("marble", looseness=0.5)
     client.ask("/sync", 1)
     time.sleep(1.0)

@@ -11,6 +11,7 @@ from .mode import ring_at
 from .simd import LANES
 from .sizes import REACH
 
+_LOSSY = 0.1  # per sample: what loses more counts as faster than all
 _BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 3.5 needs 22
 
 
@@ -59,7 +60,7 @@ def set_mode(modes: Modes, i: int, frequency: float, decay: float, rate: float, 
         response[b + LANES] = (g * before).imag
     _set_mobility(response, base, 2.0 * math.pi * frequency, r * math.sin(theta), weight)
     response[base + MOBILITY + 2 * LANES] = loss / theta
-    response[base + PACE] = theta + 2.0 * loss
+    response[base + PACE] = theta + 2.0 * loss if loss < _LOSSY else math.inf
     felt = weight.real if weight.imag == 0.0 else 0.0
     response[base + FED] = felt * r * math.sin(theta)
     for k in range(REACH + 1):

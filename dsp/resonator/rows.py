@@ -6,8 +6,11 @@ modes of their own: the displacement at the ends of samples, or at a few times i
 filters of some 20 taps, found by least squares over the band. Slow modes are summed once a sample, others twice or four
 times. The samples before now and behind the last that filters take are those of a motion that always was free.
 
-A row errs by 1e-8 of the displacement at most; by 1e-7 for a mode that loses a tenth of it in a sample. How far a mode
-turns counts its loss twice, as filters follow the one worse than the other.
+A mode that loses much within a sample was far larger before, if it always was free. Such modes are summed eight times a
+sample, and their filters, which hold at any loss, take no sample before the one at hand but the last.
+
+A row errs by 3e-8 of the displacement at most. How far a mode turns counts its loss twice, as filters follow the one
+worse than the other.
 """
 
 import math
@@ -30,12 +33,14 @@ Row = Callable[[NDArray[np.complex128]], NDArray[np.complex128]]
 """A row's values of displacements exp(s t) over a sample, t in [0, 1], for each s of an array."""
 
 _SERIES = [Legendre.basis(k, domain=[0, 1]) for k in range(FINE)]
-_POINTS = (1, 2, 4)  # in a sample, for modes of each kind
-_TURNS = (1.0, 2.65, 6.95)  # up to where they turn in a sample
-_BEHIND = (8, 4, 3)  # samples before one that its filters take
-_TAKEN = (16, 9, 7)  # that they take in all
+_POINTS = (1, 2, 4, 8)  # in a sample, for modes of each kind
+_TURNS = (1.0, 2.65, 6.95, math.inf)  # up to where they turn in a sample
+_LOSSES = (0.0, 0.0, 0.0, 8.0)  # up to which filters are fitted, per sample
+_BEHIND = (8, 4, 3, 1)  # samples before one that its filters take
+_TAKEN = (16, 9, 7, 3)  # that they take in all
 _FEWEST = 4  # groups of LANES modes that are worth filters of their own
 _FITTED = 96  # frequencies at which filters are fitted
+_SPREAD = 0.5 - 0.5 * np.cos(math.pi * np.arange(11) / 10)  # shares of a loss at which they are
 
 
 def at_time(time: float) -> Row:
@@ -64,8 +69,9 @@ def filters_of(sets: list[list[Row]]) -> list[Array]:
     rows = [row for each in sets for row in each]
     ends = np.cumsum([len(each) for each in sets])[:-1]
     made: list[list[Array]] = [[] for _ in sets]
-    for points, turn, behind, taken in zip(_POINTS, _TURNS, _BEHIND, _TAKEN, strict=True):
-        s = 1j * turn * np.sin(0.5 * math.pi * (np.arange(_FITTED) + 0.5) / _FITTED)
+    for points, turn, loss, behind, taken in zip(_POINTS, _TURNS, _LOSSES, _BEHIND, _TAKEN, strict=True):
+        turns = min(turn, _TURNS[-2]) * np.sin(0.5 * math.pi * (np.arange(_FITTED) + 0.5) / _FITTED)
+        s = np.concatenate([1j * turns - each for each in np.unique(loss * _SPREAD)])
         times = (np.arange(points)[:, None] + 1.0) / points + np.arange(taken) - behind
         known, wanted = np.exp(s[:, None] * times.ravel()), np.stack([row(s) for row in rows], axis=1)
         known, wanted = (np.concatenate([each.real, each.imag]) for each in (known, wanted))
@@ -75,7 +81,7 @@ def filters_of(sets: list[list[Row]]) -> list[Array]:
     return [np.concatenate(each) for each in made]
 
 
-_ONE, _TWO, _FOUR = (_weights(points) for points in _POINTS)
+_ONE, _TWO, _FOUR, _EIGHT = (_weights(points) for points in _POINTS)
 
 
 @kernel
@@ -90,33 +96,44 @@ def lay_rows(
     in m, rates in m per sample. `room` (float64) has ROOM_FOR_ROWS values.
     """
     room = room[line_of(room) :]
-    slow = fast = 0
-    for first in range(0, len(modes.y1), LANES):
-        turn = _turn_of(modes, first)
-        slow += turn <= _TURNS[0]
-        fast += turn > _TURNS[1]
-    groups = len(modes.y1) // LANES
-    # A kind of few groups goes with the next faster one.
-    low = _TURNS[0] if slow >= _FEWEST or slow == groups else -1.0
-    high = _TURNS[1] if fast == 0 or groups - fast - (slow if low > 0.0 else 0) >= _FEWEST else low
-    place, first = 0.0, 0
-    if low >= 0.0:
-        place += _lay(modes, point, _ONE, (-1.0, low), samples, room)
+    place, low, first = 0.0, -1.0, 0
+    if _are_worth(modes, low, _TURNS[0]):
+        place += _lay(modes, point, _ONE, _KINDS[0], low, samples, room)
         add_filtered(out, rows, room, _SUMS, filters, (_POINTS[0], _TAKEN[0], first), samples)
+        low = _TURNS[0]
     first += _POINTS[0] * _TAKEN[0] * len(rows)
-    if high > low:
-        place += _lay(modes, point, _TWO, (low, high), samples, room)
+    if _are_worth(modes, low, _TURNS[1]):
+        place += _lay(modes, point, _TWO, _KINDS[1], low, samples, room)
         add_filtered(out, rows, room, _SUMS, filters, (_POINTS[1], _TAKEN[1], first), samples)
+        low = _TURNS[1]
     first += _POINTS[1] * _TAKEN[1] * len(rows)
-    if fast > 0:
-        place += _lay(modes, point, _FOUR, (high, math.inf), samples, room)
+    if _are_worth(modes, low, _TURNS[2]):
+        place += _lay(modes, point, _FOUR, _KINDS[2], low, samples, room)
         add_filtered(out, rows, room, _SUMS, filters, (_POINTS[2], _TAKEN[2], first), samples)
+        low = _TURNS[2]
+    first += _POINTS[2] * _TAKEN[2] * len(rows)
+    if _are_worth(modes, low, _TURNS[3]):
+        place += _lay(modes, point, _EIGHT, _KINDS[3], low, samples, room)
+        add_filtered(out, rows, room, _SUMS, filters, (_POINTS[3], _TAKEN[3], first), samples)
     return place
 
 
+_KINDS = tuple(zip(_TURNS, _BEHIND, _TAKEN, strict=True))
 _FACTORS = MOST_POINTS * WIDE * LANES
 _ASIDE = _FACTORS + 4 * MOST_POINTS * LANES
 _SUMS = _ASIDE + LANES  # places in the room
+
+
+@kernel
+def _are_worth(modes: Modes, low: float, high: float) -> bool:
+    """True if filters of their own are worth it for groups of modes that turn by more than `low` and at most `high`:
+    few go with the next faster ones."""
+    within = beyond = 0
+    for first in range(0, len(modes.y1), LANES):
+        turn = _turn_of(modes, first)
+        within += low < turn <= high
+        beyond += turn > high
+    return within > 0 and (within >= _FEWEST or beyond == 0)
 
 
 @kernel
@@ -130,20 +147,19 @@ def _turn_of(modes: Modes, first: int) -> float:
 
 @simd_kernel
 def _lay(
-    modes: Modes, point: Point, weights: tuple[tuple[float, ...], ...], turns: tuple[float, float], samples: int,
-    room: View[float],
+    modes: Modes, point: Point, weights: tuple[tuple[float, ...], ...], kind: tuple[float, int, int], low: float,
+    samples: int, room: View[float],
 ) -> float:  # fmt: skip
-    """Sum the displacements of groups of LANES modes, those that turn by more than turns[0] and at most turns[1], over
-    so many samples and those beside that filters take. Return the sum now (m)."""
-    kind = len(weights) // 2
-    behind = _BEHIND[kind]
-    wide = samples + (_TAKEN[kind] + LANES - 2) // LANES * LANES
+    """Sum the displacements of groups of LANES modes, those of a kind or a slower one that turn by more than `low`,
+    over so many samples and those beside that filters take. Return the sum now (m)."""
+    high, behind, taken = kind
+    wide = samples + (taken + LANES - 2) // LANES * LANES
     rung = modes.y1, modes.y2, modes.a1, modes.a2
     for i in range(wide * len(weights) * LANES):
         room[i] = 0.0
     waits = -1
     for first in range(0, len(modes.y1), LANES):
-        if turns[0] < _turn_of(modes, first) <= turns[1]:
+        if low < _turn_of(modes, first) <= high:
             _put(modes, point, weights, room, first, _FACTORS if waits < 0 else _FACTORS + 2 * len(weights) * LANES)
             if waits < 0:
                 waits = first

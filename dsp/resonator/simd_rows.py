@@ -7,13 +7,13 @@ from ..native.typed import View
 from ..numerics.legendre import AHEAD
 from .simd import LANES, REASSOCIATE, int64, pointer_to, sums_of, vector_of
 
-MOST_POINTS = 4
+MOST_POINTS = 8
 """Points of a sample at which a motion is summed, at most."""
 
 WIDE = AHEAD + 2 * LANES
 """Samples for which it is summed, at most: some before and behind those that rows are found for."""
 
-_GONE = 1e-6  # of -a2: what is left of a mode after a sample whose samples before are not looked for
+_GONE = 1e-13  # of -a2: what is left of a mode after a sample whose samples before are not looked for
 
 
 def _times(builder: Any, a: Any, b: Any) -> Any:
