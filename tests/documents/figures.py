@@ -63,7 +63,7 @@ def endurance() -> str:
             f"energy grows by {GROWTH.bound:g} of a contact's, in blocks by {extremes.GROWTH_IN_BLOCKS:g}"),
         (
             "extreme_groups", "100,000 times one to four extreme strikers at once on an object, in the engine",
-            f"energy grows by {GROWTH.bound:g} of all that there is",
+            f"energy grows by {GROWTH.bound:g} of all that there is, in blocks by {extremes.GROWTH_IN_BLOCKS:g}",
         ),
         (
             "waveforms", "whole sounds of 12 presets and 4 strikers at -60, struck twice, against `exact`",
