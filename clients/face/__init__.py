@@ -33,6 +33,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import dsp as dsp
+    from . import gymnasium as gymnasium
+    from . import mujoco as mujoco
+    from . import torch as torch
     from .clients.actions import CommandError as CommandError
     from .clients.client import Client as Client
     from .clients.contacts import Contact as Contact
@@ -136,21 +139,23 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
-    elif name in ("dsp", "gymnasium", "mujoco", "torch"):
-        value = import_module(f".{name}", __name__)
-    elif name == "__version__":
-        from importlib.metadata import version
+if not TYPE_CHECKING:  # to a type checker names are those above alone
 
-        value = version("carom")
-    else:
-        from .dsp.wording import expected
+    def __getattr__(name: str) -> Any:
+        if name in _HOMES:
+            value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+        elif name in ("dsp", "gymnasium", "mujoco", "torch"):
+            value = import_module(f".{name}", __name__)
+        elif name == "__version__":
+            from importlib.metadata import version
 
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; {expected(name, __all__)}")
-    globals()[name] = value
-    return value
+            value = version("carom")
+        else:
+            from .dsp.wording import expected
+
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}; {expected(name, __all__)}")
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -30,6 +30,8 @@ reveal_type(carom.Client)
 carom.Scene(rate="fast")
 bar.impact(1.0, strikr="yarn")
 bar.roll(speed=0.3, friction=np.float64(0.2), travel="far")
+carom.render_mny
+reveal_type(carom.mujoco.Bridge)
 """
 
 
@@ -77,8 +79,9 @@ def test_user_code_type_checks_against_the_wheel(tmp_path):
     env = os.environ | {"MYPYPATH": "site"}
     checked = subprocess.run(mypy, cwd=tmp_path, env=env, capture_output=True, text=True)
     lines = [line for line in checked.stdout.splitlines() if " defined in " not in line]
-    assert len(lines) == 5, checked.stdout
+    assert len(lines) == 7, checked.stdout
     assert 'Revealed type is "def (host: str' in lines[0] and lines[0].endswith('-> carom.clients.client.Client"')
     assert 'Argument "rate" to "Scene" has incompatible type "str"; expected "int"' in lines[1]
     assert 'Unexpected keyword argument "strikr"' in lines[2] and 'did you mean "striker"?' in lines[2]
     assert 'Argument "travel"' in lines[3] and 'expected "SupportsFloat"' in lines[3]
+    assert 'has no attribute "render_mny"' in lines[4] and lines[5].endswith('-> carom.mujoco.Bridge"')
