@@ -127,12 +127,12 @@ _SUMS = _ASIDE + LANES  # places in the room
 @kernel
 def _are_worth(modes: Modes, low: float, high: float) -> bool:
     """True if filters of their own are worth it for groups of modes that turn by more than `low` and at most `high`:
-    few go with the next faster ones."""
+    few go with the next faster ones, but for those that lose much."""
     within = beyond = 0
     for first in range(0, len(modes.y1), LANES):
         turn = _turn_of(modes, first)
         within += low < turn <= high
-        beyond += turn > high
+        beyond += high < turn <= _TURNS[2]
     return within > 0 and (within >= _FEWEST or beyond == 0)
 
 
