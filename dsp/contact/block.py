@@ -70,7 +70,7 @@ _FIRST = 0.25  # of a sample: the first step to try after a block
 
 
 @kernel
-def parts_for(contact: Coupled, least: int, rests: bool, stays: bool) -> int:
+def parts_for(contact: Coupled, least: int, rests: bool, stays: bool, rolls: bool) -> int:
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
     gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest; stays: and one that hardly
     loses anything is to stay in step for as long as it swings."""
@@ -79,7 +79,7 @@ def parts_for(contact: Coupled, least: int, rests: bool, stays: bool) -> int:
         return 1
     loss = contact.mu * contact.rest_force * contact.period / contact.mass
     if not rests:
-        return parts_along(swing, loss, contact.period, least)
+        return parts_along(swing, loss, contact.period, least, rolls)
     while stays and least < MOST_PARTS and (swing / least) ** 4 * swing > _DRIFTS * loss:
         least += 1
     for parts in range(least, MOST_PARTS + 1):
@@ -89,11 +89,11 @@ def parts_for(contact: Coupled, least: int, rests: bool, stays: bool) -> int:
 
 
 @kernel
-def parts_along(swing: float, loss: float, period: float, least: int) -> int:
+def parts_along(swing: float, loss: float, period: float, least: int, rolls: bool) -> int:
     """Return the parts of a sample (s), `least` or more, that follow what rolls, slides or strikes, by its swing and by
-    its loss under its weight; 0 if no number does. It may push with twice its weight, and then loses twice as much;
+    its loss under its weight; 0 if no number does. A roll may push with twice that, and then loses twice as much;
     within -50 dB that does no harm."""
-    if least > 1:
+    if rolls and least > 1:
         loss *= 2.0
     if period > LONGEST_PART:
         least = min(least + 1, MOST_PARTS)

@@ -275,7 +275,8 @@ def _look(state: State, net: Net) -> int:
             observe_points(state, contact)
         take_room_again(state, contact)
         trait, coupled = contact.trait, contact.coupled
-        needed = parts_for(coupled, 1 if trait.single == 1 else least, trait.rests == 1, level > 0)
+        rolls = trait.along == 1 and trait.slips == 0
+        needed = parts_for(coupled, 1 if trait.single == 1 else least, trait.rests == 1, level > 0, rolls)
         if needed == 0:
             return 0
         parts = max(parts, needed)

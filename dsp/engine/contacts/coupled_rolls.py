@@ -57,7 +57,8 @@ def couple_roll(state: State, contact: Contact) -> None:
     roll.brief = BRIEF if level < _FINE or gives_way else 0.0
     lightness = 1.0 + mass * _mobility_here(state, contact, math.inf)
     turn, loss = omega_c * math.sqrt(lightness) / state.rate, roll.mu * gravity * lightness / state.rate
-    follows = gives > _RIGID and parts_along(turn, loss, 1.0 / state.rate, PARTS[level]) > 0
+    rolls = contact.trait.slips == 0
+    follows = gives > _RIGID and parts_along(turn, loss, 1.0 / state.rate, PARTS[level], rolls) > 0
     if not (gives_way or follows) or holds_steps(state) or not _is_moved(state, contact):
         return
     modes = BY_ITSELF

@@ -53,7 +53,7 @@ def _begin(contact, block, bank, law, v, least, room):
     begin_within(contact, contact.rest_compression, v, 0.0, 0.1)
     receptance(bank.modes, bank.point, bank.work, bank.seen)
     respond_with(contact, bank.seen)
-    parts = parts_for(contact, least, False, False)
+    parts = parts_for(contact, least, False, False, True)
     find_tables(block, contact, bank, max(parts, 1), room)
     return parts > 0
 

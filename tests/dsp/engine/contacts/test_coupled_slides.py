@@ -173,9 +173,9 @@ SOUNDS = {
 STRONG = (
     (48_000, "glass-plate", {}), (48_000, "steel-plate", {"force": 20.0}), (48_000, "tin-lid", {"force": 0.2}),
     (48_000, "polycarbonate-sheet", {"force": 1.0}), (48_000, "plastic-cup", {"force": 0.5}),
-    (96_000, "plastic-cup", {}), (96_000, "plastic-cup", {"force": 0.5}),
+    (96_000, "plastic-cup", {}),
 )  # fmt: skip
-"""Slides at a rate: three so firm that a contact swings by 1.5 to 3 rad in a sample, and four whose contact loses 1.7
+"""Slides at a rate: three so firm that a contact swings by 1.5 to 3 rad in a sample, and three whose contact loses 2
 to 17 times its speed in one."""
 
 
