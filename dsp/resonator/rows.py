@@ -9,7 +9,7 @@ times. The samples before now and behind the last that filters take are those of
 A mode that loses much within a sample was far larger before, if it always was free. Such modes are summed eight times a
 sample. Their filters are fitted over losses, too, and take one sample before the one at hand.
 
-A row errs by 2e-7 of the greatest value that there is, by 1e-6 where a mode loses 2.5 of its ln in a sample (bounds of
+A row errs by 2e-7 of the greatest value that there is, by 1e-6 where a mode falls by exp(-2.5) in a sample (bounds of
 its test). How far a mode turns counts its loss twice, as filters follow the one worse than the other.
 """
 
