@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from carom.dsp.bodies.striker import Ringing, StrikerSound
+from carom.dsp.engine.bodies.striker_modes import in_air
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import Engine
 from tests.dsp.engine.contacts.test_swarms import (
@@ -33,8 +34,9 @@ def ringing(mass):
 
 def own_energy(engine, mass, breaks=False):
     """Return the energy (J) of all grains' own modes: their sizes are known by their frequencies, within 12 % where
-    something breaks."""
+    something breaks, where larger ones are heard less."""
     total = 0.0
+    striker, swarm = (engine.state[0][each].view(np.recarray)[0] for each in ("strikers", "swarms"))
     for voice in engine.state[0]["voices"]:
         if not voice["share"][0]:
             continue
@@ -43,7 +45,7 @@ def own_energy(engine, mass, breaks=False):
             pitch = np.arccos(a1[i] / 2 / np.sqrt(-a2[i])) * engine.rate / (2 * np.pi * FREQUENCY[i])
             heavier = 1.0 / pitch if breaks else pitch**-3.0
             momentum = abs(complex(*state_of.py_func(y1[i], y2[i], a1[i], a2[i]))) * heavier / WEIGHT
-            momentum *= 1.0 if breaks else pitch
+            momentum *= 1.0 / in_air.py_func(striker, swarm, i, heavier)[1] if breaks else pitch
             total += momentum**2 / (mass * heavier)
     return total
 
