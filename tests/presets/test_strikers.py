@@ -20,9 +20,9 @@ RATE = 48_000
 NAMES = PRESETS.names("strikers")
 SOUNDING = [name for name in NAMES if PRESETS.striker(name).sound]
 CLICKING = [name for name in SOUNDING if PRESETS.striker(name).sound.click]
-SHEETS = "ping-pong", "coin", "glass-shards", "pane-shards", "leaves"
+SHEETS = "ping-pong", "coin", "bottle-shards", "glass-shards", "pane-shards", "leaves"
 """Strikers that are no solid balls, and whose mass is not that of one."""
-DISCS = "coin", "washer", "coins", "glass-shards", "pane-shards"
+DISCS = "coin", "washer", "coins", "bottle-shards", "glass-shards", "pane-shards"
 WALL = """description = "A body that gives way to nothing"
 source = "these tests"
 shape = "listed"
