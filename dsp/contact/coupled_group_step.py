@@ -283,7 +283,8 @@ def _until_meeting(
     if group.sought[i] == 0:
         _follow_path(contacts, group, i, eta)
         whole, meets = fly(group.path, eta)
-        return whole, meets
+        if meets or group.end_x[i] <= 0.0:
+            return whole, meets  # else the series, which ends, has missed it
     v = group.end_v[i] * contact.period
     late = group.end_x[i] / v if v > 0.0 else 0.0
     if abs(late) <= max(_ON_TIME * eta, _ROUNDED):

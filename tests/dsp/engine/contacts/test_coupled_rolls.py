@@ -212,6 +212,28 @@ def test_rolls_beside_exact(rate, bound, preset, keys):
     assert apart(found[1], found[0]) < bound
 
 
+SHEET = {"material": "ceramic", "length": 0.108, "width": 0.093, "thickness": 0.00032, "most_modes": 17,
+         "edges": ["supported"] * 4}  # fmt: skip
+ROLLER = {"mass": 0.064, "stiffness": 1.1e10, "exponent": 1.5, "radius": 0.0125, "surface": "wood", "speed": 1.31,
+          "roughness": 1.29, "position": 0.98}  # fmt: skip
+HOPPER = {"mass": 5.9e-4, "stiffness": 4.3e5, "exponent": 1.5, "dissipation": 0.177, "radius": 8.9e-4, "surface": "ice",
+          "speed": 0.36, "roughness": 0.43, "position": 0.41, "force": 6.2, "striker": "steel"}  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [8, 17, 19, 31])
+def test_what_hops_beside_a_roll_lands_on_time(seed):
+    """On a sheet that both move by much within a sample, 20 ms, beside exact."""
+    found = []
+    for level in ("exact", "-60"):
+        with carom.Scene(48_000, limiter=False) as scene:
+            scene.accuracy(level)
+            sheet = scene.new("a", "glass-plate", stereo_width=0, **SHEET)
+            sheet.roll(seed=seed, **ROLLER)
+            sheet.slide(seed=seed, **HOPPER)
+            found.append(scene.render(0.02).samples[:, 0].astype(float))
+    assert apart(found[1], found[0]) < -60
+
+
 MARBLE = (5e-3, 3e9, 3.0, 1.5)
 
 
