@@ -15,7 +15,7 @@ one part follows a soft one within -60 dB, as it does a long blow, and three one
 more than 2 rad a sample. With fewer moments that would gain energy. Gauss's nodes keep what is left of a rate where a
 contact's loss should take all of it: so a part must not be long against the loss.
 
-Several contacts are solved in turn, forwards and backwards, each with the forces of the others as they were found last.
+Several contacts are solved together (block_forces.py).
 
 Energy: V = k x^(a+1)/(a+1) may grow by the work of the force that later samples feel, and by a small share of the
 greatest V. Where it would grow by more, the force is changed by the least that takes the excess: in proportion to x' at
@@ -26,34 +26,15 @@ pushes there. Where the change is too much, the block ends: that sample is taken
 
 import math
 
-import numpy as np
-
 from ..native.jit import kernel
 from ..native.typed import Items, View
+from .block_forces import find_forces
 from .block_nodes import AT, FORCE_MOMENTS, SHARES, TIMES_OF_ONE, TIMES_OF_THREE, TIMES_OF_TWO
-from .block_records import Block, Net, Tables, forces_of, motion_of, ratio_of, rows_of
-from .block_sizes import FORCES, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
-from .collocation import elastic, raised
+from .block_records import Block, Net, forces_of, motion_of, ratio_of, rows_of
+from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
+from .collocation import raised
 from .coupled_records import Coupled, Member
 from .step_record import NODES
-
-STIFFEST = np.array([0.0, 0.6, 1.5, 3.0])
-"""rad of a contact's swing in a sample, of body and object together, up to which so many parts of it follow."""
-
-LOSSIEST = np.array([0.0, 0.3, 0.6, 2.0])
-"""The same of what rolls or slides, for its loss: the share of its speed that the contact takes in a sample. Where it
-takes all within a part, a kink of the path leaves a speed behind that nothing takes."""
-
-LONGEST_PART = 25e-6
-"""s: a longer sample takes one part more. On a rough path modes near its Nyquist frequency, which are heard as low as
-that, feel the moments that are left out."""
-
-STIFFEST_AT_REST = np.array([0.0, 1.6, 2.2, 3.6])
-"""The same of a rest, which hardly leaves its stiffness: one part mostly follows it within -55 dB."""
-
-_SOFT = 0.3  # rad of such a swing up to which one part of a sample follows a rest within -60 dB
-_DRIFTS = 100.0  # fourth power of a rest's swing in a part over its loss factor, up to which it hardly gets out of step
-_LONG = 0.1  # the same of a blow: it lasts for 40 samples on a wall
 
 _ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
 _MENDED = 1e-3  # share of the force by which it may be changed for that
@@ -61,70 +42,8 @@ _EDGE = 0.03
 """The same of a roll's force at the sample's end or of its weight: it may land or leave amid a sample of one part."""
 
 _ROUNDS = 6  # of such changes
-_SWEEPS = 3  # of them, after which several contacts may be found anew
-# Relative change of the forces that ends Newton's method, by parts: below a third of its square is left.
-_CHANGED = np.array([0.0, 1e-2, 2e-3, 2e-3])
-_NEWTON_STEPS = 12
 _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
-
-
-@kernel
-def parts_for(contact: Coupled, least: int, rests: bool, stays: bool, rolls: bool) -> int:
-    """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
-    gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest; stays: and one that hardly
-    loses anything is to stay in step for as long as it swings."""
-    swing = _swing(contact)
-    if rests and swing < _SOFT:
-        return 1
-    loss = contact.mu * contact.rest_force * contact.period / contact.mass
-    if not rests:
-        return parts_along(swing, loss, contact.period, least, rolls)
-    while stays and least < MOST_PARTS and (swing / least) ** 4 * swing > _DRIFTS * loss:
-        least += 1
-    for parts in range(least, MOST_PARTS + 1):
-        if swing < STIFFEST_AT_REST[parts]:
-            return parts
-    return 0
-
-
-@kernel
-def parts_along(swing: float, loss: float, period: float, least: int, rolls: bool) -> int:
-    """Return the parts of a sample (s), `least` or more, that follow what rolls, slides or strikes, by its swing and by
-    its loss under its weight; 0 if no number does. A roll may push with twice that, and then loses twice as much;
-    within -50 dB that does no harm."""
-    if rolls and least > 1:
-        loss *= 2.0
-    if period > LONGEST_PART:
-        least = min(least + 1, MOST_PARTS)
-    for parts in range(least, MOST_PARTS + 1):
-        if swing < STIFFEST[parts] and loss < LOSSIEST[parts]:
-            return parts
-    return 0
-
-
-@kernel
-def is_long(contact: Coupled) -> bool:
-    """True if a blow lasts for so long that a block is worth its tables, and one part follows it within -60 dB."""
-    return _swing(contact) < _LONG
-
-
-@kernel
-def _swing(contact: Coupled) -> float:
-    """Return the swing of body and object on the contact, in rad a sample."""
-    return math.sqrt(_stiffness(contact) / contact.mass) * contact.period
-
-
-@kernel
-def _stiffness(contact: Coupled) -> float:
-    """Return the stiffness (N/m) of a contact under its weight, or as deep as its energy or its push compress it."""
-    if contact.rest_force > 0.0:
-        return contact.a * contact.rest_force / contact.rest_compression
-    energy = elastic(contact.motion[0], contact.k, contact.a) + 0.5 * contact.m * contact.v * contact.v
-    deepest = ((contact.a + 1.0) * energy / contact.k) ** (1.0 / (contact.a + 1.0))
-    deepest = max(deepest, (max(contact.push, 0.0) / contact.k) ** (1.0 / contact.a))
-    stiffness: float = contact.a * contact.k * deepest ** (contact.a - 1.0)
-    return stiffness
 
 
 @kernel
@@ -192,7 +111,7 @@ def _step(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, n:
         _predict(contacts[net.contact[i]].coupled, blocks[net.block[i]], i, n, times)
     if net.lasts == 1:
         _keep_at_rest(blocks, net)
-    _sweep(contacts, blocks, net, size, times)
+    find_forces(contacts, blocks, net, size, times)
     if not _conserve(contacts, blocks, net, size, times):
         for i in range(size):
             blocks[net.block[i]].gained = blocks[net.block[i]].kept
@@ -203,26 +122,15 @@ def _step(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, n:
 
 
 @kernel
-def _sweep(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, times: tuple[float, ...]) -> None:
-    """Find the forces of all contacts in turn, forwards and backwards."""
-    for turn in range(2 * size - 1):
-        i = turn if turn < size else 2 * size - 2 - turn
-        if size > 1:
-            _see(contacts, blocks, net, i, times)
-        _solve(contacts[net.contact[i]].coupled, blocks[net.block[i]], blocks[net.block[i]].tables[i], times)
-
-
-@kernel
 def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, times: tuple[float, ...]) -> bool:
     """Change the forces so that no contact's energy grows by too much; false if that takes too much.
 
-    False, too, where a contact leaves that ends its block so. Of several contacts, each is found anew with the others'
-    forces where they have changed by too much for that.
+    False, too, where a contact leaves that ends its block so.
     """
     for turn in range(_ROUNDS):
-        grows = far = False
+        grows = False
         for i in range(size):
-            if size > 1 or turn > 0:
+            if turn > 0:
                 _rate(contacts, blocks, net, i, times)
             excess = _account(contacts, blocks, net, size, i, times)
             block = blocks[net.block[i]]
@@ -230,13 +138,10 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
                 return False
             if excess > 0.0:
                 grows = True
-                far |= not _mend(contacts[net.contact[i]].coupled, block, excess)
+                if not _mend(contacts[net.contact[i]].coupled, block, excess):
+                    return False
         if not grows:
             return True
-        if far and (size == 1 or turn >= _SWEEPS):
-            return False
-        if far:
-            _sweep(contacts, blocks, net, size, times)
     return False
 
 
@@ -366,61 +271,6 @@ def _rate(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times
 
 
 @kernel
-def _solve(contact: Coupled, block: Block, own: Tables, times: tuple[float, ...]) -> None:
-    """Find the forces of one contact, one part of the sample after the other, and the rates."""
-    solved = True
-    for part in range(len(times) // NODES_PER_PART):
-        first = NODES_PER_PART * part
-        second = first + 1
-        x0, x1 = block.seen[first], block.seen[second]
-        v0, v1 = block.seen[FORCES + first], block.seen[FORCES + second]
-        for p in range(first):
-            give = own.give[p * MOTIONS :]
-            x0 -= give[first] * block.force[p]
-            x1 -= give[second] * block.force[p]
-            v0 -= give[FORCES + first] * block.force[p]
-            v1 -= give[FORCES + second] * block.force[p]
-        solved &= _solve_part(block, own, contact, first, (x0, x1, v0, v1))
-    block.solved = 1 if solved else 0
-
-
-@kernel
-def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple[float, float, float, float]) -> bool:
-    """Find the two forces of a part of the sample; false if Newton's method fails."""
-    j = i + 1
-    x0, x1, v0, v1 = seen
-    here, there = own.give[i * MOTIONS :], own.give[j * MOTIONS :]
-    a00, a01, a10, a11 = here[i], there[i], here[j], there[j]
-    here, there = own.give[i * MOTIONS + FORCES :], own.give[j * MOTIONS + FORCES :]
-    w00, w01, w10, w11 = here[i], there[i], here[j], there[j]
-    f0, f1 = block.force[i], block.force[j]
-    if x0 <= 0.0 and x1 <= 0.0:
-        f0 = f1 = 0.0
-    rate, changed = 1.0 / contact.period, _CHANGED[block.parts]
-    solved = False
-    for _ in range(_NEWTON_STEPS):
-        f, s, d = _law(contact, x0 - a00 * f0 - a01 * f1, rate * (v0 - w00 * f0 - w01 * f1))
-        g, t, e = _law(contact, x1 - a10 * f0 - a11 * f1, rate * (v1 - w10 * f0 - w11 * f1))
-        d *= rate
-        e *= rate
-        m00, m01 = 1.0 + s * a00 + d * w00, s * a01 + d * w01
-        m10, m11 = t * a10 + e * w10, 1.0 + t * a11 + e * w11
-        r0, r1 = f - f0, g - f1
-        whole = m00 * m11 - m01 * m10
-        c0, c1 = (r0 * m11 - r1 * m01) / whole, (r1 * m00 - r0 * m10) / whole
-        f0 += c0
-        f1 += c1
-        # What the law changes by, as it is linear, where both nodes touch: what is left is about its square.
-        left = abs(r0 - c0) + abs(r1 - c1) if min(f, g) > 0.0 else abs(c0) + abs(c1)
-        if left <= changed * (abs(f0) + abs(f1)):
-            solved = True
-            break
-    block.force[i], block.force[j] = f0, f1
-    block.v[i], block.v[j] = v0 - w00 * f0 - w01 * f1, v1 - w10 * f0 - w11 * f1
-    return solved and math.isfinite(f0 + f1)
-
-
-@kernel
 def _account(
     contacts: Items[Member], blocks: Items[Block], net: Net, size: int, i: int, times: tuple[float, ...]
 ) -> float:
@@ -482,16 +332,6 @@ def _move(contact: Coupled, block: Block, times: tuple[float, ...]) -> None:
     contact.motion[0] = block.end
     contact.touching = 1 if block.end > 0.0 else 0
     contact.steps += 1
-
-
-@kernel
-def _law(contact: Coupled, x: float, v: float) -> tuple[float, float, float]:
-    """Return the law's force (N) and its derivatives, over compression (N/m) and rate (N s/m)."""
-    slack = 1.0 + contact.mu * v
-    if not (x > 0.0 and slack > 0.0):
-        return 0.0, 0.0, 0.0
-    spring = contact.k * raised(x, contact.a - 1.0)
-    return spring * (x * slack), spring * (contact.a * slack), spring * (contact.mu * x)
 
 
 @kernel

@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from ..native.jit import kernel
-from ..native.typed import Record, View
+from ..native.typed import Record, View, View2D
 from ..numerics.legendre import AHEAD
 from ..numerics.sums import AT_ONCE, BEYOND, line_of
 from .block_sizes import FORCES, LINE, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
@@ -67,6 +67,8 @@ class Net(Record):
     object: Annotated[View[int], TOGETHER + 1]  # slots of those that they touch
     gain: Annotated[View[float], TOGETHER]  # factor on the force that the object gets, and
     share: Annotated[View[float], TOGETHER]  # another one, in this sample
+    # Newton's equations for all forces in a part of a sample, and in the last column what they leave
+    linear: Annotated[View2D[float], TOGETHER * NODES_PER_PART, TOGETHER * NODES_PER_PART + 1]
 
 
 class Block(Record):

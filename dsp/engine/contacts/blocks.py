@@ -14,7 +14,8 @@ a time, just before: later samples of all its contacts feel friction as they fee
 import math
 
 from ...contact.accuracy import PARTS
-from ...contact.block import begin_block, end_block, forget_energy, is_long, parts_for, renew_block, step_blocks
+from ...contact.block import begin_block, end_block, forget_energy, renew_block, step_blocks
+from ...contact.block_parts import is_long, parts_for
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of
 from ...contact.block_sizes import MOMENTS_AHEAD
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows

@@ -104,7 +104,7 @@ def _see_each_other(state: State, contact: Contact, other: Contact) -> bool:
     return False
 
 
-@kernel
+@noinline_kernel
 def _solve(state: State) -> None:
     """Find the moments of all forces in `together` over the coming sample, and have them act."""
     group = state.scratch.together

@@ -19,7 +19,8 @@ import math
 import numpy as np
 
 from ...contact.accuracy import LEVELS, PARTS
-from ...contact.block import parts_along, renew_block
+from ...contact.block import renew_block
+from ...contact.block_parts import parts_along
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll

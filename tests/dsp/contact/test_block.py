@@ -9,7 +9,8 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from carom.dsp.contact.block import end_block, parts_for, step_blocks
+from carom.dsp.contact.block import end_block, step_blocks
+from carom.dsp.contact.block_parts import parts_for
 from carom.dsp.contact.block_records import ROWS, Block, Net
 from carom.dsp.contact.block_sizes import MOMENTS_AHEAD
 from carom.dsp.contact.block_tables import feel

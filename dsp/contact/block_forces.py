@@ -1,0 +1,179 @@
+"""The forces over a sample of contacts that are solved in blocks (block.py), by Newton's method, part after part.
+
+Later parts do nothing to earlier ones. Contacts that share objects are one system: the force of a heavy body errs by a
+share of its own, which may be all of that of a light one.
+"""
+
+import math
+
+import numpy as np
+
+from ..native.jit import kernel, noinline_kernel
+from ..native.typed import Items
+from .block_records import Block, Net, Tables, ratio_of
+from .block_sizes import FORCES, MOTIONS, NODES_PER_PART
+from .collocation import eliminate, raised
+from .coupled_records import Coupled, Member
+
+# Relative change of the forces that ends Newton's method, by parts: below a third of its square is left.
+_CHANGED = np.array([0.0, 1e-2, 2e-3, 2e-3])
+_CHANGED_TOGETHER = 2e-3  # the same of several
+_NEWTON_STEPS = 12
+
+
+@kernel
+def find_forces(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, times: tuple[float, ...]) -> None:
+    """Find the forces of all contacts of a net, of a size, and the rates at the nodes; `solved` says whether."""
+    if size == 1:
+        _solve_alone(contacts[net.contact[0]].coupled, blocks[net.block[0]], blocks[net.block[0]].tables[0], times)
+        return
+    solved = True
+    for part in range(len(times) // NODES_PER_PART):
+        solved = solved and _solve_together(contacts, blocks, net, size, NODES_PER_PART * part)
+    for i in range(size):
+        blocks[net.block[i]].solved = 1 if solved else 0
+
+
+@noinline_kernel
+def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, first: int) -> bool:
+    """Find the two forces of each contact in a part of the sample, by its first node; false if Newton's method
+    fails."""
+    for i in range(size):
+        _see_before(contacts, blocks, net, i, size, first)
+    for _ in range(_NEWTON_STEPS):
+        for i in range(size):
+            _linearise(contacts[net.contact[i]].coupled, blocks, net, i, size, first)
+        count = NODES_PER_PART * size
+        eliminate(net.linear, count)
+        solved = True
+        for i in range(size):
+            block, change, whole = blocks[net.block[i]], 0.0, 0.0
+            for a in range(NODES_PER_PART):
+                changed = net.linear[NODES_PER_PART * i + a, count]
+                block.force[first + a] += changed
+                change += abs(changed)
+                whole += abs(block.force[first + a])
+            solved &= change <= _CHANGED_TOGETHER * whole
+        if solved:
+            for i in range(size):
+                for k in range(first, first + NODES_PER_PART):
+                    blocks[net.block[i]].v[k] = _motion(blocks, net, i, size, first, k)[1]
+            return True
+    return False
+
+
+@kernel
+def _see_before(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, size: int, first: int) -> None:
+    """Find a contact's compression and rate at the nodes of a part with the forces of earlier ones; and where it is
+    open then, guess that it stays so."""
+    block = blocks[net.block[i]]
+    for k in range(first, first + NODES_PER_PART):
+        x, v = block.free[k], block.free[FORCES + k]
+        for j in range(size):
+            give, force = block.tables[j].give, blocks[net.block[j]].force
+            ratio, rest = 1.0, 0.0
+            if i != j:
+                ratio, rest = ratio_of(net, i, j), contacts[net.contact[j]].coupled.rest_force
+            for p in range(first + NODES_PER_PART):
+                excess = ratio * ((force[p] if p < first else 0.0) - rest)
+                x -= excess * give[p * MOTIONS + k]
+                v -= excess * give[p * MOTIONS + FORCES + k]
+        block.seen[k], block.seen[FORCES + k] = x, v
+    if block.seen[first] <= 0.0 and block.seen[first + 1] <= 0.0:
+        block.force[first] = block.force[first + 1] = 0.0
+
+
+@kernel
+def _motion(blocks: Items[Block], net: Net, i: int, size: int, first: int, k: int) -> tuple[float, float]:
+    """Return a contact's compression and rate at a node of a part, with all its forces."""
+    x, v = blocks[net.block[i]].seen[k], blocks[net.block[i]].seen[FORCES + k]
+    for j in range(size):
+        give, force = blocks[net.block[i]].tables[j].give, blocks[net.block[j]].force
+        ratio = ratio_of(net, i, j) if i != j else 1.0
+        for p in range(first, first + NODES_PER_PART):
+            x -= ratio * force[p] * give[p * MOTIONS + k]
+            v -= ratio * force[p] * give[p * MOTIONS + FORCES + k]
+    return x, v
+
+
+@kernel
+def _linearise(contact: Coupled, blocks: Items[Block], net: Net, i: int, size: int, first: int) -> None:
+    """Fill the rows of Newton's equations for a contact."""
+    block, rate, right = blocks[net.block[i]], 1.0 / contact.period, NODES_PER_PART * size
+    for a in range(NODES_PER_PART):
+        k, row = first + a, NODES_PER_PART * i + a
+        x, v = _motion(blocks, net, i, size, first, k)
+        force, stiffness, damping = law_at(contact, x, rate * v)
+        for j in range(size):
+            give, ratio = block.tables[j].give, ratio_of(net, i, j) if i != j else 1.0
+            for b in range(NODES_PER_PART):
+                p = (first + b) * MOTIONS
+                taken = stiffness * give[p + k] + rate * damping * give[p + FORCES + k]
+                net.linear[row, NODES_PER_PART * j + b] = ratio * taken
+        net.linear[row, row] += 1.0
+        net.linear[row, right] = force - block.force[k]
+
+
+@kernel
+def _solve_alone(contact: Coupled, block: Block, own: Tables, times: tuple[float, ...]) -> None:
+    """Find the forces of one contact, one part of the sample after the other, and the rates."""
+    solved = True
+    for part in range(len(times) // NODES_PER_PART):
+        first = NODES_PER_PART * part
+        second = first + 1
+        x0, x1 = block.seen[first], block.seen[second]
+        v0, v1 = block.seen[FORCES + first], block.seen[FORCES + second]
+        for p in range(first):
+            give = own.give[p * MOTIONS :]
+            x0 -= give[first] * block.force[p]
+            x1 -= give[second] * block.force[p]
+            v0 -= give[FORCES + first] * block.force[p]
+            v1 -= give[FORCES + second] * block.force[p]
+        solved &= _solve_part(block, own, contact, first, (x0, x1, v0, v1))
+    block.solved = 1 if solved else 0
+
+
+@kernel
+def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple[float, float, float, float]) -> bool:
+    """Find the two forces of a part of the sample; false if Newton's method fails."""
+    j = i + 1
+    x0, x1, v0, v1 = seen
+    here, there = own.give[i * MOTIONS :], own.give[j * MOTIONS :]
+    a00, a01, a10, a11 = here[i], there[i], here[j], there[j]
+    here, there = own.give[i * MOTIONS + FORCES :], own.give[j * MOTIONS + FORCES :]
+    w00, w01, w10, w11 = here[i], there[i], here[j], there[j]
+    f0, f1 = block.force[i], block.force[j]
+    if x0 <= 0.0 and x1 <= 0.0:
+        f0 = f1 = 0.0
+    rate, changed = 1.0 / contact.period, _CHANGED[block.parts]
+    solved = False
+    for _ in range(_NEWTON_STEPS):
+        f, s, d = law_at(contact, x0 - a00 * f0 - a01 * f1, rate * (v0 - w00 * f0 - w01 * f1))
+        g, t, e = law_at(contact, x1 - a10 * f0 - a11 * f1, rate * (v1 - w10 * f0 - w11 * f1))
+        d *= rate
+        e *= rate
+        m00, m01 = 1.0 + s * a00 + d * w00, s * a01 + d * w01
+        m10, m11 = t * a10 + e * w10, 1.0 + t * a11 + e * w11
+        r0, r1 = f - f0, g - f1
+        whole = m00 * m11 - m01 * m10
+        c0, c1 = (r0 * m11 - r1 * m01) / whole, (r1 * m00 - r0 * m10) / whole
+        f0 += c0
+        f1 += c1
+        # What the law changes by, as it is linear, where both nodes touch: what is left is about its square.
+        left = abs(r0 - c0) + abs(r1 - c1) if min(f, g) > 0.0 else abs(c0) + abs(c1)
+        if left <= changed * (abs(f0) + abs(f1)):
+            solved = True
+            break
+    block.force[i], block.force[j] = f0, f1
+    block.v[i], block.v[j] = v0 - w00 * f0 - w01 * f1, v1 - w10 * f0 - w11 * f1
+    return solved and math.isfinite(f0 + f1)
+
+
+@kernel
+def law_at(contact: Coupled, x: float, v: float) -> tuple[float, float, float]:
+    """Return the law's force (N) and its derivatives, over compression (N/m) and rate (N s/m)."""
+    slack = 1.0 + contact.mu * v
+    if not (x > 0.0 and slack > 0.0):
+        return 0.0, 0.0, 0.0
+    spring = contact.k * raised(x, contact.a - 1.0)
+    return spring * (x * slack), spring * (contact.a * slack), spring * (contact.mu * x)
