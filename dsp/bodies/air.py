@@ -6,12 +6,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..numerics.constants import AIR_DENSITY, SPEED_OF_SOUND
 from .material import Array
 
-DENSITY = 1.2
-"""kg/m^3, of air at 20 degrees."""
-SPEED = 343.0
-"""m/s, of sound in it."""
+DENSITY, SPEED = AIR_DENSITY, SPEED_OF_SOUND
 IMPEDANCE = DENSITY * SPEED
 
 

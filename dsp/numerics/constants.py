@@ -3,6 +3,12 @@
 STANDARD_GRAVITY = 9.80665
 """m/s^2: the standard acceleration of free fall, by definition (3rd CGPM, 1901)."""
 
+AIR_DENSITY = 1.2
+"""kg/m^3, of air at 20 degrees."""
+
+SPEED_OF_SOUND = 343.0
+"""m/s, in it."""
+
 FULL_SCALE_PRESSURE = 4.0
 """Pa: the sound pressure that is full scale, 0 dBFS, of an object whose level is 0 dB, unless another is chosen: 106 dB
 over 20 µPa. Strikes of most things, at a metre, come out at a usual loudness then."""

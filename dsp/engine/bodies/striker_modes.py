@@ -2,8 +2,8 @@
 
 import math
 
-from ...bodies.air import IMPEDANCE, SPEED
 from ...native.jit import kernel
+from ...numerics.constants import AIR_DENSITY, SPEED_OF_SOUND
 from ...numerics.elementary import exp, log
 from ...resonator.bank import Modes, top_of
 from ...resonator.click import set_click
@@ -19,6 +19,7 @@ IRREGULAR = 0.12
 """Share of their frequencies by which the modes of pieces are off those of a regular shape, at most (estimated)."""
 TOUCHED = 30.0
 """1/s: the decay rate that other pieces and the floor add to a piece's modes (estimated)."""
+_IMPEDANCE = AIR_DENSITY * SPEED_OF_SOUND
 AIR = 2.5
 """Power of the frequency as which small sheets radiate: so do Carom's free plates of 15 to 180 mm of glass of 1.2 to
 4 mm, within 2 dB down to a quarter of the usual piece's frequency, and 5 dB to a ninth."""
@@ -99,12 +100,12 @@ def in_air(striker: Striker, swarm: Swarm, i: int, lower: float) -> tuple[float,
 
     The usual piece's first mode is that of a free square sheet, which tells its coincidence.
     """
-    usual = 2.0 * math.pi * striker.weight[i] * striker.weight[i] / (IMPEDANCE * swarm.bending * swarm.usual)
+    usual = 2.0 * math.pi * striker.weight[i] * striker.weight[i] / (_IMPEDANCE * swarm.bending * swarm.usual)
     if usual == 0.0:
         return 0.0, 1.0
-    square, turned = math.pi * swarm.wide * swarm.wide * swarm.usual, SPEED / (2.0 * math.pi)
+    square, turned = math.pi * swarm.wide * swarm.wide * swarm.usual, SPEED_OF_SOUND / (2.0 * math.pi)
     coincidence = SQUARE * turned * turned / (striker.frequency[striker.clicks] * square)
-    radiated = radiated_by(usual, IMPEDANCE * square / swarm.usual, coincidence / striker.frequency[i], lower)
+    radiated = radiated_by(usual, _IMPEDANCE * square / swarm.usual, coincidence / striker.frequency[i], lower)
     return radiated - usual / lower, math.sqrt(radiated * lower / usual)
 
 

@@ -229,7 +229,7 @@ HOPPER = {"mass": 5.9e-4, "stiffness": 4.3e5, "exponent": 1.5, "dissipation": 0.
 
 @pytest.mark.parametrize("seed", [8, 17, 19, 31])
 def test_what_hops_beside_a_roll_lands_on_time(seed):
-    """On a sheet that both move by much within a sample."""
+    """A sheet that both move by much within a sample."""
     gestures = [("roll", ROLLER | {"seed": seed}), ("slide", HOPPER | {"seed": seed})]
     assert beside_exact(48_000, "-60", "glass-plate", SHEET, gestures) < -60
 
