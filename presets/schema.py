@@ -226,8 +226,11 @@ SIZED: Fields = {"size": Quantity(1e-3, 1e3, "times")}
 
 TUNING = (frozenset({"tension"}), frozenset({"fundamental"}))
 _RECTANGULAR = frozenset(
-    ("width", "thickness", "undercut", "undercut_span", "across", "tilt", "tube_diameter", "tube_gap", "tube_detuning")
-)
+    (
+        "width", "thickness", "undercut", "undercut_span", "across", "tilt", "tube_diameter", "tube_gap",
+        "tube_detuning", "cords",
+    )
+)  # fmt: skip
 
 SHAPES: Mapping[str, Shape] = {
     "bar": Shape(
@@ -251,6 +254,7 @@ SHAPES: Mapping[str, Shape] = {
             "tube_detuning": Quantity(-0.1, 0.1),
             "fan": Quantity(0, 20, "1/s"),
             "fan_depth": FRACTION,
+            "cords": Quantity(0, 100, "kg/s"),
         },
         (
             _RECTANGULAR,

@@ -12,6 +12,7 @@ from . import acceleration
 from .acceleration import Click
 from .bending import Motion, Section, bending
 from .choices import ENDS
+from .cords import nodes, require_resistance
 from .heard import Loaded, heard, loaded
 from .material import Array, Material
 from .modes import Indices, Modes, audible, path, require_choice, require_positive
@@ -56,6 +57,7 @@ def bar(
     tube_detuning: float = 0.0,
     fan: float = 0.0,
     fan_depth: float = FAN_DEPTH,
+    cords: float = 0.0,
 ) -> Modes:
     """Return the modes of a Timoshenko bar, free at both ends or a cantilever (clamped at position 0).
 
@@ -76,7 +78,8 @@ def bar(
     clamp puts power into the board, and the bar loses that.
 
     Under the middle of a rectangular bar that is free at both ends may stand a resonator tube, of an inner
-    `tube_diameter`, with the `fan` of a vibraphone: see `resonator_tube.Tube`.
+    `tube_diameter`, with the `fan` of a vibraphone: see `resonator_tube.Tube`. Such a bar may lie on `cords`, each of
+    that resistance (kg/s): see `cords`.
     """
     require_positive(length=length, width=width, thickness=thickness, diameter=diameter, wall=wall)
     require_choice("ends", ends, ENDS)
@@ -87,8 +90,10 @@ def bar(
     tube = (
         None if tube_diameter is None else tube_of(tube_diameter, tube_length, tube_gap, fan, fan_depth, tube_detuning)
     )
-    if tube and (ends != "free" or diameter is not None):
-        raise ValueError(f"tube_diameter = {tube_diameter}: expected a bar with width and thickness and free ends")
+    for name, under in (("tube_diameter", tube_diameter), ("cords", cords)):
+        if under and (ends != "free" or diameter is not None):
+            raise ValueError(f"{name} = {under}: expected a bar with width and thickness and free ends")
+    require_resistance(cords)
     if not 0 <= undercut < 1 or not 0 < undercut_span <= 1:
         raise ValueError(f"undercut = {undercut}, undercut_span = {undercut_span}: expected in [0, 1) and (0, 1]")
 
@@ -122,6 +127,8 @@ def bar(
     area = _area(material, width, thickness, 2 / 3 * undercut * undercut_span, diameter, wall)
     mass = material.density * area * length
     made = heard(material, frequency[keep], resistance + share * lost, (strike, sign), mass, resistance + lost)
+    if cords:
+        made = replace(made, decay=made.decay + cords * _on_cords(parts, air)[keep])
     made = with_unheard(made, _beyond(parts, positions, 2 * top), material.decay, top)
     if tube is not None and width is not None and thickness is not None:
         upright = np.flatnonzero(keep < parts[0].motion.frequency.size)
@@ -199,12 +206,14 @@ class _Span(NamedTuple):
 
 class _Part(NamedTuple):
     """A kind of motion; what of it lies along the blow where it strikes, a factor (p,) at positions in 0..1; what the
-    air does to it; and the mass (kg/m) that it moves to and fro at points in -1..1, if it does."""
+    air does to it; the mass (kg/m) that it moves to and fro at points in -1..1, if it does; and by what factor its
+    square is, in the mean over the width, that of what moves up and down."""
 
     motion: Motion
     along: Callable[[Array], Array]
     air: Callable[[Motion], Loaded]
     swayed: Callable[[Array], Array] | None = None
+    lifted: float = 0.0
 
 
 def _beyond(parts: list[_Part], positions: Array, highest: float) -> Felt:
@@ -265,7 +274,7 @@ def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> 
         return line.on_edge(width, carving.depth(x)[0])
 
     upright = bending(*span, partial(carving.upright, span.material), carving.kinks)
-    parts = [_Part(upright, partial(_everywhere, math.cos(tilt)), partial(_swaying, span, face), swayed)]
+    parts = [_Part(upright, partial(_everywhere, math.cos(tilt)), partial(_swaying, span, face), swayed, 1.0)]
     if tilt:
         sideways = bending(*span, partial(carving.sideways, span.material), carving.kinks)
         parts.append(_Part(sideways, partial(_everywhere, math.sin(tilt)), partial(_swaying, span, edge), swayed))
@@ -276,7 +285,7 @@ def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> 
             return np.asarray(arm - math.sin(tilt) * carving.depth(2 * positions - 1)[0] / 2)
 
         twisted = torsion(*span, width, carving.depth, carving.kinks)
-        parts.append(_Part(twisted, along, partial(_twisting, span, carving)))
+        parts.append(_Part(twisted, along, partial(_twisting, span, carving), lifted=width**2 / 12))
     return parts
 
 
@@ -298,6 +307,17 @@ def _round(span: _Span, section: Section, split: float, imperfection: float) -> 
 
 def _everywhere(factor: float, positions: Array) -> Array:
     return np.full(positions.shape, factor)
+
+
+def _on_cords(parts: list[_Part], air: list[Loaded]) -> Array:
+    """Return how cords under the lowest mode's nodes raise the decays of all motions, over their resistance (1/kg);
+    not at all where even the lowest is too high to be heard."""
+    if not parts[0].motion.frequency.size:
+        return np.zeros(sum(part.motion.frequency.size for part in parts))
+    at = nodes(parts[0].motion.shape)
+    moved = [part.lifted * (part.motion.shape(at) * each.shrinking) ** 2 for part, each in zip(parts, air, strict=True)]
+    raised: Array = np.concatenate(moved, axis=1).sum(axis=0) / 2
+    return raised
 
 
 def _into(board: str | None, span: _Span, part: _Part) -> Array:

@@ -5,8 +5,8 @@ its mass goes with s^3. So does the air about it: sound's waves and the body's h
 share of the body's, and resistances (1/s) go with 1/s (A. D. Pierce, Acoustics, 1989, 1-6; L. Cremer, M. Heckl,
 B. Petersson, Structure-Borne Sound, 2005, for plates and bars). Mass-normalised shapes go with s^-3/2, and pressures
 with s^-1/2. What goes otherwise is found anew for each size: the losses of the material, what felts take, which
-goes with s^-2 (felts.py), the clicks, whose band ends where hearing does, and which modes are heard, and which are felt
-alone.
+goes with s^-2 (felts.py), what cords take, which goes with s^-3, the clicks, whose band ends where hearing does, and
+which modes are heard, and which are felt alone.
 
 A table holds the modes of the body of size 1 without losses, up to a frequency that is one of few, so that many sizes
 share it. What is felt alone beyond a table is gathered twice, which keeps how far it yields (unheard.py).
@@ -40,11 +40,11 @@ _CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
 }  # fmt: skip
 """Shapes that are elastic bodies in air and no more, with what makes their clicks."""
 
-_ASIDE = ("felt", "stand", "board", "tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
-"""Arguments of discs and bars that say what takes from them or sounds besides, and does not change their shapes."""
-
 _UNDER = ("tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
 """Arguments of a bar that say what stands under it, and changes its modes."""
+
+_ASIDE = ("felt", "stand", "board", "cords", *_UNDER)
+"""Arguments of discs and bars that say what takes from them or sounds besides, and does not change their shapes."""
 
 _RUNGS = 2  # highest frequencies of tables in an octave
 _KEPT_BYTES = 128_000_000
@@ -83,6 +83,9 @@ class Sized:
         if felt := arguments.get("felt"):
             held = self._table(top, material, {**own, "felt": felt})
             decay = decay + (held.decay - table.decay)[heard] / size**2
+        if cords := arguments.get("cords"):
+            held = self._table(top, material, {**own, "cords": 1.0})
+            decay = decay + cords * (held.decay - table.decay)[heard] / size**3
         sized = {key: value * size if key in self.lengths else value for key, value in arguments.items()}
         made = Modes(
             found, decay, strike[:, heard], pressure(np.minimum(radiated, 2 * decay), table.pressure[0, heard]),

@@ -153,6 +153,7 @@ MEANINGS = {
     ("bar", "tube_detuning"): "by what fraction it is above the bar's pitch, without `tube_length`; 0 if not given",
     ("bar", "fan"): "turns per second of a vibraphone's disc in the tube, each closes it twice; 0 if not given",
     ("bar", "fan_depth"): "share of the tube's sound that the disc takes away at most; 0.5 if not given",
+    ("bar", "cords"): "resistance of either cord that holds it where its lowest mode stands still; 0 if not given",
     ("string", "diameter"): "of the string, or of a wound one's core",
     ("string", "fundamental"): "of the string without stiffness",
     ("string", "linear_density"): "of a wound string",

@@ -33,7 +33,8 @@ BODIES = {
     "bar": (bodies.bar, WOOD, ("length", "width", "thickness"), dict(
         length=0.3, width=0.04, thickness=0.02, undercut=0.5)),
     "marimba": (bodies.bar, WOOD, ("length", "width", "thickness", "tube_diameter"), dict(
-        length=0.35, width=0.05, thickness=0.02, undercut=0.6, undercut_span=0.7, tube_diameter=0.05, fan=3.0)),
+        length=0.35, width=0.05, thickness=0.02, undercut=0.6, undercut_span=0.7, tube_diameter=0.05, fan=3.0,
+        cords=4.0)),
     "tube": (bodies.bar, STEEL, ("length", "diameter", "wall"), dict(
         length=0.49, diameter=0.03, wall=0.0015, split=0.005, imperfection=20.0)),
     "tine": (bodies.bar, STEEL, ("length", "width", "thickness"), dict(
