@@ -4,11 +4,15 @@
 installs: a cello's notes from its looped part on, and notes of bars within half an octave of the presets'. Of a cello,
 the power about each harmonic is fitted by a line over the octaves. Of a bar, it is the lowest partial's power against
 that of all higher ones, over the first 0.3 s, that the tube below decides; the mallet and where it falls do, too.
-Bars of further packages (`sources`) are measured where they are.
+A bar of another note than the preset's is as much shorter as its frequency wants (it goes with 1/length^2), and is
+struck as far off its middle. Bars of further packages (`sources`) are measured where they are, and recordings of two
+instruments, half an octave apart at most, beside each other: who plays with which mallet differs there, too.
 """
 
 from dataclasses import replace
+from itertools import combinations
 from statistics import mean
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,7 +39,7 @@ BARS: tuple[Pair, ...] = (
 NOTES = {"marimba-bar": 261.6, "vibraphone-bar": 174.6, "xylophone-bar": 523.3}  # Hz
 MALLETS = {"marimba-bar": ("yarn", "cord"), "vibraphone-bar": ("yarn", "cord"), "xylophone-bar": ("plastic", "wood")}
 PLACES = 0.5, 0.43, 0.36  # of the bars' lengths: their nodes lie at some 0.22
-WITHIN = 4.0  # dB
+WITHIN, APART = 4.0, 0.5  # dB; octaves between notes of recordings that are compared
 FIRST = 0.3  # s
 NEAR, ABOVE = 2 ** (1 / 6), 1.5  # ratios to the lowest partial
 
@@ -91,6 +95,24 @@ def cello(font: SoundFont) -> None:
     print(f"  {'cello-string':18} {lowest:6.0f} Hz {slope:7.1f}   mean of the recordings {mean(slopes):.1f}")
 
 
+class Bar(NamedTuple):
+    """A recorded bar: whose instrument it is, its lowest partial (Hz), and by how many dB that exceeds the rest in the
+    recording and in ours."""
+
+    instrument: str
+    lowest: float
+    real: float
+    ours: float
+
+
+def shortened(preset: str, semitones: float) -> tuple[dict[str, float], float]:
+    """Return what a preset's bar is given to sound some semitones higher, and where it is struck, as far (m) off the
+    middle."""
+    bar = carom.Presets().object(preset)
+    ratio = 2 ** (semitones / 24)
+    return {"length": float(bar.geometry["length"]) / ratio}, 0.5 - (0.5 - bar.position) * ratio
+
+
 def played(preset: str, changes: dict[str, float], lowest: float) -> list[float]:
     """Return the same of a preset's bar under each mallet at each place."""
     return [
@@ -100,25 +122,55 @@ def played(preset: str, changes: dict[str, float], lowest: float) -> list[float]
     ]
 
 
+def agree(bars: list[Bar]) -> tuple[int, int]:
+    """Return how many pairs of recordings of two instruments agree within WITHIN, and how many pairs there are."""
+    apart = [
+        abs(one.real - other.real)
+        for one, other in combinations(bars, 2)
+        if one.instrument != other.instrument and abs(np.log2(one.lowest / other.lowest)) <= APART + 1e-9
+    ]
+    return sum(each <= WITHIN for each in apart), len(apart)
+
+
 def bars(font: SoundFont) -> None:
     """Print how far the lowest partial exceeds the rest, of each recorded bar and of the preset's."""
     recorded: list[tuple[str, Font, Pair]] = [("FluidR3", font, pair) for pair in BARS]
     recorded += [each for each in further() if each[2][1] in NOTES]
-    found: dict[str, list[tuple[float, float]]] = {preset: [] for preset in NOTES}
+    found: dict[str, list[Bar]] = {preset: [] for preset in NOTES}
     print("dB of the lowest partial over all others               real    ours  ours less real  as it may be played")
     for instrument, source, (name, preset, changes) in recorded:
         sound = source.recording(name)
-        lowest = NOTES[preset] * 2 ** (changes.get("tune", 0.0) / 12)
-        pair = Recording(name, sound.unlooped, sound.rate), strike(preset, changes, FIRST + 0.1)
+        semitones = changes.get("tune", 0.0)
+        lowest = NOTES[preset] * 2 ** (semitones / 12)
+        shorter, place = shortened(preset, semitones)
+        pair = Recording(name, sound.unlooped, sound.rate), strike(preset, shorter, FIRST + 0.1, position=place)
         real, ours = (over_the_rest(each, lowest) for each in pair)
-        others = played(preset, changes, lowest)
-        found[preset].append((real, ours))
+        others = played(preset, shorter, lowest)
+        found[preset].append(Bar(instrument, lowest, real, ours))
         row = f"{real:7.1f} {ours:7.1f} {ours - real:10.1f} {min(others):14.1f} to {max(others):.1f}"
         print(f"  {instrument[:8]:8} {name:15} {preset:15} {lowest:6.0f} Hz {row}")
     for preset, rows in found.items():
-        real, ours = zip(*rows, strict=True)
-        print(f"{preset}: {sum(abs(a - b) <= WITHIN for a, b in rows)} of {len(rows)} within {WITHIN:.0f} dB; ", end="")
-        print(f"recorded {min(real):.1f} to {max(real):.1f}, ours {min(ours):.1f} to {max(ours):.1f}")
+        print(f"{preset}: {summary(rows)}")
+    everything = [bar for rows in found.values() for bar in rows]
+    alike, pairs = np.sum([agree(rows) for rows in found.values()], axis=0)
+    print(f"all: {near(everything)} of {len(everything)} within {WITHIN:.0f} dB; ", end="")
+    print(f"recordings of two instruments are for {alike} of {pairs} pairs")
+
+
+def near(rows: list[Bar]) -> int:
+    """Return how many of ours are within WITHIN of the recordings."""
+    return sum(abs(bar.ours - bar.real) <= WITHIN for bar in rows)
+
+
+def summary(rows: list[Bar]) -> str:
+    """Return what is to be said of a preset's bars."""
+    real, ours = [bar.real for bar in rows], [bar.ours for bar in rows]
+    apart = float(np.sqrt(np.mean(np.square(np.subtract(ours, real)))))
+    alike, pairs = agree(rows)
+    return (
+        f"{near(rows)} of {len(rows)} within {WITHIN:.0f} dB, rms {apart:.1f} dB; recorded {min(real):.1f} to "
+        f"{max(real):.1f}, ours {min(ours):.1f} to {max(ours):.1f}; recordings of two instruments: {alike} of {pairs}"
+    )
 
 
 def main() -> None:

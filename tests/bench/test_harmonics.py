@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from .harmonics import FIRST, bowed, fall, over_the_rest
+import carom
+
+from .harmonics import FIRST, Bar, agree, bowed, fall, near, over_the_rest, shortened
 from .recordings import RATE
 from .soundfont import Recording
 
@@ -24,6 +26,28 @@ def test_a_bar_s_lowest_partial_is_weighed_against_the_rest():
     bar = np.cos(2 * np.pi * 200 * TIME) + 0.1 * np.cos(2 * np.pi * 800 * TIME) + 0.1 * np.cos(2 * np.pi * 1900 * TIME)
     late = np.where(TIME > FIRST, np.cos(2 * np.pi * 1900 * TIME), 0.0)  # is not looked at
     assert over_the_rest(Recording("", bar + late, RATE), 200.0) == pytest.approx(20 - 3.01, abs=0.1)
+
+
+def test_recordings_of_two_instruments_are_compared_half_an_octave_apart_at_most():
+    bars = [
+        Bar("a", 200.0, 20.0, 23.0),
+        Bar("a", 200.0, 20.0, 25.0),
+        Bar("b", 282.0, 24.0, 20.0),
+        Bar("b", 400.0, 20.0, 9.0),
+    ]
+    assert agree(bars) == (2, 2)
+    assert agree([*bars, Bar("c", 300.0, 15.0, 15.0)]) == (2, 4)
+    assert near(bars) == 2
+
+
+@pytest.mark.parametrize("preset", ["marimba-bar", "vibraphone-bar", "xylophone-bar"])
+def test_a_shorter_bar_sounds_the_note_and_is_struck_as_far_off_its_middle(preset):
+    objects = carom.Presets()
+    shorter, place = shortened(preset, 7.0)
+    bar = objects.object(preset)
+    lowest = [objects.changed(preset, keys.items()).modes(4_000.0).frequency[0] for keys in ({}, shorter)]
+    assert lowest[1] == pytest.approx(lowest[0] * 2 ** (7 / 12), rel=0.015)
+    assert (0.5 - place) * shorter["length"] == pytest.approx((0.5 - bar.position) * bar.geometry["length"])
 
 
 def test_a_bowed_cello_falls_as_recorded_ones_do():
