@@ -11,6 +11,7 @@ import numpy as np
 
 from ..bodies.material import Array, Material
 from .cleaning import edges_of
+from .creases import held
 from .fronts import Elements, Factor
 from .grading import changes
 from .lanczos import followed, lowest
@@ -157,7 +158,7 @@ def matrices(surface: Surface, wall: float, material: Material) -> tuple[Array, 
     count = len(flat)
     own = np.zeros((count, 3, 6, 3, 6))
     membrane = stretching(flat, twice / 2, wall * plane, nu).reshape(count, 3, 3, 3, 3)
-    bent = bending(flat, twice / 2, wall**3 / 12 * plane).reshape(count, 3, 3, 3, 3)
+    bent = bending(flat, twice / 2, _rigidity(surface, wall, plane, axes)).reshape(count, 3, 3, 3, 3)
     for part, which in ((membrane, (0, 1, 5)), (bent, (2, 3, 4))):
         for p, row in enumerate(which):
             for q, column in enumerate(which):
@@ -174,8 +175,18 @@ def matrices(surface: Surface, wall: float, material: Material) -> tuple[Array, 
     return stiffness, mass.reshape(count, 18, 18), float(each.sum())
 
 
+def _rigidity(surface: Surface, wall: float, plane: Array, axes: Array) -> Array:
+    """Return the rigidity (e, 3, 3) of triangles with axes (e, 3, 3), which bend less beside sharp edges."""
+    share, across = held(surface, wall)
+    x, y = np.einsum("eai,ei->ae", axes[:, :2], across)
+    curved = np.stack([x * x, y * y, x * y], axis=1)
+    more = (plane[0, 0] * share / (1 - share))[:, None, None]
+    return np.asarray(wall**3 / 12 * (plane + more * curved[:, :, None] * curved[:, None]))
+
+
 def bending(flat: Array, area: Array, rigidity: Array) -> Array:
-    """Return the stiffness (e, 9, 9) of triangles with corners (e, 3, 2), in w and two turns a corner."""
+    """Return the stiffness (e, 9, 9) of triangles with corners (e, 3, 2) and a rigidity (e, 3, 3), in w and two turns a
+    corner."""
     count = len(flat)
     x, y = flat[..., 0], flat[..., 1]
     slopes = np.zeros((count, 6, 2, 9))  # of w at three corners and three middles of sides, by the unknowns
@@ -206,7 +217,7 @@ def bending(flat: Array, area: Array, rigidity: Array) -> Array:
         along_x = np.einsum("ea,eacf->ecf", grow[..., 0], slopes)
         along_y = np.einsum("ea,eacf->ecf", grow[..., 1], slopes)
         curved = np.stack([along_x[:, 0], along_y[:, 1], along_x[:, 1] + along_y[:, 0]], axis=1)
-        total += np.einsum("eif,ij,ejg->efg", curved, rigidity, curved, optimize=True) * (area / 3)[:, None, None]
+        total += np.einsum("eif,eij,ejg->efg", curved, rigidity, curved, optimize=True) * (area / 3)[:, None, None]
     return total
 
 
