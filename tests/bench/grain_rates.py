@@ -27,6 +27,7 @@ SCORES = {
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {} id g",
     "glass-shards": "0 /object/new a wine-glass\n0 /object/new b ceramic-tile\n"
     "0 /object/a/shatter 2 onto b seed {} id g",
+    "bottle-shards": "0 /object/new a bottle\n0 /object/a/shatter 2 height 0.15 seed {} id g",
     "pane-shards": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {} id g",
     "leaves": "0 /object/new a leaf-litter\n0 /object/a/step 700 seed {} id g",
     "snow": "0 /object/new a snow-field\n0 /object/a/step 700 seed {} id g",
