@@ -17,7 +17,8 @@ _MOST_KEPT = 4  # states that are fresh again
 _MOST_WRITTEN = 2_000_000  # bytes of each: to take more pages anew is hardly dearer than to restore them
 
 _numbers = count()
-_kept: list[mmap.mmap] = []
+_Spans = list[tuple[int, int]]
+_kept: list[tuple[mmap.mmap, _Spans]] = []  # with the pages of each that are its own
 
 
 def fresh_state(rate: float, channels: int) -> NDArray[np.void]:
@@ -25,29 +26,38 @@ def fresh_state(rate: float, channels: int) -> NDArray[np.void]:
 
     To fill one in touches 1.3 MB and takes 1 ms. The first of a process is filled in; the others are maps of a file in
     memory, whose pages are copied where they are written. A map that nobody has any more gets the file's bytes back
-    where it was written, and is another's: pages that are there cost a fifth of new ones.
+    where it was written, and is another's: pages that are there cost a fifth of new ones. A page is first written by a
+    fault of the process, so where it had none meanwhile, the pages are those of before.
     """
     file = -1 if next(_numbers) == 0 else _filled_in()
     if file < 0:
         return new_state(rate, channels)
     try:
-        memory = _kept.pop()
+        memory, known = _kept.pop()
     except IndexError:
-        memory = mmap.mmap(file, STATE.itemsize, access=mmap.ACCESS_COPY)
+        memory, known = mmap.mmap(file, STATE.itemsize, access=mmap.ACCESS_COPY), []
     state: NDArray[np.void] = np.frombuffer(memory, STATE)
-    finalize(state, _keep, memory, state.ctypes.data).atexit = False  # every view of a state holds it
+    finalize(state, _keep, memory, state.ctypes.data, known, _faults()).atexit = False  # every view of a state holds it
     state[0]["rate"] = rate
     state[0]["output"]["channels"] = channels
     return state
 
 
-def _keep(memory: mmap.mmap, first: int) -> None:
+def _faults() -> tuple[int, int, int]:
+    """Return this process, and how often it had to get a page so far."""
+    import resource  # not on Windows
+
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    return os.getpid(), usage.ru_minflt, usage.ru_majflt
+
+
+def _keep(memory: mmap.mmap, first: int, known: _Spans, faults: tuple[int, int, int]) -> None:
     """Restore the state at an address for another engine, unless it was written all over, or the system does not tell
-    where."""
+    where. known: the pages that were its own after so many faults."""
     if len(_kept) >= _MOST_KEPT:
         return
     try:
-        written = written_pages(first, STATE.itemsize)
+        written = known if faults == _faults() else written_pages(first, STATE.itemsize)
     except OSError:
         return
     if sum(end - begin for begin, end in written) > _MOST_WRITTEN:
@@ -55,7 +65,7 @@ def _keep(memory: mmap.mmap, first: int) -> None:
     clean = _clean().ctypes.data
     for begin, end in written:
         ctypes.memmove(begin, clean + begin - first, end - begin)
-    _kept.append(memory)
+    _kept.append((memory, written))
 
 
 @cache
