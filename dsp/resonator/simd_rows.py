@@ -4,11 +4,11 @@ from typing import Any
 
 from ..native.jit import Lowered, cgutils, intrinsic, ir, types
 from ..native.typed import View
-from ..numerics.legendre import AHEAD
+from ..numerics.legendre import AHEAD, FINE
 from .simd import LANES, REASSOCIATE, int64, pointer_to, sums_of, vector_of
 
 MOST_POINTS = 8
-"""Points of a sample at which a motion is summed, at most."""
+"""Points of a sample, or rows, at which a motion is summed, at most."""
 
 WIDE = AHEAD + 2 * LANES
 """Samples for which it is summed, at most: some before and behind those that rows are found for."""
@@ -32,46 +32,56 @@ def put_factors(
     scales: tuple[tuple[float, ...], ...],
     table: View[float],
     first: int,
-    weights: tuple[tuple[float, ...], ...],
+    rows: tuple[int, ...],
+    weights: View[float],
 ) -> Lowered[None]:
     """Write the factors of LANES modes in rows: of row r from room[at + 2 r LANES] on the one on a sample, then that on
     the sample before.
 
-    They are scales[s][i] sum_k weights[r][k] table[first + (2 k + s) LANES + i] with s = 0, 1.
+    They are scales[s][i] sum_k weights[k len(rows) + r] table[first + (2 k + s) LANES + i] with s = 0, 1, k below FINE.
+    rows: a tuple with a number for each.
     """
 
     def codegen(context, builder, signature, args):
-        rows = [cgutils.unpack_tuple(builder, row) for row in cgutils.unpack_tuple(builder, args[5])]
+        count = len(signature.args[5])
         lanes = [cgutils.unpack_tuple(builder, each) for each in cgutils.unpack_tuple(builder, args[2])]
         scales = [vector_of(builder, each) for each in lanes]
-        for s in range(2):
-            totals: list[Any] = [None] * len(rows)
-            for k in range(len(rows[0])):
-                at = builder.add(args[4], int64((2 * k + s) * LANES))
-                values = builder.load(pointer_to(context, builder, signature.args[3], args[3], at), align=8)
-                for r, row in enumerate(rows):
-                    term = _times(builder, vector_of(builder, [row[k]] * LANES), values)
-                    totals[r] = term if totals[r] is None else _plus(builder, totals[r], term)
-            for r, total in enumerate(totals):
-                place = builder.add(args[1], int64((2 * r + s) * LANES))
-                pointer = pointer_to(context, builder, signature.args[0], args[0], place)
-                builder.store(_times(builder, scales[s], total), pointer, align=8)
+        data = context.make_array(signature.args[6])(context, builder, args[6]).data
+        zero = ir.Constant(ir.VectorType(ir.DoubleType(), LANES), None)
+        totals = [cgutils.alloca_once_value(builder, zero) for _ in range(2 * count)]
+        for total in totals:
+            builder.store(zero, total)
+        with cgutils.for_range(builder, int64(FINE)) as term:
+            at = builder.add(args[4], builder.mul(term.index, int64(2 * LANES)))
+            values = [
+                builder.load(pointer_to(context, builder, signature.args[3], args[3], place), align=8)
+                for place in (at, builder.add(at, int64(LANES)))
+            ]
+            begin = builder.mul(term.index, int64(count))
+            for r in range(count):
+                weight = builder.load(builder.gep(data, [builder.add(begin, int64(r))]))
+                weight = vector_of(builder, [weight] * LANES)
+                for total, value in zip(totals[2 * r : 2 * r + 2], values, strict=True):
+                    builder.store(_plus(builder, builder.load(total), _times(builder, weight, value)), total)
+        for n, total in enumerate(totals):
+            pointer = pointer_to(context, builder, signature.args[0], args[0], builder.add(args[1], int64(n * LANES)))
+            builder.store(_times(builder, scales[n % 2], builder.load(total)), pointer, align=8)
         return context.get_dummy_value()
 
-    return types.void(room, types.intp, scales, table, types.intp, weights), codegen
+    return types.void(room, types.intp, scales, table, types.intp, rows, weights), codegen
 
 
 @intrinsic
 def add_courses(
     typingctx: object, room: View[float], modes: tuple[View[float], ...], firsts: tuple[int, ...],
-    weights: tuple[tuple[float, ...], ...], samples: int, behind: int,
+    rows: tuple[int, ...], samples: int, behind: int,
 ) -> Lowered[None]:  # fmt: skip
     """Add groups of LANES modes, from `firsts` on, to their displacements at some points of so many samples, the first
     of which lies so many behind now: each mode in a lane of its own.
 
     modes: their y1, y2, a1 and a2. In `room` lie the lanes of each point of the first sample, then those of the next
-    one, and so on; from MOST_POINTS WIDE LANES on the factors, as `put_factors` has them with those weights, one
-    group's after the other's. A sample's end as its only point needs none beside the first: it rings as modes do.
+    one, and so on; from MOST_POINTS WIDE LANES on the factors, as `put_factors` has them, one group's
+    after the other's. A sample's end as its only point needs none beside the first: it rings as modes do.
     """
 
     def codegen(context, builder, signature, args):
@@ -108,7 +118,7 @@ def add_courses(
                 builder.store(here, motion[1])
         return context.get_dummy_value()
 
-    return types.void(room, modes, firsts, weights, types.intp, types.intp), codegen
+    return types.void(room, modes, firsts, rows, types.intp, types.intp), codegen
 
 
 def _begin(builder: Any, state: tuple[Any, Any], turns: tuple[Any, Any], factors: list[Any], behind: Any) -> list[Any]:
@@ -116,10 +126,9 @@ def _begin(builder: Any, state: tuple[Any, Any], turns: tuple[Any, Any], factors
     one; or its displacements at both ends, if these are all that is wanted."""
     p, q = turns
     motion = [cgutils.alloca_once_value(builder, each) for each in state]
-    _turn_back(builder, motion, turns, behind)
-    last, before = (builder.load(each) for each in motion)
-    begun = _plus(builder, _times(builder, p, last), _times(builder, q, before))
-    # A row's first sample is the one after the next: of that and the one before.
+    _turn_back(builder, motion, turns, builder.sub(behind, int64(1)))
+    begun, last = (builder.load(each) for each in motion)
+    # A sample's motion is that of the state at its end and of the one before.
     coming = _plus(builder, _times(builder, p, begun), _times(builder, q, last))
     if len(factors) == 2:
         a, b = factors
@@ -145,9 +154,7 @@ def _turn_back(builder: Any, motion: list[Any], turns: tuple[Any, Any], samples:
 
 
 @intrinsic
-def put_lanes(
-    typingctx: object, room: View[float], begin: int, points: tuple[tuple[float, ...], ...], samples: int
-) -> Lowered[None]:
+def put_lanes(typingctx: object, room: View[float], begin: int, points: tuple[int, ...], samples: int) -> Lowered[None]:
     """Set the sums of the lanes that `add_courses` has: of so many samples, from room[begin] on those of one point
     after the other's, WIDE apart."""
 

@@ -27,11 +27,11 @@ def _rows_of(parts: int) -> list[Row]:
 def _tilted(begin: float, end: float) -> Row:
     """Return the row of a rate's tilt over a part of the sample."""
     tilt = course(1, begin, end)
-    return lambda s: TILT * tilt(s)
+    return tilt._replace(shares=TILT * tilt.shares)
 
 
 _ROWS = [[course(1, 0.0, 1.0), at_time(1.0)], *(_rows_of(parts) for parts in range(1, MOST_PARTS + 1))]
-_OF_LINE, _OF_ONE, _OF_TWO, _OF_THREE = filters_of(_ROWS)
+_OF_LINE, _OF_ONE, _OF_TWO, _OF_THREE = (filters_of(rows) for rows in _ROWS)
 _LINE, _ONE, _TWO, _THREE = (tuple(range(len(rows))) for rows in _ROWS)
 
 BENT = -1

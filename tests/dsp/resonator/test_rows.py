@@ -33,7 +33,7 @@ def rows_of(motion, parts):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("parts", [LINE, 1, 2, 3])
-@pytest.mark.parametrize("loss, error", [(0.0, 1e-7), (0.03, 2e-7), (0.3, 1e-7), (2.5, 1e-6)])
+@pytest.mark.parametrize("loss, error", [(0.0, 1e-8), (0.03, 1e-8), (0.3, 1e-7), (2.5, 1e-6)])
 @pytest.mark.parametrize("highest, groups", [(0.9, 3), (2.6, 1), (2.6, 9), (HIGHEST, 2), (HIGHEST, 14)])
 def test_rows_are_the_motion_of_all_modes_however_fast_they_turn(highest, groups, loss, error, parts):
     random = np.random.default_rng(1)
@@ -56,5 +56,7 @@ def test_rows_are_the_motion_of_all_modes_however_fast_they_turn(highest, groups
     expected = np.array(expected).T
     found = rows[: AHEAD * len(expected)].reshape(-1, AHEAD)
     scale = max(np.abs(expected).max(), abs(now))
-    assert begin == pytest.approx(now, abs=error * scale)
+    if loss > 0.1 and len(found) <= 4:
+        error = 1e-13  # summed by themselves
+    assert begin == pytest.approx(now, abs=2e-7 * scale)  # where the series begins, it errs by as much
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=error * scale)
