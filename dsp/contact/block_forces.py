@@ -29,12 +29,29 @@ def find_forces(contacts: Items[Member], blocks: Items[Block], net: Net, size: i
         return
     solved = True
     for part in range(len(times) // NODES_PER_PART):
-        solved = solved and _solve_together(contacts, blocks, net, size, NODES_PER_PART * part)
+        first = NODES_PER_PART * part
+        # Most are pairs: the loops for two are unrolled.
+        if size == 2:
+            solved = solved and _solve_pair(contacts, blocks, net, first)
+        else:
+            solved = solved and _solve_several(contacts, blocks, net, size, first)
     for i in range(size):
         blocks[net.block[i]].solved = 1 if solved else 0
 
 
 @noinline_kernel
+def _solve_pair(contacts: Items[Member], blocks: Items[Block], net: Net, first: int) -> bool:
+    """Do what `_solve_together` does for two contacts."""
+    return _solve_together(contacts, blocks, net, 2, first)
+
+
+@noinline_kernel
+def _solve_several(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, first: int) -> bool:
+    """Do what `_solve_together` does for more."""
+    return _solve_together(contacts, blocks, net, size, first)
+
+
+@kernel
 def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, first: int) -> bool:
     """Find the two forces of each contact in a part of the sample, by its first node; false if Newton's method
     fails."""
