@@ -276,8 +276,8 @@ SLIDE = Gesture(
     (
         FORCE._replace(help="that presses it on; its weight if not given"),
         Parameter(
-            "sweep", -1.0, 100.0, "m/s", "at which the contact moves over the object: 0 for a bow, whose contact "
-            "stays; -1: the slip's", useful=(0.0, 5.0), steerable=True, glide=0.02,
+            "sweep", -1.0, 100.0, "m/s", "at which the contact moves over the object: 0 for a bow, which stays, "
+            "or goes along its travel as it slips; -1: the slip's", useful=(0.0, 5.0), steerable=True, glide=0.02,
         ),
         Parameter("radius", 1e-4, 10.0, "m", "of the tip", useful=(1e-4, 0.05), steerable=True),
         Parameter("patch", 0.0, 1.0, "m", "width of the contact", useful=(0.0, 0.02), steerable=True),

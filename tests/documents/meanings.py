@@ -91,7 +91,7 @@ MEANINGS = {
     (
         "slide",
         "sweep",
-    ): "speed of the contact over the object: 0 for a bow, whose contact stays; -1, if not given: the slip",
+    ): "the contact's speed over the object; 0: a bow, which stays or goes along its travel; -1, by default: the slip",
     ("click", "shape"): "`sphere` if not given",
     ("click", "radius"): "of the sphere or the disc",
     ("click", "thickness"): "of the disc",

@@ -5,6 +5,9 @@ which the surfaces slip. Asperities pass at the faster of the two. The normal fo
 force that presses. It feels the modes where a roll's does (coupled_rolls.py), with what friction does to them. Friction
 feels the SLID longest ringing ones, sample by sample (friction/stick_slip.py). Its bound follows the normal force, or
 that of a press on the same object, which feels the modes, too.
+
+With a sweep of 0 modes move along the slip, as under a bow. The contact stays, or goes along its travel at the slip's
+speed, as a finger goes round a glass. The modes' pattern follows it where they grow faster than it passes them.
 """
 
 import math
@@ -76,7 +79,8 @@ def lead_slide(state: State, contact: Contact, changed: bool) -> None:
     _lead_roll(state, contact)
     slide.sweep += (_sweep_of(contact) - slide.sweep) * -math.expm1(-QUANTUM / (_GLIDE * state.rate))
     contact.rolled += contact.rolls
-    contact.rolls = slide.sweep * QUANTUM / state.rate
+    travels = slide.slip if contact.target.sweep == 0.0 else slide.sweep
+    contact.rolls = travels * QUANTUM / state.rate
     slide.stale |= int(changed) | contact.unsettled
     if contact.solver != COUPLING:
         contact.unsettled = 0
