@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
 from ...dsp.contact.law import restitution
-from ...dsp.schema import MOST_BLOWS
+from ...dsp.schema import MASS, MOST_BLOWS
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
@@ -34,7 +35,8 @@ _HERTZ = 1.5
 _ROUNDS = 5  # for a speed and the restitution there
 _BOTH = 20.0 * math.log10(2.0)  # dB: two grains that hit each other sound at once
 _DULLEST = 0.02  # restitution
-_FASTEST = 100.0  # m/s
+_SLOWEST, _FASTEST = 1e-9, 100.0  # m/s
+_LEAST, _MOST = 1e-12, 1e12  # what can be told of a flow, in SI units
 _SEEDS = 2**31
 _LAW = ("mass", "stiffness", "exponent", "restitution")
 _SUMS = ("count", "impulse", "energy", "momentum", "mass", "stiffness", "place", "square", "point")
@@ -63,14 +65,14 @@ class Course(NamedTuple):
 
 def course_of(flow: Flow, seconds: float, mass: float, left: float) -> Course:
     """Return how a swarm of grains of a mass (kg) and a restitution goes that has a flow in so many seconds."""
-    both = mass * (1.0 + left)
-    wanted = flow.impulse**2 / (2.0 * flow.energy * flow.blows * both * (1.0 + left))
+    both, twice = mass * (1.0 + left), 2.0 * (1.0 + left) * flow.energy / flow.impulse
+    wanted = flow.impulse / (both * flow.blows) / twice
     low, high = LEAST_EVEN, EVENEST
     for _ in range(40):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if _mean(middle) ** 2 < wanted * _square(middle) else (low, middle)
     evenness = math.sqrt(low * high)
-    speed = min(2.0 * (1.0 + left) * flow.energy / flow.impulse * _mean(evenness) / _square(evenness), _FASTEST)
+    speed = min(max(twice * _mean(evenness) / _square(evenness), _SLOWEST), _FASTEST)
     rate = flow.impulse / (both * speed * _mean(evenness)) / seconds
     return Course(min(rate, MOST_BLOWS), speed, evenness)
 
@@ -174,6 +176,8 @@ class Grains:
         for key, value in (("count", count), ("position", place or 0.0), *given.items()):
             if not 0.0 <= value < math.inf:
                 raise WorldError(f"{where}: {key} = {value}: expected a finite number that is not negative")
+            if key != "position" and value and not _LEAST <= value <= _MOST:
+                raise WorldError(f"{where}: {key} = {value}: expected 0, or from {_LEAST:g} to {_MOST:g}")
         if not body.rings or not count or not all(given.values()):
             return
         mass, stiffness, _, exponent = self._presets.striker(self._kinds[name]).contact(body.material)
@@ -234,12 +238,12 @@ class Grains:
 
     def _told(self, key: _Key, heap: np.void, time: float, seconds: float) -> list[Request]:
         running, momentum = self._running.get(key), float(heap["momentum"])
-        if momentum <= 0.0:
-            return self._pauses(key, time, seconds) if running else []
         flow = Flow(float(heap["count"]), float(heap["impulse"]), float(heap["energy"]))
+        if not min(momentum, flow.impulse, flow.energy) > 0.0:
+            return self._pauses(key, time, seconds) if running else []
         place, spread = self._place(key[1], heap, momentum)
         if running is None:
-            return [self._begins(key, heap, flow, (time, seconds), (place, spread))]
+            return self._begins(key, heap, flow, (time, seconds), (place, spread))
         running.silent, before = 0.0, running.course
         running.course = course_of(flow, seconds, running.mass, running.left)
         changes = zip(Course._fields, running.course, before, strict=True)
@@ -269,11 +273,16 @@ class Grains:
 
     def _begins(
         self, key: _Key, heap: np.void, flow: Flow, at: tuple[float, float], where: tuple[float, float]
-    ) -> Swarm:
+    ) -> list[Request]:
+        """Return how a swarm begins: not at all if its grains would stay too long where they land, as single ones."""
         (time, seconds), (place, spread), momentum = at, where, float(heap["momentum"])
         mass, left = float(heap["mass"]) / momentum, min(max(flow.impulse / momentum - 1.0, _DULLEST), 1.0)
+        mass = min(max(mass, MASS.low), MASS.high)  # impulse and energy stay
         course = course_of(flow, seconds, mass, left)
         law = (mass, float(heap["stiffness"]) / momentum, float(heap["exponent"]), left)
+        lost = 1.5 * (1.0 - left) / left
+        if longest_estimate.py_func(course.speed, *law[:3], lost) > LONGEST_CONTACT:
+            return []
         keys: tuple[tuple[str, float | str], ...] = tuple(zip(_LAW, law, strict=True))
         striker = list(self._kinds.values())[key[0] - 1]
         if striker:
@@ -283,4 +292,4 @@ class Grains:
         id, seed = f"grains.{self._made}", (self._seed + self._made) % _SEEDS
         self._made += 1
         self._running[key] = _Running(id, mass, left, place, course)
-        return Swarm(time, self._bodies[key[1]].name, id, place, spread, *course, seed, keys)
+        return [Swarm(time, self._bodies[key[1]].name, id, place, spread, *course, seed, keys)]

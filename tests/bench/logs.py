@@ -69,9 +69,34 @@ def random_message(rng: random.Random) -> Message:
             return Message(f"/object/{rng.choice((name, '*', '{a,b}'))}/impact", args)
 
 
+def random_swarm(rng: random.Random, name: str, id: str) -> Message:
+    """Return a swarm, or a change of one."""
+    rate, striker = 10.0 ** rng.uniform(0.0, 4.5), ("striker", rng.choice(("rice", "gravel", "coins", "glass-shards")))
+    match rng.randrange(9):
+        case 0:
+            return Message(f"/object/{name}/rain", (rate, "id", id))
+        case 1 | 2:
+            return Message(
+                f"/object/{name}/{rng.choice(('shake', 'pour'))}", (rate, *striker, "variety", 0.3, "id", id)
+            )
+        case 3:
+            return Message(f"/object/{name}/crumple", (rng.uniform(0.01, 0.5), *striker, "id", id))
+        case 4:
+            return Message(f"/object/{name}/step", (700.0, *striker, "id", id))
+        case 5:
+            onto = () if rng.random() < 0.5 else ("onto", "c" if name != "c" else "a")
+            return Message(f"/object/{name}/shatter", (rng.uniform(0.2, 3.0), *striker, *onto, "id", id))
+        case 6:
+            return Message(f"/gesture/{id}/stop")
+        case _:
+            return Message(f"/gesture/{id}/rate", (rate, *_takes_time(rng)))
+
+
 def random_gesture(rng: random.Random, ids: int) -> Message:
     """Return a gesture that lasts, a change of one, or a quality; of so many ids."""
     name, id = rng.choice("abc"), f"g{rng.randrange(ids)}"
+    if rng.random() < 0.25:
+        return random_swarm(rng, name, id)
     match rng.randrange(8):
         case 0 | 1 | 2:
             return Message(f"/object/{name}/roll", (rng.uniform(0.2, 1.0), "striker", "steel", "id", id))

@@ -45,10 +45,10 @@ def _add(state: State, blow: Blow, side: int, kind: int, body: int, both: int) -
         return
     state.until[body] = max(state.until[body], state.time + state.ringing[body] + LINGERS)
     heap = state.heaps[n]
-    momentum = blow.mass * blow.speed
+    momentum = blow.mass * blow.met
     heap.count += 1.0
-    heap.impulse += blow.impulse
-    heap.energy += 0.5 * momentum * blow.speed
+    heap.impulse += momentum * (1.0 + blow.restitution)
+    heap.energy += 0.5 * momentum * blow.met
     heap.momentum += momentum
     heap.mass += momentum * blow.mass
     heap.stiffness += momentum * blow.stiffness

@@ -178,9 +178,41 @@ def test_grains_that_cannot_be_are_refused():
         (("rice", "floor", 3), {}, "expected speed, impulse or energy"),
         (("rice", "floor", -3), {"speed": 1.0}, "count = -3"),
         (("rice", "floor", 3), {"energy": math.nan}, "energy = nan"),
+        (("rice", "floor", 1e300), {"speed": 1.0}, r"count = 1e\+300: expected 0, or from 1e-12 to 1e\+12"),
+        (("rice", "floor", 3), {"impulse": 5e-324, "energy": 1.0}, "impulse = 5e-324: expected 0, or from"),
     ):
         with pytest.raises(carom.WorldError, match=words):
             made.pour(*arguments, **keys)
+
+
+@pytest.mark.parametrize(
+    "told", [{"speed": 1e12}, {"energy": 1e-12}, {"impulse": 1e12, "energy": 1e-12}, {"impulse": 1e-12}]
+)  # fmt: skip
+@pytest.mark.parametrize("count", [1e-12, 1e12])
+def test_flows_of_any_size_make_a_sound_of_some_size(count, told):
+    """An impulse's square and counts beyond integers stopped the world in its step; so did glass marbles that come so
+    slowly that they would stay for seconds where they land: these are silent, as single ones are."""
+    made = world(False)
+    made.grains("marbles", striker="glass-marble")
+    for n in range(1, 30):
+        made.pour("marbles", "floor", count, **told)
+        assert np.isfinite(made.step(n * 0.01)).all()
+
+
+@pytest.mark.parametrize("radius, approach, heard", [(1e-5, 1.0, 30), (3e-3, 1e300, 30), (3e-3, 1e-200, 0)])
+def test_dust_and_blows_of_any_speed_make_a_sound_of_some_size(radius, approach, heard):
+    """Dust is lighter than any striker may be; the energy of what is fast was infinite."""
+    made = carom.World(RATE, microphones=[(0, -1, 0.5)])
+    made.body("floor", "plate", (0.4, 0.3, 0.003), "steel", held=True)
+    for n in range(30):
+        made.body(f"ball{n}", "sphere", radius, "glass")
+    made.grains("balls", "ball*")
+    sounds = []
+    for n in range(40):
+        touch = carom.Touch("floor", f"ball{n % 30}", (0, 0, 0.0015), (0, 0, 1), approach=approach)
+        sounds.append(made.step(0.01 * (n + 1), [touch] if n < 30 else []))
+    assert np.isfinite(sounds).all()
+    assert made.counts.grains == heard and (np.abs(sounds).max() > 0.0) == (heard > 0)
 
 
 @pytest.mark.slow
