@@ -41,7 +41,7 @@ SCORES = {
     **{
         name + place: f"{before}0 /object/new a {what}\n0 /object/new b ceramic-tile {FLOOR}\n{there}"
         "0 /object/a/shatter 2 height 0.15 onto b seed {}"
-        for name, what in (("glass", "wine-glass"), ("bottle", "bottle"))
+        for name, what in (("glass", "wine-glass"), ("goblet", "goblet"), ("bottle", "bottle"))
         for place, before, there in (("", "", ""), (" in a room", ROOM, PLACES))
     },
     "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {}",
@@ -59,6 +59,8 @@ JUDGED = {
     "glass": "a burst of all frequencies, then pieces that clatter for half a second, in short tones of many pitches, "
     "most above 3 kHz; recordings clatter for a second and more, in rooms",
     "glass in a room": "the same, and the room fills the pauses as in recordings, which have more below 3 kHz",
+    "goblet": "as the glass, which has neither stem nor foot: more of it lies below 5 kHz",
+    "goblet in a room": "the same, and the room fills the pauses",
     "bottle": "as the glass, lower, from 1 kHz on",
     "bottle in a room": "the same, and the room fills the pauses; nearest to recordings, which clatter for longer",
     "pane": "as the bottle, for a second, greatest from 2 to 8 kHz, as recorded; without the part below 500 Hz that "
@@ -79,6 +81,8 @@ RECORDINGS = {
     "can": ("usr/share/games/minetest/mods/homedecor/homedecor_trash_cans/sounds/homedecor_trash_all.ogg",),
     "glass": (_UFO + "misc/breakglass0[2-5].ogg",),
     "glass in a room": (_UFO + "misc/breakglass0[2-5].ogg",),
+    "goblet": (_UFO + "misc/breakglass0[2-5].ogg",),
+    "goblet in a room": (_UFO + "misc/breakglass0[2-5].ogg",),
     "bottle": (_UFO + "misc/breakglass0[2-5].ogg",),
     "bottle in a room": (_UFO + "misc/breakglass0[2-5].ogg",),
     "pane": (_MINETEST + "break_glass.*.ogg",),
