@@ -153,7 +153,7 @@ def play(client: Client, rng: random.Random, seconds: float) -> int:
             for message in messages:
                 client.send(message.address, *message.args)
         time.sleep(rng.uniform(0.0, 0.02))
-    client.ask("/sync", 2)
+    client.ask("/sync", 2, timeout=30.0)  # the table of a new contact law takes its time
     return sum(text.startswith("quality is now") for text in client.warnings())
 
 

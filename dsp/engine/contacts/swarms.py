@@ -43,7 +43,7 @@ _SAME = 1e-6  # of a position
 _LOWEST = 16.0  # Hz: of the bands of modes
 _BRIEFEST = 1e-6  # s: of a memory
 _NEAR = 1e-9  # of a rate
-_BENT = 1e-6  # of a step's rate: its bends lie on the lattice of knots
+_BENT = 1e-6  # of a step's highest rate: its bends lie on the lattice of knots
 
 
 @kernel
@@ -185,9 +185,15 @@ def _asked_of(swarm: Swarm, contact: Contact, time: float) -> tuple[float, float
         return asked.rate * (1.0 - time / CRACKING), -asked.rate / CRACKING, asked.energy
     if swarm.duration > 0.0:
         rate, slope = course_at(swarm, time)
-        whole = min(CHANGE * asked.force * asked.crackles, MOST_BLOWS / FASTEST * swarm.duration)
+        whole = _whole_of(swarm, asked)
         return whole * rate, whole * slope, asked.energy
     return min(asked.speed * asked.density, MOST_BLOWS) * (1.0 - asked.excitation), 0.0, asked.energy
+
+
+@kernel
+def _whole_of(swarm: Swarm, asked: Steered) -> float:
+    """Return how many crackles a whole step has."""
+    return min(CHANGE * asked.force * asked.crackles, MOST_BLOWS / FASTEST * swarm.duration)
 
 
 @kernel
@@ -228,7 +234,8 @@ def _follow_ramp(swarm: Swarm, contact: Contact, begin: float, seconds: float) -
     if swarm.duration == 0.0:
         ramped = abs(rate - there) > _NEAR * rate
     else:
-        ramped = last.time <= begin and abs(rate - there) > _BENT * rate
+        highest = FASTEST * _whole_of(swarm, asked) / swarm.duration
+        ramped = last.time <= begin and abs(rate - there) > _BENT * highest
     others = scale != last.scale or asked.excitation != last.excitation or _exponent(swarm, asked) != last.steepness
     others = others or max(asked.memory, _BRIEFEST) != last.memory or math.log1p(asked.variety) != last.variety
     others = others or (last.slope != 0.0 and swarm.duration == 0.0)
