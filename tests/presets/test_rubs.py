@@ -41,15 +41,39 @@ def note_of(name: str) -> float:
     return float(np.mean(carom.Presets().object(name).modes(20_000).frequency[:2]))
 
 
-def envelope(seconds: float, last: float, split: float | None = None, **given: float) -> np.ndarray:
-    """Return the amplitude of a rubbed wine glass's note over the last seconds, over its mean."""
+def amplitude(seconds: float, split: float | None = None, **given: float) -> np.ndarray:
+    """Return the amplitude of a rubbed wine glass's note on both sides, (samples, 2)."""
     with carom.Scene(RATE, limiter=False) as scene:
         scene.new("a", "wine-glass", **({} if split is None else {"split": split})).slide(seed=1, **given)
-        sound = scene.render(seconds).samples[:, 0].astype(float)
-    frequency = np.fft.fftfreq(len(sound), 1 / RATE)
-    note = np.abs(np.fft.ifft(np.fft.fft(sound) * (np.abs(frequency - note_of("wine-glass")) < 60.0)))
-    course = note[-round((last + 0.1) * RATE) : -round(0.1 * RATE)]
+        sound = scene.render(seconds).samples.astype(float)
+    far = np.abs(np.fft.fftfreq(len(sound), 1 / RATE) - note_of("wine-glass")) > 60.0
+    spectrum = np.fft.fft(sound, axis=0)
+    spectrum[far] = 0.0
+    return np.abs(np.fft.ifft(spectrum, axis=0))
+
+
+def envelope(seconds: float, last: float, split: float | None = None, **given: float) -> np.ndarray:
+    """Return the amplitude on the left over the last seconds, over its mean."""
+    course = amplitude(seconds, split, **given)[-round((last + 0.1) * RATE) : -round(0.1 * RATE), 0]
     return course / course.mean()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", [0.22, 0.3])
+def test_a_glass_grows_half_as_fast_under_a_finger_that_passes_its_pattern(speed):
+    """Where g/2 < 2 w both waves grow by g/2 - sigma, with g = N |mu'(v)| (along phi)^2/2: rigid friction, a round
+    glass."""
+    force, half_rim = 2.0, np.pi * 0.035
+    modes, striker = carom.Presets().object("wine-glass").modes(20_000), carom.Presets().striker("wet-finger").sliding
+    phi = striker["along"] * np.hypot(*modes.along[0, :2])
+    fall = (striker["static"] - striker["dynamic"]) / striker["stribeck"] / (1.0 + speed / striker["stribeck"]) ** 2
+    growth = force * fall * phi**2 / 2.0
+    assert growth / 2.0 < 2.0 * speed / 0.035
+    sound = amplitude(3.0, split=0.0, tangential=0.0, speed=speed, force=force, travel=half_rim)
+    level = np.log(np.hypot(*sound.T))[round(0.5 * RATE) :]
+    first, last = (int(np.argmax(level > level.max() - below)) for below in (4.5, 1.5))
+    found = np.polyfit(np.arange(first, last) / RATE, level[first:last], 1)[0]
+    assert found == pytest.approx(growth / 2.0 - modes.decay[:2].mean(), rel=0.05)
 
 
 @pytest.mark.slow
