@@ -61,7 +61,7 @@ def envelope(seconds: float, last: float, split: float | None = None, **given: f
 @pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.22, 0.3])
 def test_a_glass_grows_half_as_fast_under_a_finger_that_passes_its_pattern(speed):
-    """Where g/2 < 2 w both waves grow by g/2 - sigma, with g = N |mu'(v)| (along phi)^2/2: rigid friction, a round
+    """Both waves grow by g/2 - sigma where g/2 < 2 w, with g = N |mu'(v)| (along phi)^2/2: rigid friction, a round
     glass."""
     force, half_rim = 2.0, np.pi * 0.035
     modes, striker = carom.Presets().object("wine-glass").modes(20_000), carom.Presets().striker("wet-finger").sliding
