@@ -11,7 +11,7 @@ by one number a frame instead, as `dsp.resonator.fed` says. A click is a mode, o
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ Row = Mapping[str, Any]
 
 _PATH = 3 + TRACED_MOMENTS  # columns of a path: place, gain, place of friction and its moments
 _ROWS = 4  # of shapes, between which a cubic goes
-_SAME = 1e-6  # of a strike path: as good as the same place
+_TURNS = 0.1  # share of a step by which another must be shorter where a body turns between two places
 
 
 class NotLinear(CaromError, ValueError):
@@ -76,7 +76,7 @@ class _Forces:
     def __init__(self, frames: int) -> None:
         self.total = np.zeros((frames, TRACED_MOMENTS))
         self.at: dict[float, Array] = {}
-        self.moving: list[tuple[int, Array, Array]] = []
+        self.moving: list[tuple[int, Array, _Course]] = []
 
     def add(self, first: int, force: Array, place: Array) -> None:
         """Add a force from a frame on, at one place or at one in each frame."""
@@ -85,7 +85,7 @@ class _Forces:
             whole = self.at.setdefault(float(place[0]), np.zeros_like(self.total))
             whole[first : first + len(force)] += force
         else:
-            self.moving.append((first, force, place))
+            self.moving.append((first, force, self.course(first, place)))
 
     def along(self, table: Array | None) -> Array:
         """Return the force (frames, TRACED_MOMENTS) on a shape: 1, or of a table of its values along the path."""
@@ -94,14 +94,16 @@ class _Forces:
         here = np.zeros_like(self.total)
         for place, force in self.at.items():
             here += force * _along(table, np.array([place]))
-        for first, force, places in self.moving:
-            here[first : first + len(force)] += force * self.shape(table, first, places)[:, None]
+        for first, force, course in self.moving:
+            here[first : first + len(force)] += force * course.shape(table)[:, None]
         return here
 
     @staticmethod
-    def shape(table: Array, first: int, places: Array) -> Array:
-        """Return a shape under a force that moves from a frame on."""
-        return _along(table, places)
+    def course(first: int, places: Array) -> "_Course":
+        """Return the way of a force from a frame on: where it is solved sample by sample it acts where it was put last,
+        else along lines."""
+        stands = np.diff(places, prepend=np.nan, append=np.nan) == 0.0
+        return _course(first, places, LINE, stands[1:] | stands[:-1])
 
 
 class _Fed(_Forces):
@@ -110,7 +112,7 @@ class _Fed(_Forces):
 
     def __init__(self, frames: int) -> None:
         super().__init__(frames)
-        self.samples: list[tuple[Array, Array, Array]] = []
+        self.samples: list[tuple[Array, Array, _Course, _Course]] = []
 
     def add(self, first: int, force: Array, place: Array) -> None:
         """Add a force from a frame on, at one place or at one in each frame."""
@@ -123,13 +125,15 @@ class _Fed(_Forces):
         samples[: (first - 1) // QUANTUM * QUANTUM + REACH + 1] = 0.0  # in the quantum in which it begins
         around = np.pad(samples, (REACH - 1, 0))
         through = [around[REACH + k :][:frames] + (around[REACH - k :][:frames] if k else 0) for k in range(REACH + 1)]
-        self.samples.append((samples[:frames], np.array(through), _everywhere(first, place, frames)))
+        everywhere = _everywhere(first, place, frames)
+        by_line, by_quantum = (_course(0, everywhere, lines) for lines in (LINE, QUANTUM))
+        self.samples.append((samples[:frames], np.array(through), by_line, by_quantum))
 
     @staticmethod
-    def shape(table: Array, first: int, places: Array) -> Array:
-        """Return a shape under a force that moves from a frame on: lines of LINE frames."""
+    def course(first: int, places: Array) -> "_Course":
+        """Return the way of a force from a frame on: along lines."""
         end = first + len(places)
-        return _in_lines(table, _everywhere(first, places, end), LINE)[first:end]
+        return _Course(*(each[first:] for each in _course(0, _everywhere(first, places, end), LINE)))
 
 
 def _everywhere(first: int, places: Array, frames: int) -> Array:
@@ -218,9 +222,9 @@ def _fed(s: complex, forces: _Fed, table: Array | None) -> Array:
     r, theta = np.exp(s.real), s.imag
     taps = np.array([feed_tap.py_func(theta, k) for k in range(REACH + 1)])
     blows, heard = np.zeros(len(forces.total)), np.zeros(len(forces.total))
-    for samples, through, places in forces.samples:
-        blows += samples * (1.0 if table is None else _in_lines(table, places, LINE))
-        heard += taps @ through * (1.0 if table is None else _in_lines(table, places, QUANTUM))
+    for samples, through, by_line, by_quantum in forces.samples:
+        blows += samples * (1.0 if table is None else by_line.shape(table))
+        heard += taps @ through * (1.0 if table is None else by_quantum.shape(table))
     return np.asarray(heard + lfilter([r * np.sin(theta)], [1.0, -2 * r * np.cos(theta), r * r], blows))
 
 
@@ -236,17 +240,46 @@ def _columns(sines: Row) -> tuple[Array, Array, Array]:
     return np.asarray(sines["frequency"]), np.asarray(sines["decay"]), np.array([*sines["gain"]], np.float64).T
 
 
-def _in_lines(table: Array, places: Array, lines: int) -> Array:
-    """Return a shape (frames,) at places, as lines of so many frames each."""
+class _Course(NamedTuple):
+    """The way of a force, (n,) each: the places between which a shape goes as a line, how far on it is, and the place
+    whose rows of the shape's table it keeps."""
+
+    begin: Array
+    end: Array
+    share: Array
+    kept: Array
+
+    def shape(self, table: Array) -> Array:
+        """Return a shape under the force in each frame."""
+        row = _row_of(table, self.kept)
+        here, there = (_along(table, place, row) for place in (self.begin, self.end))
+        return np.asarray(here + self.share * (there - here))
+
+
+def _course(first: int, places: Array, lines: int, stands: Array | None = None) -> _Course:
+    """Return the way of a force along places from a frame on, as lines of so many frames; those of LINE frames keep
+    their rows. stands: in these frames it acts where it is."""
+    stands = np.zeros(len(places), bool) if stands is None else stands
     frame = np.arange(len(places))
-    begin = frame // lines * lines
-    last, end = (np.minimum(begin + n, len(places) - 1) for n in (lines - 1, lines))
-    step = places[last] - places[np.maximum(last - 1, 0)]
-    jumps = np.abs(places[end] - places[last]) > 4.0 * np.abs(step) + _SAME  # as what is steered, between quanta alone
-    ends = np.where(jumps, np.clip(places[last] + step, 0.0, 1.0), places[end])
-    row = _row_of(table, places[begin]) if lines == LINE else None  # these keep their rows, those of a quantum do not
-    here, there = (_along(table, at, row) for at in (places[begin], ends))
-    return np.asarray(here + (frame - begin) / np.maximum(end - begin, 1) * (there - here))
+    line = (first + frame) // lines
+    begins = np.flatnonzero(np.append(True, (line[1:] != line[:-1]) | (stands[1:] != stands[:-1])))
+    ends = np.append(begins[1:], len(places))
+    # A line ends where the next begins, but what is steered goes on elsewhere from quantum to quantum.
+    after = np.minimum(ends, len(places) - 1)
+    goes_on = ((first + ends) % lines == 0) & ((first + ends) % QUANTUM != 0) & (ends == after) & ~stands[after]
+    end = np.where(goes_on, places[after], _after(places, begins, ends))
+    run = np.repeat(np.arange(len(begins)), ends - begins)
+    begin, end = np.where(stands, places, places[begins][run]), end[run]
+    share = np.where(stands, 0.0, (frame - begins[run]) / (ends - begins)[run])
+    return _Course(begin, end, share, begin if lines == LINE else begin + share * (end - begin))
+
+
+def _after(places: Array, begins: Array, ends: Array) -> Array:
+    """Return where a body that moves to and fro between 0 and 1 comes to after each run of places."""
+    last, before, first = (places[np.maximum(ends - n, begins)] for n in (1, 2, 3))
+    step, old = last - before, before - first
+    on = last + np.where(np.abs(step) < (1.0 - _TURNS) * np.abs(old), -old, step)  # else it has just turned
+    return np.asarray(np.where(on > 1.0, 2.0 - on, np.abs(on)))
 
 
 def _row_of(table: Array, place: Array) -> Array:

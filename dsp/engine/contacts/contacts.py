@@ -209,7 +209,9 @@ def _roll_on_coupled(state: State, contact: Contact, changed: bool) -> bool:
     if changed:
         contact.unsettled = 1
     if contact.trait.rolls == 1:
-        contact.rolled, contact.rolls = roll.s, QUANTUM * roll.modulated_speed / state.rate
+        since = roll.t - (state.position - 1 - contact.origin) / state.rate  # the quantum's beginning
+        contact.rolled = roll.s - roll.modulated_speed * since
+        contact.rolls = QUANTUM * roll.modulated_speed / state.rate
     contact.m = roll.m
     contact.ahead = 0
     state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts

@@ -42,7 +42,7 @@ _FINE = LEVELS.index("-80")  # of the accuracies, from which on short steps err 
 _SHARE = 1.0 / 7.0  # of the room for coupled modes, which rolls take at most: they last
 _TURNED = 0.25  # rad^2 of a swing on the contact in a sample, times friction: beyond, that comes too late for it
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
-_PLACED = 16  # frames after which one that feels all modes acts at another place
+_PLACED = 16  # frames after which one that feels all modes, and is in no block, acts at another place
 
 
 @noinline_kernel
@@ -139,15 +139,12 @@ def _mobility_here(state: State, contact: Contact, omega_c: float) -> float:
 @kernel
 def lead_roll(state: State, contact: Contact) -> None:
     """Bring a roll that feels all modes to the coming sample: its path, and where it acts."""
-    if contact.led == 1:
-        contact.led = 0
-        return
-    roll = state.rolls[contact.roll]
-    frame = int(contact.origin + 1.0 + roll.t * state.rate + 0.5) - state.position  # in the quantum
-    begin = contact.fraction if roll.t == 0.0 else 0.0
-    if lead_coupled_roll(roll, contact.coupled, begin):
+    roll, led = state.rolls[contact.roll], contact.led
+    frame = int(contact.origin + 1.0 + roll.t * state.rate + 0.5) - state.position - led  # in the quantum
+    if led == 0 and lead_coupled_roll(roll, contact.coupled, contact.fraction if roll.t == 0.0 else 0.0):
         contact.unsettled = 1
-    if contact.travel > 0.0 and frame % _PLACED == 0:
+    contact.led = 0
+    if contact.travel > 0.0 and (frame % _PLACED == 0 or frame == contact.ahead):
         put(state, state.objects[contact.point[0].slot], contact, position_of(contact, frame))
         contact.unsettled = 1
 

@@ -104,9 +104,9 @@ def test_what_stretches_is_refused_by_name(tmp_path, preset):
         missed(recipe, 0)
 
 
-def followed(folder, *lines, rate=48_000):
-    """Return the row of a clip that follows a score."""
-    (folder / "score.txt").write_text("\n".join(["0 /object/new board wood-board", *lines]))
+def followed(folder, *lines, rate=48_000, preset="wood-board"):
+    """Return the row of a clip that follows a score of an object, o."""
+    (folder / "score.txt").write_text("\n".join([f"0 /object/new o {preset}", *lines]))
     head = f'count = 1\nseconds = 0.1\nrate = {rate}\nsamples = "float"\nformat = "wav"\n'
     path = written(folder, f'{head}[score]\nfile = "score.txt"\n')
     return next(carom.render_many(path))
@@ -114,23 +114,23 @@ def followed(folder, *lines, rate=48_000):
 
 def test_the_level_of_everything_is_in_the_truth(tmp_path):
     """The level goes with an object's own gain, whenever either changes."""
-    for score in (["0 /gain -6"], ["0.01 /gain -6 over 0.03", "0.02 /object/board/gain -3 over 0.05"]):
-        row = followed(tmp_path, *score, "0.005 /object/board/impact 1")
+    for score in (["0 /gain -6"], ["0.01 /gain -6 over 0.03", "0.02 /object/o/gain -3 over 0.05"]):
+        row = followed(tmp_path, *score, "0.005 /object/o/impact 1")
         assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-8 * np.square(row["sound"]).sum()
 
 
 def test_a_panic_is_refused_by_name(tmp_path):
-    row = followed(tmp_path, "0 /object/board/impact 1", "0.05 /panic")
+    row = followed(tmp_path, "0 /object/o/impact 1", "0.05 /panic")
     assert not row["linear"]
-    with pytest.raises(carom.NotLinear, match="board: it is not linear"):
+    with pytest.raises(carom.NotLinear, match="o: it is not linear"):
         carom.rebuild(row)
 
 
 @pytest.mark.parametrize("gesture", ["impact 1", "press 1 striker wood"])
 def test_a_clip_with_an_object_that_is_gone_is_refused(tmp_path, gesture):
     """Later messages forget it, and another may have its name by then: the table cannot tell it."""
-    free = ["0.05 /object/board/free", "0.08 /object/new pane glass-plate"]
-    row = followed(tmp_path, f"0 /object/board/{gesture}", *free)
+    free = ["0.05 /object/o/free", "0.08 /object/new pane glass-plate"]
+    row = followed(tmp_path, f"0 /object/o/{gesture}", *free)
     assert not row["linear"] and [each["name"] for each in row["objects"]] == ["pane"]
     with pytest.raises(carom.NotLinear, match="was freed before the clip's end"):
         carom.rebuild(row)
@@ -143,3 +143,34 @@ def test_a_slide_that_travels_is_rebuilt_when_it_is_put_elsewhere(tmp_path):
     row = followed(tmp_path, *lines, rate=16_000)
     assert row["contacts"][0]["fed"]
     assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
+
+
+@pytest.mark.parametrize(
+    ("rate", "preset", "lines"),
+    [
+        (44_100, "wine-glass", ["0.01 /object/o/slide 0.27 0.76 striker ball-bearing seed 7 travel 0.05"]),
+        (
+            44_100,
+            "wine-glass",
+            [
+                "0.015 /object/o/roll 0.08 0.89 id g striker rubber surface concrete seed 12 travel 0.03",
+                "0.05 /gesture/g/speed 0.18 over 0.024",
+            ],
+        ),
+        (96_000, "pot-lid", ["0.001 /object/o/slide 0.9 0.94 striker glass-marble surface glass seed 65 travel 0.04"]),
+    ],
+    ids=["turns", "steered", "fast"],
+)
+def test_what_travels_is_rebuilt(tmp_path, rate, preset, lines):
+    row = followed(tmp_path, *lines, rate=rate, preset=preset)
+    assert not row["contacts"][0]["fed"]
+    assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
+
+
+def test_a_roll_is_where_its_speed_takes_it_from_its_beginning(tmp_path):
+    """A roll begins amid a quantum, and is put anew every 16 frames at least."""
+    row = followed(tmp_path, "0.0021 /object/o/roll 0.5 0.2 striker glass-marble travel 0.1")
+    contact = row["contacts"][0]
+    place = np.reshape(contact["path"], (len(contact["force"]), -1))[:, 0]
+    expected = 0.2 + 0.5 * np.arange(len(place)) / 48_000 / 0.1
+    assert np.abs(place - expected).max() < 17 * 0.5 / 48_000 / 0.1
