@@ -1,5 +1,6 @@
 """The modes of an object as the engine plays them: labels for its sound."""
 
+from collections.abc import Hashable
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from ..dsp.bodies.modes import Modes
 from ..dsp.engine.bodies.objects import GONE, sigma_of, weigh
 from ..dsp.engine.memory.channels import pan_gains
+from ..dsp.kept import Kept
 from ..dsp.resonator.bank import top_of
 from ..dsp.runtime.plan import planned
 
@@ -89,20 +91,60 @@ def mode_table(
 ) -> ModeTable:
     """Return the table of modes that were laid out at a level (amplitude), heard with gains (channels,), struck at a
     position (0 to 1), for a rate in Hz."""
-    frequencies = modes.frequency * settings.tune
-    top = top_of.py_func(rate)
-    heard = np.flatnonzero((modes.frequency <= top) & (frequencies <= top))
-    sides = _sides(modes, len(gains))
-    shape = _shape_at(modes.along, position)[heard]
-    clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in modes.clicks)
-    still = _relief(modes, settings.tune, level * gains, position, rate)
+    known = _known(modes, level, settings, gains, rate)
+    shape = _shape_at(modes.along, position)[known.heard]
     return ModeTable(
-        frequencies[heard],
-        _decays(modes, settings, rate)[heard],
-        level * (sides[:, heard] * shape).T * gains,
-        clicks,
-        still,
+        known.frequencies.copy(),
+        known.decays.copy(),
+        level * (known.sides * shape).T * gains,
+        known.clicks,
+        _relief_at(known.relief, level * gains, position),
     )
+
+
+class _Known(NamedTuple):
+    """The parts of tables of modes that are the same wherever the object is struck."""
+
+    modes: Modes
+    heard: NDArray[np.int64]
+    frequencies: NDArray[np.float64]
+    decays: NDArray[np.float64]
+    sides: NDArray[np.float64]
+    clicks: tuple[Click, ...]
+    relief: "_Still"
+
+
+class _Still(NamedTuple):
+    """A relief: frequencies, decays, shapes along the strike path on each side, and their shares."""
+
+    frequencies: NDArray[np.float64]
+    decays: NDArray[np.float64]
+    along: NDArray[np.float64]
+    share: NDArray[np.float64]
+
+
+_kept: Kept[Hashable, _Known] = Kept(64, lambda _: 1)
+
+
+def _known(modes: Modes, level: float, settings: Settings, gains: NDArray[np.float64], rate: float) -> _Known:
+    """Return what is the same in all tables of `mode_table` with such arguments."""
+    key = id(modes), level, settings, gains.tobytes(), rate  # what is kept keeps its modes, and so their id
+    known = _kept.get(key)
+    if known is None:
+        frequencies = modes.frequency * settings.tune
+        top = top_of.py_func(rate)
+        heard = np.flatnonzero((modes.frequency <= top) & (frequencies <= top))
+        known = _Known(
+            modes,
+            heard,
+            frequencies[heard],
+            _decays(modes, settings, rate)[heard],
+            _sides(modes, len(gains))[:, heard],
+            tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in modes.clicks),
+            _still(modes, settings.tune, len(gains), rate),
+        )
+        _kept.put(key, known)
+    return known
 
 
 class Places(NamedTuple):
@@ -152,18 +194,23 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
     return np.array([sigma_of.py_func(state, obj, i) for i in range(len(modes.decay))])
 
 
-def _relief(modes: Modes, tune: float, gains: NDArray[np.float64], position: float, rate: float) -> Relief:
-    """Return the relief of modes that are heard with gains (channels,), as the engine has it
+def _still(modes: Modes, tune: float, channels: int, rate: float) -> _Still:
+    """Return the relief of modes that are heard in so many channels, as the engine has it
     (engine/bodies/objects.py)."""
     top = top_of.py_func(rate)
-    plan = planned(modes, top, 0.5 * rate, len(gains) == 2)
+    plan = planned(modes, top, 0.5 * rate, channels == 2)
     found = plan.relief
     frequency = found.frequency * tune
     share = np.minimum(1.0, top / frequency)
-    along = found.shape[:, : plan.rows]
-    each = [_shape_at(shape, position) * np.where(share > GONE, share, 0.0) for shape in along]
-    sized = np.stack(each if len(gains) == 2 else [each[0]] * len(gains), axis=1) * gains
-    return Relief(frequency * share, found.decay * tune * share, sized)
+    along = found.shape[:, : plan.rows] if channels == 2 else found.shape[:1, : plan.rows]
+    return _Still(frequency * share, found.decay * tune * share, along, np.where(share > GONE, share, 0.0))
+
+
+def _relief_at(still: _Still, gains: NDArray[np.float64], position: float) -> Relief:
+    """Return a relief at a position, heard with gains (channels,)."""
+    each = [_shape_at(shape, position) * still.share for shape in still.along]
+    sized = np.stack(each if len(each) == len(gains) else each * len(gains), axis=1) * gains
+    return Relief(still.frequencies.copy(), still.decays.copy(), sized)
 
 
 def _shape_at(strike: NDArray[np.float64], position: float) -> NDArray[np.float64]:

@@ -18,6 +18,7 @@ from ..dsp.engine.memory.commands import COMMAND, Handle, write
 from ..dsp.engine.memory.state import TRACE
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
+from ..dsp.runtime.fresh import Mark
 from ..dsp.schema import GESTURES, SETTINGS
 from ..presets import Presets
 from ..server.bridge.requests import Request, Slide
@@ -110,6 +111,22 @@ class Performer:
         """Carry out messages together at a time (s; None: now). CommandError says what was refused, and why."""
         time = NOW if at is None else self._sample(at, messages[0].address)
         self._answered(self.scene.perform(messages, time))
+
+    def mark(self) -> Mark | None:
+        """Return what `rewind` brings it back to, before anything is computed. None where it can't be: something rests,
+        or there were warnings, or this system does not tell what is written."""
+        if self.warnings or self.scene.running() or any(each.stands for each in self.scene.objects.values()):
+            return None
+        try:
+            return self.engine.mark()
+        except OSError:
+            return None
+
+    def rewind(self, mark: Mark) -> None:
+        """Bring it back to a mark, after gestures that make no objects. OSError: it is of no use any more."""
+        self.engine.rewind(mark)
+        self.scene.rewind()
+        self.warnings, self.off_path, self._striking, self._trace = [], set(), {}, np.empty(0, TRACE)
 
     def _answered(self, replies: Sequence[Message]) -> None:
         """Keep warnings. CommandError says what was refused, and why."""

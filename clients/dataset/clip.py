@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ...dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ...dsp.errors import CaromError
 from ...presets import Presets
+from ...server.new_object import NEW
 from ...server.osc.score import Line, sample_at
-from ...server.render import Options
 from ..actions import CommandError
 from ..contacts import Contact, assemble
 from ..errors import KINDS, is_expected, plain
@@ -21,7 +21,8 @@ from ..performer import TRACED, Performer
 from .design import Item
 from .level import QUANTIZED, quantized, step_of, whole_of
 from .messages import OBJECT, lines_of, number
-from .recipe import SCORE, Recipe
+from .recipe import SCORE, SENSOR, Recipe
+from .scenes import Scene, options_of
 from .truth import AMPLIFIED, PATH, Followed, Truth, about_contacts, about_object, path_of
 
 _PLAIN = ("impact", "spin")
@@ -71,10 +72,12 @@ def row_of(clip: Clip) -> dict[str, Any]:
 
 
 def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
-    options = _options(recipe.rate, recipe.channels)
-    performer = Performer(options, (), presets, stems=False, contacts=True, steers_ended=True, amplified=AMPLIFIED)
-    followed = Followed()
-    pressure, sensed, contacts = _played(recipe, item, performer, followed)
+    lines = lines_of(recipe, item)
+    plain = item.gesture in _PLAIN and SENSOR not in item.values
+    made = [line.message for line in lines if line.message.address == NEW] if plain else []
+    scene, followed = Scene(recipe.rate, recipe.channels, made, presets), Followed()
+    performer = scene.performer
+    pressure, sensed, contacts = _played(recipe, item, performer, followed, lines[len(made) :], not made)
     peak = float(max(pressure.max(), -pressure.min()))
     full_scale = recipe.full_scale or whole_of(peak)
     if not peak <= full_scale:
@@ -97,15 +100,11 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     truth["warnings"] = [*performer.warnings, *_quiet(recipe, full_scale, truth["exposure"])]
     forces = [np.zeros((0, TRACED_MOMENTS)), *(contact.drive.moments for contact in contacts)]
     paths = [np.zeros((0, PATH)), *(path_of(contact.drive) for contact in contacts)]
+    scene.give()
     return Clip(
         quantized(pressure, full_scale, recipe.samples), truth,
         np.concatenate(forces).astype(np.float32), np.concatenate(paths).astype(np.float32), sensed,
     )  # fmt: skip
-
-
-@cache
-def _options(rate: int, channels: int) -> Options:
-    return Options(rate, calibrated=True, channels=channels)
 
 
 def _moves(name: str, position: float | None, contacts: tuple[Contact, ...]) -> bool:
@@ -142,17 +141,17 @@ def _said(item: Item) -> str:
 
 
 def _played(
-    recipe: Recipe, item: Item, performer: Performer, followed: Followed
+    recipe: Recipe, item: Item, performer: Performer, followed: Followed, lines: Sequence[Line], is_new: bool
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], tuple[Contact, ...]]:
-    """Play an item; return its sound (Pa), the signals of its sensors, and its contacts.
+    """Play lines of an item; return its sound (Pa), the signals of its sensors, and its contacts. is_new: the performer
+    was told nothing so far.
 
     CommandError names the line of a score that was refused.
     """
     pieces, traces = [], []
     follows = item.gesture not in _PLAIN
-    lines = lines_of(recipe, item)
-    head = _options(recipe.rate, recipe.channels).head
-    if not lines or lines[0].time > 0.0:
+    head = options_of(recipe.rate, recipe.channels).head if is_new else []
+    if head and (not lines or lines[0].time > 0.0):
         performer.perform(head, None)
         head = []
     longest = QUANTUM if follows else _PIECE

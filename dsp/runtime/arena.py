@@ -21,6 +21,8 @@ class Arena:
         self._taken: dict[int, int] = {}  # first -> size
         self._free = [(0, self.size)]  # first and size, in order, none next to another
         self._left = self.size
+        self.reached = 0
+        """The first so many are all that was ever taken."""
 
     def take(self, size: int) -> int:
         for place, (first, room) in enumerate(self._free):
@@ -28,6 +30,7 @@ class Arena:
                 self._free[place : place + 1] = [(first + size, room - size)] if room > size else []
                 self._taken[first] = size
                 self._left -= size
+                self.reached = max(self.reached, first + size)
                 return first
         raise EngineFull(f"no room for {size} {self.what}: {self._left} of {self.size} are free")
 

@@ -10,7 +10,7 @@ from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
 from ..counters import Stats
-from ..engine.memory.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
+from ..engine.memory.capacity import SHAPE_VALUES, USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.memory.commands import Command, Handle, Kind
 from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
 from ..native.atomics import observe, publish
@@ -18,9 +18,9 @@ from ..native.code import Code, load
 from ..native.system import clock_ns
 from ..resonator.bank import top_of
 from ..schema import FORMS
-from .arena import EngineFull
+from .arena import Arena, EngineFull
 from .entry import MODULE, callback
-from .fresh import fresh_state
+from .fresh import Mark, fresh_state
 from .memory import Memory
 from .meter import Meter
 from .pulses import PulseTables
@@ -75,7 +75,8 @@ class Engine:
     ) -> None:
         check_sizes(channels, modes, objects, sensors)
         load(MODULE)  # before the memory, which may leave no room for code that lies together
-        self.state = fresh_state(rate, channels)
+        shapes = Arena("values of mode shapes", SHAPE_VALUES)
+        self.state = fresh_state(rate, channels, shapes)
         self._record = self.state[0]
         self._record["output"]["delay"] = QUANTUM if limited else 0
         self.ring = Ring(self._record)
@@ -83,10 +84,21 @@ class Engine:
         self._pointer, self._channels = self.state.ctypes.data, channels
         self.sensors = sensors
         self._pace: tuple[int, float, float] | None = None
-        self._memory = Memory(self._record, modes, objects)
+        self._memory = Memory(self._record, modes, objects, shapes)
         self.stems = Stems(self._record)
         self._strikers = Strikers(self._record, self.top_frequency)
         self.pulses = PulseTables(self._record)
+        self._ends_read = 0
+
+    def mark(self) -> Mark:
+        """Return what `rewind` brings it back to, as long as no objects are made between. OSError where this system
+        cannot tell."""
+        return Mark(self.state)
+
+    def rewind(self, mark: Mark) -> None:
+        """Bring it back to a mark that was made before any striker sounded. OSError as `mark`: then it is of no use."""
+        mark.restore()
+        self._strikers = Strikers(self._record, self.top_frequency)
         self._ends_read = 0
 
     @property

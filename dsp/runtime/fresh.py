@@ -5,24 +5,39 @@ import mmap
 import os
 from functools import cache
 from itertools import count
+from typing import Any
 from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..engine.memory.state import STATE, new_state
+from ..engine.memory.state import STATE, TRACE, new_state
 from ..native.pages import written_pages
+from .arena import Arena
 
 _MOST_KEPT = 4  # states that are fresh again
 _MOST_WRITTEN = 2_000_000  # bytes of each: to take more pages anew is hardly dearer than to restore them
 
 _numbers = count()
 _Spans = list[tuple[int, int]]
-_kept: list[tuple[mmap.mmap, _Spans]] = []  # with the pages of each that are its own
+_kept: list[tuple[mmap.mmap, _Spans]] = []  # with the pages of each that are its own, but those of what is filled
 
 
-def fresh_state(rate: float, channels: int) -> NDArray[np.void]:
-    """Return a state as `new_state` makes it, byte for byte.
+def _place(record: str, name: str) -> tuple[int, int]:
+    """Return the bytes of a part of a state's record, from the first up to the second."""
+    kind: Any = STATE
+    whole, begin = kind.fields[record][:2]
+    part, after = whole.fields[name][:2]
+    return begin + after, begin + after + part.itemsize
+
+
+_SHAPES, _TRACED = _place("bank", "shape"), _place("trace", "entries")
+"""Places of what is filled from its beginning on, so that it is known how much of it is written."""
+
+
+def fresh_state(rate: float, channels: int, shapes: Arena) -> NDArray[np.void]:
+    """Return a state as `new_state` makes it, byte for byte. shapes: the places in its table of mode shapes, which is
+    written where some were taken.
 
     To fill one in touches 1.3 MB and takes 1 ms. The first of a process is filled in; the others are maps of a file in
     memory, whose pages are copied where they are written. A map that nobody has any more gets the file's bytes back
@@ -37,7 +52,8 @@ def fresh_state(rate: float, channels: int) -> NDArray[np.void]:
     except IndexError:
         memory, known = mmap.mmap(file, STATE.itemsize, access=mmap.ACCESS_COPY), []
     state: NDArray[np.void] = np.frombuffer(memory, STATE)
-    finalize(state, _keep, memory, state.ctypes.data, known, _faults()).atexit = False  # every view of a state holds it
+    kept = finalize(state, _keep, memory, state.ctypes.data, known, _faults(), shapes)  # every view of a state holds it
+    kept.atexit = False
     state[0]["rate"] = rate
     state[0]["output"]["channels"] = channels
     return state
@@ -51,21 +67,74 @@ def _faults() -> tuple[int, int, int]:
     return os.getpid(), usage.ru_minflt, usage.ru_majflt
 
 
-def _keep(memory: mmap.mmap, first: int, known: _Spans, faults: tuple[int, int, int]) -> None:
+def _keep(memory: mmap.mmap, first: int, known: _Spans, faults: tuple[int, int, int], shapes: Arena) -> None:
     """Restore the state at an address for another engine, unless it was written all over, or the system does not tell
     where. known: the pages that were its own after so many faults."""
     if len(_kept) >= _MOST_KEPT:
         return
     try:
-        written = known if faults == _faults() else written_pages(first, STATE.itemsize)
+        own = known if faults == _faults() else _own(first)
     except OSError:
         return
-    if sum(end - begin for begin, end in written) > _MOST_WRITTEN:
+    filled = first + _SHAPES[0], first + _SHAPES[0] + 4 * shapes.reached
+    if filled[1] - filled[0] > _MOST_WRITTEN:
         return
-    clean = _clean().ctypes.data
-    for begin, end in written:
-        ctypes.memmove(begin, clean + begin - first, end - begin)
-    _kept.append((memory, written))
+    written = [*own, filled, _traced(np.frombuffer(memory, STATE), first)]
+    _clean_up(written, first)
+    _kept.append((memory, own))
+
+
+class Mark:
+    """The contents of a state, which it has again once it is restored. No shapes are laid out between."""
+
+    def __init__(self, state: NDArray[np.void]) -> None:
+        """Mark a state. OSError where the system does not tell which of its pages were written."""
+        if _filled_in() < 0:
+            raise OSError("no state shares its pages with a fresh one")
+        self._state, self._first = state, state.ctypes.data
+        self._own = _own(self._first)
+        self.watch()
+        pages = [page for begin, end in self._own for page in range(begin, end, mmap.PAGESIZE)]
+        held = [(page, ctypes.string_at(page, mmap.PAGESIZE)) for page in pages]
+        clean = _clean().ctypes.data - self._first
+        self._held = [(page, what) for page, what in held if what != ctypes.string_at(clean + page, mmap.PAGESIZE)]
+
+    def watch(self) -> None:
+        """Take notice of pages from here on: the state was left alone since it was marked, or restored."""
+        self._faults = _faults()
+
+    def restore(self) -> None:
+        """Bring back what the state held. OSError as when it was marked; then it holds anything."""
+        if self._faults != _faults():
+            self._own = _own(self._first)
+        _clean_up([*self._own, _traced(self._state, self._first)], self._first)
+        for begin, held in self._held:
+            ctypes.memmove(begin, held, len(held))
+
+
+def _clean_up(spans: _Spans, first: int) -> None:
+    """Give spans of a state at an address the bytes of a fresh one."""
+    clean = _clean().ctypes.data - first
+    for begin, end in spans:
+        ctypes.memmove(begin, clean + begin, end - begin)
+
+
+def _own(first: int) -> _Spans:
+    """Return the spans of a state at an address that are its own, but those of what is filled. OSError if they are too
+    much, or the system does not tell."""
+    spans = written_pages(first, STATE.itemsize)
+    for low, high in ((first + begin, first + end) for begin, end in (_SHAPES, _TRACED)):
+        cut = (part for begin, end in spans for part in ((begin, min(end, low)), (max(begin, high), end)))
+        spans = [(begin, end) for begin, end in cut if begin < end]
+    if sum(end - begin for begin, end in spans) > _MOST_WRITTEN:
+        raise OSError("it was written all over")
+    return spans
+
+
+def _traced(state: NDArray[np.void], first: int) -> tuple[int, int]:
+    """Return the span of a state at an address that holds what was traced."""
+    begin, end = _TRACED
+    return first + begin, first + min(begin + int(state[0]["trace"]["written"][0]) * TRACE.itemsize, end)
 
 
 @cache

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bodies.modes import Modes
-from ..engine.memory.capacity import SHAPE_VALUES
 from ..engine.memory.commands import Handle
 from ..engine.memory.state import BANK
 from ..native.atomics import hold_page
@@ -17,14 +16,14 @@ from .sheets import Sheets
 
 
 class Memory:
-    """The places of objects in a record of STATE: at most so many modes and objects."""
+    """The places of objects in a record of STATE: at most so many modes and objects, and mode shapes in an arena."""
 
-    def __init__(self, record: np.void, modes: int, objects: int) -> None:
+    def __init__(self, record: np.void, modes: int, objects: int, shapes: Arena) -> None:
         self._bank, self._objects = record["bank"], record["objects"]
         self._nyquist = 0.5 * float(record["rate"])
         self._has_sides = record["output"]["channels"] == 2
         self._modes = Arena("modes", modes)
-        self._shapes = Arena("values of mode shapes", SHAPE_VALUES)
+        self._shapes = shapes
         self._sheets = Sheets(record)
         self._leaving: list[Handle] = []
         self._most = objects

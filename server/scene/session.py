@@ -49,6 +49,12 @@ class Session:
         self.on_sent: Callable[[int, list[Sent]], object] = lambda first, sent: None
         """Called with all commands that are sent: the number of the first, and what each stands for."""
 
+    def rewind(self) -> None:
+        """Return to where its objects were just made, as its engine did. None of them rested then."""
+        self.gestures = GestureIds(self.engine)
+        for obj in self.objects.values():
+            obj.warned_of_stand_in = False
+
     def _told_world(self) -> "TellsWorld":
         """Return the simulation that messages tell, which few sessions have."""
         if self._world is None:

@@ -13,7 +13,7 @@ import pytest
 from carom.dsp.engine.memory.capacity import MODES, USUAL_MODES, USUAL_OBJECTS
 from carom.dsp.engine.memory.state import QUANTUM, RING, STATE, Quality, new_state
 from carom.dsp.runtime import fresh
-from carom.dsp.runtime.arena import EngineFull
+from carom.dsp.runtime.arena import Arena, EngineFull
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.fresh import fresh_state
 from carom.dsp.runtime.memory import touch
@@ -116,21 +116,25 @@ def test_counters_are_plain_numbers_of_their_types():
     assert engine.accuracy == "-60" and not engine.quiet()
 
 
+def _fresh(rate=48_000.0, channels=1):
+    return fresh_state(rate, channels, Arena("values", 1))
+
+
 def test_a_state_that_is_a_map_of_another_is_as_fresh_as_a_new_one():
-    fresh_state(48_000.0, 1)  # the first of a process is new itself
-    new, mapped = new_state(44_100.0, 3)[0], fresh_state(44_100.0, 3)[0]
+    _fresh()  # the first of a process is new itself
+    new, mapped = new_state(44_100.0, 3)[0], _fresh(44_100.0, 3)[0]
     for name in (name for name in STATE.names or () if STATE[name].itemsize < 1 << 20):
         assert new[name].tobytes() == mapped[name].tobytes(), name
     for name in ("index", "sound", "voice"):
         np.testing.assert_array_equal(new["contacts"][name], mapped["contacts"][name])
     np.testing.assert_array_equal(new["queue"]["heap"], mapped["queue"]["heap"])
     mapped["position"] = 64
-    assert fresh_state(44_100.0, 3)[0]["position"] == 0
+    assert _fresh(44_100.0, 3)[0]["position"] == 0
 
 
 def test_a_state_that_was_played_is_fresh_for_another_once_nobody_looks_at_it(monkeypatch):
     monkeypatch.setattr(fresh, "_kept", kept := [])
-    fresh_state(48_000.0, 1)  # the first of a process is new itself
+    _fresh()  # the first of a process is new itself
     engine = Engine(RATE)
     engine.trace(True)
     strike(engine, engine.add(bell(), 0.05))
@@ -141,7 +145,7 @@ def test_a_state_that_was_played_is_fresh_for_another_once_nobody_looks_at_it(mo
     del looks
     if not kept:
         pytest.skip("this system does not tell which pages were written")
-    again = fresh_state(RATE, 2)
+    again = _fresh(RATE, 2)
     assert again.ctypes.data == address
     new = new_state(RATE, 2)[0]
     for name in STATE.names or ():
@@ -150,6 +154,7 @@ def test_a_state_that_was_played_is_fresh_for_another_once_nobody_looks_at_it(mo
         assert np.array_equal(was, now), name
     for column in ("frequency", "sigma", "weight", "balance", "shape"):
         assert not again[0]["bank"][column][:4096].any(), column
+    assert not again[0]["trace"]["entries"]["impulse"][:1_000].any()
     del again, now
     engine = Engine(RATE)
     assert engine.pointer == address
@@ -162,22 +167,22 @@ def test_pages_are_looked_for_only_where_there_may_be_others(monkeypatch):
     monkeypatch.setattr(fresh, "_kept", kept := [])
     looks, look = [], fresh.written_pages
     monkeypatch.setattr(fresh, "written_pages", lambda *where: looks.append(where) or look(*where))
-    fresh_state(48_000.0, 1)  # the first of a process is new itself
+    _fresh()  # the first of a process is new itself
     for number in range(25):
-        state = fresh_state(48_000.0, 1)
-        state[0]["bank"]["shape"][4096 * min(number, 5)] = 1.0  # a page of its own
+        state = _fresh()
+        state[0]["bank"]["weight"][512 * min(number, 5)] = 1.0  # a page of its own
         del state
     if not kept:
         pytest.skip("this system does not tell which pages were written")
     assert 6 <= len(looks) < 20
-    assert not fresh_state(48_000.0, 1)[0]["bank"]["shape"][: 4096 * 6].any()
+    assert not _fresh()[0]["bank"]["weight"][: 512 * 6].any()
 
 
 def test_a_state_that_was_written_all_over_is_not_kept(monkeypatch):
     monkeypatch.setattr(fresh, "_kept", kept := [])
-    fresh_state(48_000.0, 1)
-    state = fresh_state(48_000.0, 1)
-    state[0]["bank"]["shape"][:1_000_000] = 1.0
+    _fresh()
+    state = _fresh()
+    state[0]["bank"]["weight"][:1_000_000] = 1.0
     del state
     assert not kept
 
