@@ -167,6 +167,15 @@ def test_what_travels_is_rebuilt(tmp_path, rate, preset, lines):
     assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
 
 
+def test_a_finger_that_goes_round_a_glass_is_rebuilt(tmp_path):
+    """The contact goes along as fast as it slips, and its friction acts where it is."""
+    finger = "0.001 /object/o/slide 0.3 0.9 striker wet-finger surface skin force 2 travel 0.02 seed 3"
+    row = followed(tmp_path, finger, rate=44_100, preset="wine-glass")
+    place = np.reshape(row["contacts"][0]["path"], (len(row["contacts"][0]["force"]), -1))[:, 0]
+    assert place[-1] == pytest.approx(0.9 + 0.3 * 0.099 / 0.02 - 2.0, abs=0.03)  # over 1 and 0
+    assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
+
+
 def test_a_roll_is_where_its_speed_takes_it_from_its_beginning(tmp_path):
     """A roll begins amid a quantum, and is put anew every 16 frames at least."""
     row = followed(tmp_path, "0.0021 /object/o/roll 0.5 0.2 striker glass-marble travel 0.1")
