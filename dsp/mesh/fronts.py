@@ -146,7 +146,8 @@ class Factor:
         diagonal, info = dpotrf(matrix[:own, :own], lower=1, clean=0)
         if info:
             x, y, z = self._elements.middles.mean(axis=0)
-            raise MeshError(f"a part about ({x:.3g}, {y:.3g}, {z:.3g}) m is too thin for its cells: give its wall (m)")
+            place = f"a part about ({x:.3g}, {y:.3g}, {z:.3g}) m"
+            raise MeshError(f"{place} is too thin for its cells: give its wall (m); or it is loose: join it")
         begin, end, rest = part.begin * unknowns, part.end * unknowns, whole.nodes[count:]
         if not len(rest):
             self._fronts.append(Front(begin, end, rest, diagonal, np.zeros((0, own))))

@@ -31,6 +31,7 @@ _RIGID = 6
 _SPARE = 4  # modes beyond those wanted
 _CUT = 0.5  # of the points' spacing: triangles' sides near where parts touch
 _FLOOR = 1e-3  # of the highest frequency: below lie rigid motions of parts that don't touch
+_SLOWEST = 2e-6  # of a wave's frequency along the body: below it is rounding
 _ABOUT = 2  # modes to each side: one that changes little by chance is as far off as they are
 _LEAST_ERROR = 1e-3  # of a frequency: the quadrature's
 _HELD = 0.03  # of the size: a tine that is clamped so much nearer is 6 % too high, or more
@@ -186,9 +187,10 @@ def _made(body: _Body, wanted: Wanted, say: Say, notes: tuple[str, ...], solved:
     """Return the model of a body whose modes are solved so."""
     say("modes", 0.1)
     solution, method, told = solved(wanted.fine)
-    keep = _elastic(solution.frequency, wanted.modes)
+    least = _least(body)
+    keep = _elastic(solution.frequency, wanted.modes, least)
     frequency = solution.frequency[keep]
-    error = _errors(solved, wanted, frequency, say)
+    error = _errors(solved, wanted, frequency, least, say)
     say("radiation", 0.6)
     made = _heard(body.surface, solution, keep, wanted)
     frequency = frequency / np.sqrt(1 + made.mass)
@@ -289,28 +291,36 @@ def _require_few(faces: Indices) -> None:
         raise MeshError(f"{len(faces):,} triangles: expected at most {_MOST_TRIANGLES:,} in a thin wall; simplify it")
 
 
-def _elastic(frequency: Array, count: int) -> Indices:
-    """Return the numbers of the lowest modes that bend the body."""
-    bending = np.flatnonzero(frequency > _FLOOR * frequency[-1])
+def _least(body: _Body) -> float:
+    """Return a frequency (Hz) below which no mode bends a body."""
+    speed = max(math.sqrt(each.youngs_modulus / each.density) for each in body.parts.materials)
+    return _SLOWEST * speed / float(size_of(body.surface).max())
+
+
+def _elastic(frequency: Array, count: int, least: float) -> Indices:
+    """Return the numbers of the lowest modes that bend the body; least (Hz): all others are lower."""
+    bending = np.flatnonzero(frequency > max(_FLOOR * frequency[-1], least))
     if not len(bending):
         raise MeshError("no mode bends the body: expected parts that touch")
     return bending[bending >= _RIGID][:count]
 
 
-def _errors(solved: Solved, wanted: Wanted, frequency: Array, say: Say) -> Array:
-    """Return the errors of frequencies, as a share: by a second resolution if it is wanted, else NaN."""
+def _errors(solved: Solved, wanted: Wanted, frequency: Array, least: float, say: Say) -> Array:
+    """Return the errors of frequencies, as a share: by a second resolution if it is wanted, else NaN. least (Hz): no
+    mode is lower."""
     if not wanted.errors:
         return np.full(len(frequency), np.nan)
     say("modes at a second resolution", 0.35)
     other, _, _ = solved(not wanted.fine)
-    again = other.frequency[_elastic(other.frequency, wanted.modes)][: len(frequency)]
+    keep = _elastic(other.frequency, wanted.modes, least)[: len(frequency)]
+    again = other.frequency[keep]
     found = np.full(len(frequency), np.nan)
     change = np.abs(frequency[: len(again)] / again - 1)
     around = np.pad(change, _ABOUT, mode="edge")
     most = np.lib.stride_tricks.sliding_window_view(around, 2 * _ABOUT + 1).max(axis=1)
     found[: len(again)] = _LEAST_ERROR + (1 if wanted.fine else 2) * most
     if isinstance(other, shells.Solution):
-        found[: len(again)] += other.sheared[_elastic(other.frequency, wanted.modes)][: len(again)]
+        found[: len(again)] += other.sheared[keep]
     return found
 
 

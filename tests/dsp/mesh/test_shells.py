@@ -6,9 +6,10 @@ import pytest
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms, shells
 from carom.dsp.mesh.lanczos import followed
+from carom.dsp.mesh.model import Wanted, model_of
 from carom.dsp.mesh.refining import refined
 from carom.dsp.mesh.rounding import quartered
-from carom.dsp.mesh.surface import Surface
+from carom.dsp.mesh.surface import MeshError, Surface
 
 METAL = Material("metal", 2700.0, 70e9, 0.3, 1.0, 0.0)
 
@@ -138,3 +139,11 @@ def test_shear_is_what_mindlins_plates_lose_by_it():
     assert shells._sheared(np.array([short**2 / wall * speed]), wall, METAL)[0] == pytest.approx(
         short**2 / 24 * 2 / (5 / 6 * (1 - nu))
     )
+
+
+def test_sheets_that_do_not_touch_are_said():
+    """Eight squares move rigidly in 48 ways: of the 20 lowest modes none bends one, and rounding is no tone."""
+    one = square(2, 0.05)
+    apart = forms.together(*(Surface(one.points + np.array([0, 0, 0.02 * k]), one.faces) for k in range(8)))
+    with pytest.raises(MeshError, match="no mode bends the body: expected parts that touch"):
+        model_of(*apart, METAL, Wanted(0.0005, modes=10, points=60))
