@@ -18,6 +18,7 @@ _ROCKS, _STEEPEST = 2.0, 1.0  # times the friction; the greatest share
 _ALIGNED = 0.98  # cosine between two normals of one plane
 _WHOLE, _ALIKE = 0.8, 1.05  # of the bodies' mass; times as fast as they sink, at most
 _SUNK = 0.005  # m/s
+_SINKS = 1e-4  # share of a way's square that lies along the normal, below which the way is as long as its face's
 _BRIEF = 0.01  # s of flight that is no flight
 _LIFTED = 1.1  # times as fast as its last blow left it, at least: no bounce does
 _LONGEST_HOP = 0.15  # s that what slides may be without a contact
@@ -292,8 +293,8 @@ def _is_new(state: State, pair: Pair, n: int, span: float, rate: float) -> bool:
     else:
         pace = 1.0 / passed
         pair.followed += 1
-        pair.swept[0] += math.sqrt(ways[0]) * pace
-        pair.swept[1] += math.sqrt(ways[1]) * pace
+        pair.swept[0] += _over(state, pair.a, on_a, pair.kept[found, 0], state.normal[n], passed) * pace
+        pair.swept[1] += _over(state, pair.b, on_b, pair.kept[found, 1], state.normal[n], passed) * pace
     pair.same[order], pair.was_new[found] = found, 1 if new else 0
     pair.kept_at[found] = time
     for k in range(3):
@@ -335,6 +336,26 @@ def _grows(
         if pair.kept_at[m] == time and pair.was_new[m] == 0:
             grows |= min(_ways(pair, m, on_a, on_b)) < near * near
     return grows
+
+
+@kernel
+def _over(
+    state: State, body: int, here: tuple[float, float, float], there: View[float], normal: View[float], passed: float
+) -> float:
+    """Return how far a point has come over a body (m) in a time (s), but for its way along the normal, as what is soft
+    sinks in; that is the one between both, as the body turns meanwhile."""
+    sunk = square = 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        turned = state.spin[body, i] * normal[j] - state.spin[body, j] * normal[i]
+        middle = normal[k] + 0.5 * passed * turned
+        way = 0.0
+        for m in range(3):
+            way += state.turn[body, 3 * k + m] * (here[m] - there[m])
+        sunk += way * middle
+        square += middle * middle
+    whole, off = _square(here, there), sunk * sunk / square
+    return math.sqrt(max(whole - off, 0.0) if off > _SINKS * whole else whole)
 
 
 @kernel
