@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .dsp.mesh.surface import Surface
+from .server.bridge.blows import Hit
 from .server.bridge.bodies import NoModel, WorldError
 from .server.bridge.mujoco.arrays import ARRAYS
 from .server.bridge.mujoco.layout import memory_layout, mujoco_library
@@ -154,6 +155,8 @@ class Bridge(Closing):
         self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, behind, kept)
         """Tell the World of a step of MuJoCo, to be called after each; return the number of its blows. WorldError for
         what is not finite, or if time has not gone on."""
+        self.hits: list[Hit] = []
+        """The blows that the last `step` or `update` told: of all the steps that a function took."""
 
     @property
     def _now(self) -> float:
@@ -262,6 +265,7 @@ class Bridge(Closing):
         if stepping is None:
             take_step(self._model, self._data)
             return self.update()
+        self.hits = []
         told, time = self.world.simulation.steps, self._data.time
         with listening(self._data, self._take):
             stepping()
@@ -275,14 +279,15 @@ class Bridge(Closing):
             self.restart()
         for _ in range(count):
             step()
-            self.tell()
+            if self.tell():
+                self.hits += self.world.hits
 
     def update(self) -> Blocks:
         """Tell the step, and return the sound since the last update, float32 (frames, channels), Pa.
 
         Call it after each step of MuJoCo. WorldError for what is not finite, or if time has not gone on.
         """
-        self.tell()
+        self.hits = list(self.world.hits) if self.tell() else []
         return self.world.block()
 
     def close(self) -> None:

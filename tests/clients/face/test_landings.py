@@ -57,6 +57,37 @@ def test_a_plank_that_lands_on_one_end_slaps_with_the_other():
     assert len(hits) >= 2 and hits[1].speed > hits[0].speed
 
 
+def test_what_sinks_into_the_soft_neither_slides_nor_rolls():
+    """A ball falls straight on a trampoline, which holds it for 0.1 s: its contact moves along the normal alone."""
+    model = mujoco.MjModel.from_xml_string("""<mujoco><default><geom solref="-800 -2"/></default><worldbody>
+    <geom name="mat" type="box" size=".5 .5 .5" pos="0 0 -.5"/>
+    <body name="ball" pos="0 0 .55"><freejoint/><geom type="sphere" size=".05" mass=".4"/></body>
+    </worldbody></mujoco>""")
+    data = mujoco.MjData(model)
+    bridge = Bridge(model, data, rate=16_000, microphones=[(0, 0, 1)], default="rubber")
+    while data.time < 1.2:
+        bridge.step()
+    assert bridge.world.counts.hits == 2 and bridge.world.counts.gestures == 0
+
+
+def test_the_blows_of_all_steps_that_a_function_takes_are_kept():
+    """The loops of dm_control and robosuite take some steps for each action."""
+    geoms = '<geom type="sphere" size=".02"/>'
+    model = mujoco.MjModel.from_xml_string(SCENE.format(step=0.002, solref=0.02, height=0.07, turn="", geoms=geoms))
+    found = []
+    for substeps in (1, 25):
+        data = mujoco.MjData(model)
+        bridge, hits = Bridge(model, data, rate=16_000, microphones=[(0, 0, 1)]), []
+        for _ in range(150 // substeps):
+            bridge.step(lambda data=data, substeps=substeps: mujoco.mj_step(model, data, substeps))
+            hits += bridge.hits
+        assert len(hits) == bridge.world.counts.hits
+        found.append(hits)
+    assert found[0] and found[0] == found[1]
+    bridge.step()
+    assert bridge.hits == []
+
+
 def test_a_body_of_any_mass_slides():
     with carom.World(microphones=[(0.0, -1.0, 0.5)]) as world:
         world.body("floor", "plate", (2.0, 2.0, 0.02), "wood", held=True)
