@@ -1,11 +1,29 @@
 """The addresses of a score as methods, which a client and a scene share."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
-from typing import Any, SupportsFloat
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ..dsp.errors import CaromError
 from ..server.osc.wire import Message
 from .gesture_methods import Gestures, Value, with_gestures
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .gesture_methods import (
+        ContactKeys,
+        FloorKeys,
+        ListenerKeys,
+        NoteKeys,
+        PlaceKeys,
+        RampKeys,
+        RoomKeys,
+        SensorKeys,
+        SteerKeys,
+    )
 
 
 class CommandError(CaromError, RuntimeError):
@@ -19,7 +37,7 @@ class Actions(Gestures, ABC):
     name, id: of objects and gestures, or an OSC pattern. at: the time (s) at which the sound is heard, on the clock
     that the subclass states; None is as soon as possible. Values that a gesture is not given are the object's preset's.
     keys: those of the OSC address of the same name; where a number changes, `over` says how many seconds that takes.
-    Numbers may be NumPy's, lists may be arrays.
+    Numbers may be NumPy's, fractions or decimals, lists may be arrays.
     """
 
     @abstractmethod
@@ -31,7 +49,7 @@ class Actions(Gestures, ABC):
         self._send([message_of(address, args, keys)], at)
 
     def _send_keyed(
-        self, address: str, value: Value, optional: Value, at: SupportsFloat | None, keys: dict[str, Value]
+        self, address: str, value: Value, optional: Value, at: SupportsFloat | None, keys: Mapping[str, Value]
     ) -> None:
         """Send a message of a value and a position, unless they are None, and of keys."""
         if value is None and optional is not None:
@@ -50,7 +68,7 @@ class Actions(Gestures, ABC):
         velocity: SupportsFloat,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
-        **keys: Value,
+        **keys: Unpack[NoteKeys],
     ) -> None:
         """Strike a copy of an object that is tuned to a note: a MIDI number, or a name such as C#4.
 
@@ -59,15 +77,15 @@ class Actions(Gestures, ABC):
         place = () if position is None else (position,)
         self.send(f"/object/{name}/note", note, velocity, *place, *key_pairs(keys), at=at)
 
-    def damp(self, name: str, amount: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def damp(self, name: str, amount: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Lay a hand on an object: 0 none, 1 the firmest."""
         self.send(f"/object/{name}/damp", amount, at=at, **keys)
 
-    def gain(self, name: str, level: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def gain(self, name: str, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set an object's level (dB)."""
         self.send(f"/object/{name}/gain", level, at=at, **keys)
 
-    def pan(self, name: str, place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def pan(self, name: str, place: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Place an object between left (-1) and right (1).
 
         On a ring of channels it goes from behind (-1) over left, in front (0) and right to behind (1).
@@ -81,15 +99,15 @@ class Actions(Gestures, ABC):
         """
         self.send(f"/object/{name}/gains", *gains, at=at)
 
-    def distance(self, name: str, metres: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def distance(self, name: str, metres: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set how far (m) the listener is from an object: twice as far is half the pressure."""
         self.send(f"/object/{name}/distance", metres, at=at, **keys)
 
-    def tune(self, name: str, semitones: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def tune(self, name: str, semitones: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Move all frequencies of an object by some semitones from the preset's."""
         self.send(f"/object/{name}/tune", semitones, at=at, **keys)
 
-    def decay(self, name: str, ratio: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def decay(self, name: str, ratio: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Multiply all decay times of the preset by a ratio."""
         self.send(f"/object/{name}/decay", ratio, at=at, **keys)
 
@@ -98,8 +116,9 @@ class Actions(Gestures, ABC):
         self.send(f"/object/{name}/free", *([1] if at_once else []), at=at)
 
     def steer(
-        self, id: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None, **values: Value
-    ) -> None:
+        self, id: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None,
+        **values: Unpack[SteerKeys],
+    ) -> None:  # fmt: skip
         """Change the running gestures of an id or pattern, all values together: `steer("ball", speed=0.8, gain=-6)`.
 
         The change takes `over` s, by a `curve`, if these are given. CommandError if no value is.
@@ -113,7 +132,7 @@ class Actions(Gestures, ABC):
         """End the running gestures of an id or pattern."""
         self.send(f"/gesture/{id}/stop", at=at)
 
-    def place(self, name: str, *place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def place(self, name: str, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
         """Put an object into space at x, y, z (m), one by one or as a list, or have it go there.
 
         It is then heard from where `listener` is: by its time, its distance and its direction. keys: over (s), the time
@@ -121,7 +140,7 @@ class Actions(Gestures, ABC):
         """
         self.send(f"/object/{name}/place", *_spread(place), at=at, **keys)
 
-    def listener(self, *place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def listener(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[ListenerKeys]) -> None:
         """Place the listener at x, y, z (m), who looks along x, with y to the left and z up.
 
         keys: yaw, pitch, roll (degrees), over (s), layout ("pan", "binaural" or "ambisonics"), head (m), temperature
@@ -129,14 +148,14 @@ class Actions(Gestures, ABC):
         """
         self.send("/listener", *_spread(place), at=at, **keys)
 
-    def floor(self, z: SupportsFloat | None = None, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def floor(self, z: SupportsFloat | None = None, at: SupportsFloat | None = None, **keys: Unpack[FloorKeys]) -> None:
         """Lay a floor that reflects.
 
         z: its height (m); None: nothing reflects. keys: absorption (0 to 1).
         """
         self.send("/floor", *([] if z is None else [z]), at=at, **keys)
 
-    def room(self, *size: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def room(self, *size: Value, at: SupportsFloat | None = None, **keys: Unpack[RoomKeys]) -> None:
         """Put all into a box of lengths along x, y and z (m): first reflections, and a late part.
 
         keys: x, y, z (m, of its lowest corner), absorption (0 to 1), t60, t60_high (s), late (0: reflections alone).
@@ -145,7 +164,7 @@ class Actions(Gestures, ABC):
 
     def sensor(
         self, sensor: str, object: str, position: SupportsFloat | None = None, at: SupportsFloat | None = None,
-        **keys: Value,
+        **keys: Unpack[SensorKeys],
     ) -> None:  # fmt: skip
         """Mount a sensor on an object: a channel of its own after those of the sound, which no gain changes.
 
@@ -186,7 +205,7 @@ class Actions(Gestures, ABC):
         self.send("/quality", level, at=at)
 
     def contact(
-        self, method: str, oversampling: int | None = None, at: SupportsFloat | None = None, **keys: Value
+        self, method: str, oversampling: int | None = None, at: SupportsFloat | None = None, **keys: Unpack[ContactKeys]
     ) -> None:
         """Choose the solver of contacts from then on: closed (exact, the default), am1, verlet, heun or rk4.
 
@@ -195,7 +214,7 @@ class Actions(Gestures, ABC):
         """
         self._send_keyed("/contact", method, oversampling, at, keys)
 
-    def main_gain(self, level: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def main_gain(self, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set the level of everything (dB)."""
         self.send("/gain", level, at=at, **keys)
 
@@ -221,13 +240,16 @@ def _spread(numbers: tuple[Value, ...]) -> tuple[Value, ...]:
     return numbers
 
 
-def key_pairs(keys: dict[str, Value]) -> list[Value]:
+def key_pairs(keys: Mapping[str, Value]) -> list[Value]:
     """Return keys and their values in turn, as messages hold them."""
     return [part for pair in keys.items() for part in pair]
 
 
 def plain(value: Value) -> Any:
-    """Return a value as Python's own types, lists as tuples; NumPy's scalars and arrays know how to become such."""
+    """Return a value as Python's own types, lists as tuples; NumPy's scalars and arrays know how to become such, and
+    fractions and decimals become floats."""
     if hasattr(value, "tolist"):
         value = value.tolist()
-    return tuple(map(plain, value)) if isinstance(value, list | tuple) else value
+    if isinstance(value, list | tuple):
+        return tuple(map(plain, value))
+    return float(value) if isinstance(value, SupportsFloat) and not isinstance(value, int | float) else value

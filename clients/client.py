@@ -1,16 +1,23 @@
 """A Python client: makes objects on a Carom server and plays them, over OSC."""
 
+from __future__ import annotations
+
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import SupportsFloat
+from typing import TYPE_CHECKING, SupportsFloat
 
 from ..server.closing import Closing
 from ..server.osc import wire
 from .actions import Actions, CommandError, key_pairs, message_of
 from .connection import Connection
 from .gesture_methods import Value
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .gesture_methods import NewKeys
 
 _MAKING = 10.0  # s: a busy machine may take that long over a large object
 
@@ -182,7 +189,7 @@ class Client(Actions, Closing):
         """
         return self.ask("/status")
 
-    def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Unpack[NewKeys]) -> None:
         """Make an object from a preset, and wait until it is there.
 
         Keys change the preset, or are the object's first gain, pan, gains, distance, tune, decay and damp. CommandError

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any, SupportsFloat, TypedDict, TypeVar
 
+from numpy.typing import ArrayLike
 from typing_extensions import Unpack
 
 Value = Any
@@ -201,6 +202,214 @@ class ShatterKeys(Keys, total=False):
     spread: SupportsFloat
     seed: SupportsFloat
     onto: str
+
+class RampKeys(TypedDict, total=False):
+    """Keys of `/object/NAME/gain`."""
+
+    over: SupportsFloat
+    curve: SupportsFloat
+
+class PlaceKeys(TypedDict, total=False):
+    """Keys of `/object/NAME/place`."""
+
+    over: SupportsFloat
+
+class NoteKeys(TypedDict, total=False):
+    """Keys of `/object/NAME/note`."""
+
+    striker: str
+
+class SensorKeys(TypedDict, total=False):
+    """Keys of `/sensor/new`."""
+
+    preset: str
+    quantity: str
+    resonance: SupportsFloat
+    damping: SupportsFloat
+    full: SupportsFloat
+    point: Sequence[SupportsFloat]
+    direction: Sequence[SupportsFloat]
+
+class ListenerKeys(TypedDict, total=False):
+    """Keys of `/listener`."""
+
+    yaw: SupportsFloat
+    pitch: SupportsFloat
+    roll: SupportsFloat
+    over: SupportsFloat
+    layout: str
+    head: SupportsFloat
+    temperature: SupportsFloat
+    humidity: SupportsFloat
+    air: SupportsFloat
+
+class FloorKeys(TypedDict, total=False):
+    """Keys of `/floor`."""
+
+    absorption: SupportsFloat
+
+class RoomKeys(TypedDict, total=False):
+    """Keys of `/room`."""
+
+    x: SupportsFloat
+    y: SupportsFloat
+    z: SupportsFloat
+    absorption: SupportsFloat
+    t60: SupportsFloat
+    t60_high: SupportsFloat
+    late: SupportsFloat
+
+class ContactKeys(TypedDict, total=False):
+    """Keys of `/contact`."""
+
+    correction: str
+
+class PairKeys(TypedDict, total=False):
+    """Keys of `/world/pair`."""
+
+    surface: str
+    support: str
+    patch: SupportsFloat
+    roughness: SupportsFloat
+    static: SupportsFloat
+    dynamic: SupportsFloat
+    stribeck: SupportsFloat
+    tangential: SupportsFloat
+    along: SupportsFloat
+    restitution: SupportsFloat
+
+class ObjectKeys(TypedDict, total=False):
+    """Keys of objects and bodies, and of presets of all shapes."""
+
+    striker: str
+    velocity: SupportsFloat
+    position: SupportsFloat
+    rest: str
+    length: SupportsFloat
+    width: SupportsFloat
+    thickness: SupportsFloat
+    undercut: SupportsFloat
+    undercut_span: SupportsFloat
+    across: SupportsFloat
+    tilt: SupportsFloat
+    diameter: SupportsFloat
+    wall: SupportsFloat
+    split: SupportsFloat
+    imperfection: SupportsFloat
+    ends: str
+    board: str
+    tube_diameter: SupportsFloat
+    tube_length: SupportsFloat
+    tube_gap: SupportsFloat
+    tube_detuning: SupportsFloat
+    fan: SupportsFloat
+    fan_depth: SupportsFloat
+    cords: SupportsFloat
+    alpha: SupportsFloat
+    beta: SupportsFloat
+    loss_factor: SupportsFloat
+    loss_exponent: SupportsFloat
+    losses: str
+    tension: SupportsFloat
+    fundamental: SupportsFloat
+    linear_density: SupportsFloat
+    inharmonicity: SupportsFloat
+    wires: SupportsFloat
+    mistuning: SupportsFloat
+    edges: str | ArrayLike
+    path_from: str | ArrayLike
+    path_to: str | ArrayLike
+    baffle: str
+    radius: SupportsFloat
+    dome: SupportsFloat
+    nonlinear_modes: SupportsFloat
+    edge: str
+    felt: SupportsFloat
+    stand: SupportsFloat
+    split_seed: SupportsFloat
+    height: SupportsFloat
+    rows: SupportsFloat
+    frequency: str | ArrayLike
+    t60: str | ArrayLike
+    modal_mass: str | ArrayLike
+    mass: SupportsFloat
+    weight: str | ArrayLike
+    positions: str | ArrayLike
+    gains: ArrayLike
+    order: str | ArrayLike
+    level: SupportsFloat
+    stereo_width: SupportsFloat
+    most_modes: SupportsFloat
+    glide: SupportsFloat
+    gain: SupportsFloat
+    pan: SupportsFloat
+    distance: SupportsFloat
+    tune: SupportsFloat
+    decay: SupportsFloat
+    damp: SupportsFloat
+    note: str | SupportsFloat
+    pitch: SupportsFloat
+
+class NewKeys(ObjectKeys, total=False):
+    """Keys of objects."""
+
+    size: SupportsFloat
+    material: str
+
+class BodyKeys(ObjectKeys, total=False):
+    """Keys of bodies."""
+
+    density: SupportsFloat
+    held: SupportsFloat
+    rings: SupportsFloat
+    object: str
+    inertia: ArrayLike
+    surface: bool
+
+class SteerKeys(TypedDict, total=False):
+    """What a gesture may be steered by."""
+
+    position: SupportsFloat
+    gain: SupportsFloat
+    x: SupportsFloat
+    y: SupportsFloat
+    z: SupportsFloat
+    gravity: SupportsFloat
+    irregularity: SupportsFloat
+    speed: SupportsFloat
+    mass: SupportsFloat
+    radius: SupportsFloat
+    roughness: SupportsFloat
+    asymmetry: SupportsFloat
+    friction: SupportsFloat
+    force: SupportsFloat
+    flat: SupportsFloat
+    sweep: SupportsFloat
+    patch: SupportsFloat
+    static: SupportsFloat
+    dynamic: SupportsFloat
+    stribeck: SupportsFloat
+    tangential: SupportsFloat
+    along: SupportsFloat
+    load: SupportsFloat
+    by_x: SupportsFloat
+    by_y: SupportsFloat
+    by_z: SupportsFloat
+    by_position: SupportsFloat
+    rate: SupportsFloat
+    size: SupportsFloat
+    evenness: SupportsFloat
+    excitation: SupportsFloat
+    memory: SupportsFloat
+    variety: SupportsFloat
+    density: SupportsFloat
+    energy: SupportsFloat
+    steepness: SupportsFloat
+    decades: SupportsFloat
+    height: SupportsFloat
+    crackles: SupportsFloat
+    point: Sequence[SupportsFloat]
+    by_point: Sequence[SupportsFloat]
 
 class Gestures:
     """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
@@ -477,33 +686,33 @@ class ObjectMethods:
         velocity: SupportsFloat,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
-        **keys: Value,
+        **keys: Unpack[NoteKeys],
     ) -> None:
         """Strike a copy of an object that is tuned to a note: a MIDI number, or a name such as C#4."""
 
-    def damp(self, amount: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def damp(self, amount: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Lay a hand on an object: 0 none, 1 the firmest."""
 
-    def gain(self, level: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def gain(self, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set an object's level (dB)."""
 
-    def pan(self, place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def pan(self, place: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Place an object between left (-1) and right (1)."""
 
     def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
         """Place an object by a factor for each channel, one by one or as a list."""
 
-    def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set how far (m) the listener is from an object: twice as far is half the pressure."""
 
-    def tune(self, semitones: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def tune(self, semitones: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Move all frequencies of an object by some semitones from the preset's."""
 
-    def decay(self, ratio: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def decay(self, ratio: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Multiply all decay times of the preset by a ratio."""
 
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove an object once it is silent, or at once, with a short fade; its name is free."""
 
-    def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+    def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
         """Put an object into space at x, y, z (m), one by one or as a list, or have it go there."""

@@ -11,7 +11,7 @@ from numbers import Real
 from operator import attrgetter, itemgetter
 from os import PathLike
 from pathlib import Path
-from typing import Any, NoReturn, SupportsIndex
+from typing import TYPE_CHECKING, Any, NoReturn, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._capture import Capture
 from ._grains import Grained
 from ._listening import Listening, ride
-from .clients.actions import CommandError
+from .clients.actions import CommandError, plain
 from .clients.client import Client
 from .clients.commands.progress import shown_mesh
 from .clients.performer import Folders, Performer, chosen
@@ -41,6 +41,11 @@ from .server.closing import Closing
 from .server.osc.score import format_line
 from .server.osc.wire import Message
 from .sound import Sound
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .clients.gesture_methods import BodyKeys, PairKeys, SensorKeys
 
 Blocks = NDArray[np.float32]
 
@@ -181,14 +186,9 @@ class World(Grained, Closing):
         return self.simulation.counts
 
     def body(
-        self,
-        name: str,
-        shape: str,
-        size: ArrayLike,
-        material: str,
-        pose: Pose | None = None,
-        **about: Any,
-    ) -> int:
+        self, name: str, shape: str, size: ArrayLike, material: str, pose: Pose | None = None,
+        **about: Unpack[BodyKeys],
+    ) -> int:  # fmt: skip
         """Add a body before it touches anything; return its number.
 
         shape and size (m): box or plate (three edges), sphere (radius), cylinder (radius, length), capsule (radius,
@@ -203,12 +203,13 @@ class World(Grained, Closing):
         faces. Further keys are those of `/object/new`, such as most_modes,
         damping or gain. WorldError for a name that is taken, or a value that cannot be.
         """
+        given: dict[str, Any] = {key: plain(value) for key, value in about.items()}
         try:
-            requests = self.simulation.add(name, shape, size, material, pose, **about)
+            requests = self.simulation.add(name, shape, size, material, pose, **given)
         except WorldError as error:
-            for key in about:
+            for key, value in given.items():
                 if key not in ABOUT and (found := near(key, ABOUT)) and f"{key} = " in str(error):
-                    raise WorldError(f"body {name}: {key} = {about[key]}: did you mean {found[0]}?") from None
+                    raise WorldError(f"body {name}: {key} = {value}: did you mean {found[0]}?") from None
             raise
         try:
             self._send(requests)
@@ -229,7 +230,7 @@ class World(Grained, Closing):
             self.simulation.has_template(surface, command, least)
             self._surfaces += 1
 
-    def pair(self, a: str, b: str, **keys: Any) -> None:
+    def pair(self, a: str, b: str, **keys: Unpack[PairKeys]) -> None:
         """Set how the contact of two bodies differs from that of their materials.
 
         keys: surface (a preset), support (felt, foam, finger or palm: whose contact law they have in blows and at
@@ -237,7 +238,8 @@ class World(Grained, Closing):
         (N/m), along (0 to 1: how far modes move along the slip). WorldError for a body that is not there, or a value
         out of range.
         """
-        self.simulation.pair(a, b, **keys)
+        given: dict[str, Any] = {key: plain(value) for key, value in keys.items()}
+        self.simulation.pair(a, b, **given)
 
     def sensor(
         self,
@@ -246,7 +248,7 @@ class World(Grained, Closing):
         position: float | None = None,
         *,
         place: Sequence[float] | None = None,
-        **keys: Any,
+        **keys: Unpack[SensorKeys],
     ) -> None:
         """Mount a sensor on a body: a contact microphone or an accelerometer.
 
@@ -267,10 +269,11 @@ class World(Grained, Closing):
         if place is not None:
             nearest = self.simulation.position_of(number, place, f"sensor {name}")
             where = ("point", *map(float, place)) if its.surfaced else (nearest,)
+        given: dict[str, Any] = {**keys}
         vectors: list[Any] = [
-            part for key, each in keys.items() if np.ndim(each) == 1 for part in (key, *map(float, each))
+            part for key, each in given.items() if np.ndim(each) == 1 for part in (key, *map(float, each))
         ]
-        pairs = vectors + [part for pair in keys.items() if np.ndim(pair[1]) == 0 for part in pair]
+        pairs = vectors + [part for pair in given.items() if np.ndim(pair[1]) == 0 for part in pair]
         try:
             self._send([Said(self.time, Message("/sensor/new", (name, body, *where, *pairs)))])
         except CommandError as error:

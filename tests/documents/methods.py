@@ -1,9 +1,10 @@
-"""The methods of gestures and objects, as editors and mypy read them: `clients/gesture_methods.pyi`."""
+"""The methods of gestures and objects, and the keys of all methods, as editors and mypy read them:
+`clients/gesture_methods.pyi`."""
 
 import ast
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from textwrap import wrap
 
@@ -11,8 +12,10 @@ from carom.clients import actions
 from carom.clients.actions import Actions
 from carom.clients.gesture_methods import Gestures, ObjectMethods
 from carom.dsp.schema import GESTURES, Gesture, Parameter
+from carom.presets.schema import OBJECT, REST, SHAPES, SIZED, STRIKE
+from carom.presets.values import Choice, Domain, Made, Many, Row, Rows, Text
 from carom.server.osc.addresses import VERBS
-from carom.server.osc.arguments import Key, Vector
+from carom.server.osc.arguments import Key, Note, Numbers, Vector
 
 STUB = Path(__file__).parents[2] / "clients" / "gesture_methods.pyi"
 
@@ -22,6 +25,7 @@ _HEAD = '''\
 from collections.abc import Callable, Sequence
 from typing import Any, SupportsFloat, TypedDict, TypeVar
 
+from numpy.typing import ArrayLike
 from typing_extensions import Unpack
 
 Value = Any
@@ -31,18 +35,48 @@ _Class = TypeVar("_Class", bound=type)
 def with_gestures(cls: _Class) -> _Class: ...
 def with_methods_of(scene: type) -> Callable[[_Class], _Class]: ...
 '''
+_VERBS = {
+    "Ramp": "/object/NAME/gain",
+    "Place": "/object/NAME/place",
+    "Note": "/object/NAME/note",
+    "Sensor": "/sensor/new",
+    "Listener": "/listener",
+    "Floor": "/floor",
+    "Room": "/room",
+    "Contact": "/contact",
+    "Pair": "/world/pair",
+}
+"""An address for each set of keys of other methods."""
+_LIST = "Sequence[SupportsFloat]"
+_TYPED = "TypedDict, total=False"
+_OF_ALL = ("material", "level", "stereo_width", "most_modes", "glide")  # keys of objects of any shape
+_APART = ("material", "size")  # keys of objects that are arguments of World.body
+_BODY = {"inertia": "ArrayLike", "surface": "bool"}  # what a World is told of a body, and not by a message
 _GIVEN = "position: SupportsFloat | None = None, at: SupportsFloat | None = None"
 
 
 def stub() -> str:
     """Return the text of the stub."""
     keys = {name: VERBS[f"/object/NAME/{name}"].keys for name in GESTURES}
-    shared = [key for key in keys["impact"] if all(key.name in {each.name for each in own} for own in keys.values())]
-    names = {key.name for key in shared}
-    parts = [_HEAD, _record("Keys", "TypedDict, total=False", "Keys of all gestures.", shared)]
+    common = [key for key in keys["impact"] if all(key.name in {each.name for each in own} for own in keys.values())]
+    names = {key.name for key in common}
+    parts = [_HEAD, _record("Keys", _TYPED, "Keys of all gestures.", common)]
     for name, own in keys.items():
         more = [key for key in own if key.name not in names]
         parts.append(_record(f"{name.title()}Keys", "Keys, total=False", f"Keys of {name}.", more))
+    for name, address in _VERBS.items():
+        parts.append(_record(f"{name}Keys", _TYPED, f"Keys of `{address}`.", VERBS[address].keys))
+    objects = {**_of_presets(), **_kinds(VERBS["/object/new"].keys)}
+    bodies = {**_kinds(VERBS["/world/body"].keys), **_BODY}
+    own = {key: kind for key, kind in objects.items() if key in _APART}
+    shared = {key: kind for key, kind in objects.items() if key not in _APART}
+    parts.append(_fields("ObjectKeys", _TYPED, "Keys of objects and bodies, and of presets of all shapes.", shared))
+    parts.append(_fields("NewKeys", "ObjectKeys, total=False", "Keys of objects.", own))
+    more = {key: kind for key, kind in bodies.items() if key not in shared}
+    parts.append(_fields("BodyKeys", "ObjectKeys, total=False", "Keys of bodies.", more))
+    steered = {address.rpartition("/")[2]: verb.required for address, verb in VERBS.items() if "/ID/" in address}
+    kinds = {name: _LIST if len(values) > 1 else "SupportsFloat" for name, values in steered.items() if values}
+    parts.append(_fields("SteerKeys", _TYPED, "What a gesture may be steered by.", kinds))
     gestures = GESTURES.values()
     parts.append(_class(Gestures, (_method(each, "name: str, ") for each in gestures)))
     parts.append(_class(ObjectMethods, [*(_method(each, "") for each in gestures), *_on_objects()]))
@@ -51,15 +85,45 @@ def stub() -> str:
 
 
 def _record(name: str, bases: str, doc: str, keys: Iterable[Key]) -> str:
-    fields = (f"    {key.name}: {_kind(key)}\n" for key in keys)
+    return _fields(name, bases, doc, _kinds(keys))
+
+
+def _fields(name: str, bases: str, doc: str, kinds: Mapping[str, str]) -> str:
+    fields = (f"    {key}: {kind}\n" for key, kind in kinds.items())
     return f'class {name}({bases}):\n    """{doc}"""\n\n' + "".join(fields)
 
 
+def _kinds(keys: Iterable[Key]) -> dict[str, str]:
+    """Return the types of keys' values."""
+    return {key.name: _kind(key) for key in keys}
+
+
 def _kind(key: Key) -> str:
-    """Return the type of a key's values."""
     if isinstance(key, Vector):
-        return "Sequence[SupportsFloat]"
+        return _LIST
+    if isinstance(key, Numbers):
+        return "ArrayLike"
+    if isinstance(key, Note):
+        return "str | SupportsFloat"
     return "SupportsFloat" if isinstance(key, Parameter) else "str"
+
+
+def _of_presets() -> dict[str, str]:
+    """Return the types of what may change in a preset of any shape."""
+    fields: dict[str, Domain] = {**STRIKE, **SIZED, "rest": REST["support"]}
+    for shape in SHAPES.values():
+        fields |= {**shape.fields, **shape.damping}
+    fields |= {name: OBJECT[name] for name in _OF_ALL}
+    return {name: _of_domain(domain) for name, domain in fields.items() if not isinstance(domain, Made)}
+
+
+def _of_domain(domain: Domain) -> str:
+    """Return the type of a preset's values. A list may be a text, too."""
+    if isinstance(domain, Text | Choice):
+        return "str"
+    if isinstance(domain, Row | Many | Rows):
+        return "str | ArrayLike"
+    return "SupportsFloat"
 
 
 def _class(cls: type, methods: Iterable[str]) -> str:

@@ -30,6 +30,16 @@ reveal_type(carom.Client)
 carom.Scene(rate="fast")
 bar.impact(1.0, strikr="yarn")
 bar.roll(speed=0.3, friction=np.float64(0.2), travel="far")
+scene.new("pane", "glass-plate", thicknes=0.002)
+scene.new("bowl", "ceramic-bowl", densty=3)
+bar.damp(0.5, ovr=0.1)
+scene.room(3, 3, 3, absorbtion=0.3)
+scene.steer("ball", speeed=0.3)
+bar.sensor("tip", presett="mems")
+with carom.World() as world:
+    world.body("ball", "sphere", 0.02, "steel", densty=3)
+    world.pair("ball", "ball", surfce="wood")
+carom.Client().new("pane", "glass-plate", densty=3)
 carom.render_mny
 reveal_type(carom.mujoco.Bridge)
 """
@@ -79,9 +89,13 @@ def test_user_code_type_checks_against_the_wheel(tmp_path):
     env = os.environ | {"MYPYPATH": "site"}
     checked = subprocess.run(mypy, cwd=tmp_path, env=env, capture_output=True, text=True)
     lines = [line for line in checked.stdout.splitlines() if " defined in " not in line]
-    assert len(lines) == 7, checked.stdout
+    unknown = ("thicknes", "densty", "ovr", "absorbtion", "speeed", "presett", "densty", "surfce", "densty")
+    assert len(lines) == 7 + len(unknown), checked.stdout
     assert 'Revealed type is "def (host: str' in lines[0] and lines[0].endswith('-> carom.clients.client.Client"')
     assert 'Argument "rate" to "Scene" has incompatible type "str"; expected "int"' in lines[1]
     assert 'Unexpected keyword argument "strikr"' in lines[2] and 'did you mean "striker"?' in lines[2]
     assert 'Argument "travel"' in lines[3] and 'expected "SupportsFloat"' in lines[3]
-    assert 'has no attribute "render_mny"' in lines[4] and lines[5].endswith('-> carom.mujoco.Bridge"')
+    for line, key in zip(lines[4:], unknown, strict=False):
+        assert f'Unexpected keyword argument "{key}"' in line
+    assert 'did you mean "thickness"?' in lines[4] and 'did you mean "density"?' in lines[10]
+    assert 'has no attribute "render_mny"' in lines[13] and lines[14].endswith('-> carom.mujoco.Bridge"')
