@@ -48,6 +48,10 @@ class NoPreset(PresetError):
     def __str__(self) -> str:
         return f"{self.text}: {self.expected}"
 
+    def __reduce__(self) -> tuple[type[PresetError], tuple[str]]:
+        """Go to other processes as its text."""
+        return PresetError, (str(self),)
+
 
 def check(where: str, table: Mapping[str, object], fields: Fields, required: Sequence[str]) -> dict[str, Any]:
     """Check the table's values, and return them as they are used. PresetError names a key that is wrong, unknown or

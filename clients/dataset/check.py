@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ...dsp.schema import GESTURES
+from ...dsp.wording import expected, near
 from ...presets import PresetError, Presets
-from ...presets.schema import check
+from ...presets.schema import NO_REST, check
+from ...presets.supports import SUPPORTS
 from ...presets.values import shown
 from ...server.new_object import changed
 from ...server.osc import sensor_verbs
@@ -36,6 +38,7 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
             continue
         kind = _kind(section)
         if kind and kind not in table:
+            _require_near(where, section, table, kind)
             raise PresetError(f"{where}{kind} is missing: expected {_wanted(section)}")
         for key, value in table.items():
             if section in GESTURES and key in _MADE:
@@ -49,6 +52,14 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
             except (Refused, PresetError) as error:
                 of = str(values.get("preset", ""))
                 raise PresetError(f"{where}{error}{f' (preset {of})' if of not in str(error) else ''}") from None
+
+
+def _require_near(where: str, section: str, table: Mapping[str, Value | Spread], kind: str) -> None:
+    """Raise PresetError where a key that is none stands for the one that is missing."""
+    known = OWN[section].keys() | (VERBS[f"/object/NAME/{section}"].named.keys() if section in GESTURES else ())
+    for key in table.keys() - known:
+        if near(key, (kind,)):
+            raise PresetError(f"{where}{key} = {shown(table[key])}: did you mean {kind}?")
 
 
 def _kind(section: str) -> str:
@@ -98,6 +109,9 @@ def _try(section: str, values: Mapping[str, Value], presets: Presets, has_by: bo
         return
     message = gesture_message(section, values, 0, has_by)
     VERBS[f"/object/NAME/{section}"].parse(message.args)
+    grounds = (*SUPPORTS, NO_REST, *OBJECTS[1 : 1 + has_by])
+    if GESTURES[section].what and values["what"] not in grounds:
+        raise Refused(f"what = {shown(values['what'])}: {expected(values['what'], grounds)}")
     for key, find in NAMED.items():
         if key in values:
             find(presets, str(values[key]))

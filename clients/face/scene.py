@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from threading import Lock
-from typing import NoReturn, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, NoReturn, SupportsFloat, SupportsIndex
 
 from ._capture import Capture
 from ._documented import documented
@@ -16,10 +16,16 @@ from .clients.modes import ModeTable, Settings, gains_of, mode_table
 from .clients.performer import Folders, Performer, Placed
 from .dsp.schema import SETTINGS
 from .server.closing import Closing
+from .server.files.whole import RenderError
 from .server.osc.score import LONGEST_SCORE
 from .server.osc.wire import Argument, Message
 from .server.render import Options
 from .sound import Sound
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .clients.gesture_methods import NewKeys, SensorKeys
 
 
 @documented
@@ -47,7 +53,7 @@ class Scene(Actions, Closing):
     Any number of scenes may be at work, each in one thread at a time.
 
     CommandError: a message was refused, and changed nothing. Where `steer` sets several values, the error names all
-    that were refused; the others count. ValueError: an option or a length that cannot be.
+    that were refused; the others count. RenderError: an option or a length that cannot be.
     """
 
     def __init__(
@@ -118,16 +124,16 @@ class Scene(Actions, Closing):
     def render(self, seconds: SupportsFloat | None = None, *, frames: SupportsIndex | None = None) -> Sound:
         """Render the sound of the next seconds, or frames, from the end of the last one on.
 
-        Return a Sound: samples float32 (frames, channels). ValueError unless one of the two is given, and is at least a
-        frame.
+        Return a Sound: samples float32 (frames, channels). RenderError unless one of the two is given, and is at least
+        a frame.
         """
         if (seconds is None) == (frames is None):
-            raise ValueError(f"seconds = {seconds}, frames = {frames}: expected one of the two")
+            raise RenderError(f"seconds = {seconds}, frames = {frames}: expected one of the two")
         most = LONGEST_SCORE * self.rate
         if frames is None and not 0.5 < _number(seconds) * self.rate <= most:
-            raise ValueError(f"seconds = {seconds}: expected at least a frame, and at most {LONGEST_SCORE}")
+            raise RenderError(f"seconds = {seconds}: expected at least a frame, and at most {LONGEST_SCORE}")
         if frames is not None and not (1 <= _number(frames) <= most and _number(frames).is_integer()):
-            raise ValueError(f"frames = {frames}: expected a whole number from 1 to {most}")
+            raise RenderError(f"frames = {frames}: expected a whole number from 1 to {most}")
         with self._alone("render") as performer:
             capture = Capture(performer, self._frames)
             if performer.engine.position == 0:
@@ -153,7 +159,7 @@ class Scene(Actions, Closing):
             raise CommandError(f"{value!r}: expected an object of this scene")
         return value.name
 
-    def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> Object:
+    def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Unpack[NewKeys]) -> Object:
         """Make an object from a preset.
 
         name: of the object. Keys change the preset (length, material, ...), or are the object's first gain (dB), pan,
@@ -191,11 +197,11 @@ class Object(ObjectMethods):
         """Return the modes that a strike at a position 0 to 1 (None: the preset's) excites: frequencies, decays, gains.
 
         They are as the object is tuned, damped and placed at the time to which its scene is computed; before the object
-        is there, and after its scene is closed, as it was made. ValueError for a position beyond 0 to 1.
+        is there, and after its scene is closed, as it was made. RenderError for a position beyond 0 to 1.
         """
         place = self._placed.position if position is None else _number(position)
         if not 0.0 <= place <= 1.0:
-            raise ValueError(f"position = {position}: expected 0 to 1")
+            raise RenderError(f"position = {position}: expected 0 to 1")
         performer = self.scene._performer
         settings, gains = self._first_settings, gains_of(self._first_settings, self.scene.channels)
         if performer and (heard := performer.heard(self._placed)):
@@ -203,8 +209,9 @@ class Object(ObjectMethods):
         return mode_table(self._placed.modes, self._placed.level, settings, gains, place, self.scene.rate)
 
     def sensor(
-        self, name: str, position: SupportsFloat | None = None, at: SupportsFloat | None = None, **keys: Value
-    ) -> None:
+        self, name: str, position: SupportsFloat | None = None, at: SupportsFloat | None = None,
+        **keys: Unpack[SensorKeys],
+    ) -> None:  # fmt: skip
         """Mount a sensor on it, as the scene's `sensor` does."""
         self.scene.sensor(name, self.name, position, at, **keys)
 
@@ -217,7 +224,7 @@ def _number(value: object) -> float:
     return float(value)
 
 
-def _settings(keys: dict[str, Value]) -> Settings:
+def _settings(keys: Mapping[str, Value]) -> Settings:
     """Return the keys that an object was made with."""
     return Settings(
         **{name: each.in_engine(float(keys.get(name, each.default or 0.0))) for name, each in SETTINGS.items()}

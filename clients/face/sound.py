@@ -6,9 +6,10 @@ import math
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from operator import index
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from .clients.contacts import Contact
 from .dsp.numerics.resampling import resampled
 from .report import Report
+from .server.files.whole import RenderError, writing
 from .server.render import HIGHEST_RATE, LOWEST_RATE
 from .server.scene.scale import USUAL_SCALE, Scale
 
@@ -85,10 +87,10 @@ class Sound:
     def pressure(self) -> NDArray[np.float32]:
         """The sound pressure in Pa, float32 (frames, channels).
 
-        ValueError unless the sound is calibrated.
+        RenderError unless the sound is calibrated.
         """
         if not self.calibrated:
-            raise ValueError("pressure: its levels are those of presets; expected a sound made with calibrated=True")
+            raise RenderError("pressure: its levels are those of presets; expected a sound made with calibrated=True")
         return self.samples
 
     @property
@@ -130,28 +132,29 @@ class Sound:
         )
         return replace(cut, start=start, contacts=kept)
 
-    def resample(self, rate: int) -> "Sound":
+    def resample(self, rate: SupportsIndex) -> "Sound":
         """Return it at another rate (Hz), by a polyphase filter; without its contacts, which count frames.
 
-        ValueError for a rate that cannot be.
+        RenderError for a rate that cannot be.
         """
-        if not isinstance(rate, int) or not LOWEST_RATE <= rate <= HIGHEST_RATE:
-            raise ValueError(f"rate = {rate!r}: expected a whole number from {LOWEST_RATE} to {HIGHEST_RATE} Hz")
-        shared = math.gcd(rate, self.rate)
-        up, down = rate // shared, self.rate // shared
+        whole = index(rate) if hasattr(rate, "__index__") else 0
+        if not LOWEST_RATE <= whole <= HIGHEST_RATE:
+            raise RenderError(f"rate = {rate!r}: expected a whole number from {LOWEST_RATE} to {HIGHEST_RATE} Hz")
+        shared = math.gcd(whole, self.rate)
+        up, down = whole // shared, self.rate // shared
         made = self._other(lambda samples: resampled(samples.astype(np.float64), up, down).astype(np.float32))
-        return replace(made, rate=rate, contacts=None)
+        return replace(made, rate=whole, contacts=None)
 
     def __add__(self, other: "Sound") -> "Sound":
         """Return both together, from their beginnings on; the shorter one ends in silence.
 
-        ValueError where rates, channels or scales differ.
+        RenderError where rates, channels or scales differ.
         """
         if not isinstance(other, Sound):
             return NotImplemented
         mine, its = ((each.rate, each.shape[1], each.scale) for each in (self, other))
         if mine != its:
-            raise ValueError(f"{self!r} + {other!r}: expected sounds of one rate, as many channels, and one scale")
+            raise RenderError(f"{self!r} + {other!r}: expected sounds of one rate, as many channels, and one scale")
         total = np.zeros((max(len(self), len(other)), self.shape[1]), np.float32)
         total[: len(self)] += self.samples
         total[: len(other)] += other.samples
@@ -177,8 +180,6 @@ class Sound:
         samples beyond full scale are clipped to it. A calibrated sound is in pascals, and is only written as "float".
         RenderError where that cannot be; OSError where the file cannot be written.
         """
-        from .server.files.whole import RenderError, writing
-
         if self.calibrated and format not in (None, "float"):
             raise RenderError(f"format = {format}: expected float, as calibrated samples are pascals")
         if self.sensors and (format not in (None, "float") or Path(path).suffix.lower() != ".wav"):

@@ -2,6 +2,7 @@
 
 import pickle
 import threading
+from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
@@ -33,7 +34,7 @@ def test_sounds_add_up(sound):
     both = sound + sound[:100]
     np.testing.assert_array_equal(both.samples[:100], 2 * sound.samples[:100])
     np.testing.assert_array_equal(both.samples[100:], sound.samples[100:])
-    with pytest.raises(ValueError, match="expected sounds of one rate"):
+    with pytest.raises(carom.CaromError, match="expected sounds of one rate"):
         sound + sound.mono
 
 
@@ -44,8 +45,10 @@ def test_mono_is_the_mean_and_resampled_is_the_same_tone(sound):
     spectra = [np.abs(np.fft.rfft(each.mono.samples[:, 0], each.rate)) for each in (sound, other)]
     assert spectra[0][:8_000].argmax() == spectra[1][:8_000].argmax()
     assert spectra[1].max() / 44_100 == pytest.approx(spectra[0].max() / 48_000, rel=0.01)
-    with pytest.raises(ValueError, match="rate = 0: expected a whole number from 8000"):
-        sound.resample(0)
+    np.testing.assert_array_equal(sound.resample(np.int64(44_100)).samples, other.samples)
+    for bad in (0, 16_000.0):
+        with pytest.raises(carom.CaromError, match=f"rate = {bad}: expected a whole number from 8000"):
+            sound.resample(bad)
 
 
 def test_things_say_what_they_are(sound):
@@ -92,3 +95,36 @@ def test_errors_have_one_base_and_dir_is_public():
     errors = [getattr(carom, name) for name in carom.__all__ if name.endswith("Error")]
     assert len(errors) > 5 and all(issubclass(each, carom.CaromError) for each in errors)
     assert {name for name in dir(carom) if not name.startswith("__")} == {*carom.__all__} - {"__version__"}
+
+
+def test_fractions_and_decimals_are_numbers_as_others_are():
+    heard = []
+    for kind in (float, Fraction, Decimal):
+        with carom.Scene() as scene:
+            bar = scene.new("bar", "marimba-bar", length=kind("0.25"), gains=[kind("0.5"), kind("1")])
+            bar.impact(kind("0.5"), position=kind("0.375"), at=kind("0.125"), mass=kind("0.0625"))
+            scene.gain("bar", kind("-3"), over=kind("0.5"))
+            heard.append(scene.render(kind("0.5")).samples)
+    for each in heard[1:]:
+        np.testing.assert_array_equal(each, heard[0])
+    made = [carom.World() for _ in range(2)]
+    for world, kind in zip(made, (float, Fraction), strict=True):
+        world.body("ball", "sphere", kind("0.25"), "steel", mass=kind("0.5"), inertia=[kind("0.5")] * 3)
+    assert made[0].simulation.bodies[0].mass == made[1].simulation.bodies[0].mass == 0.5
+
+
+def test_errors_are_of_one_class_and_go_to_other_processes():
+    with carom.Scene() as scene:
+        bar = scene.new("bar", "marimba-bar")
+        for wrong in (
+            lambda: scene.render(-1),
+            lambda: scene.render(frames=0.5),
+            lambda: scene.render(),
+            lambda: bar.modes(2),
+            lambda: scene.render(0.1).pressure,
+            lambda: carom.Presets().object("marimba-baa"),
+        ):
+            with pytest.raises(carom.CaromError) as caught:
+                wrong()
+            assert isinstance(caught.value, ValueError)
+            assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
