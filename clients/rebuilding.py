@@ -28,7 +28,6 @@ Row = Mapping[str, Any]
 
 _PATH = 3 + TRACED_MOMENTS  # columns of a path: place, gain, place of friction and its moments
 _ROWS = 4  # of shapes, between which a cubic goes
-_TURNS = 0.1  # share of a step by which another must be shorter where a body turns between two places
 
 
 class NotLinear(CaromError, ValueError):
@@ -85,7 +84,8 @@ class _Forces:
             whole = self.at.setdefault(float(place[0]), np.zeros_like(self.total))
             whole[first : first + len(force)] += force
         else:
-            self.moving.append((first, force, self.course(first, place)))
+            course = _course(_everywhere(first, place, first + len(place)), LINE)
+            self.moving.append((first, force, _Course(*(each[first:] for each in course))))
 
     def along(self, table: Array | None) -> Array:
         """Return the force (frames, TRACED_MOMENTS) on a shape: 1, or of a table of its values along the path."""
@@ -97,13 +97,6 @@ class _Forces:
         for first, force, course in self.moving:
             here[first : first + len(force)] += force * course.shape(table)[:, None]
         return here
-
-    @staticmethod
-    def course(first: int, places: Array) -> "_Course":
-        """Return the way of a force from a frame on: where it is solved sample by sample it acts where it was put last,
-        else along lines."""
-        stands = np.diff(places, prepend=np.nan, append=np.nan) == 0.0
-        return _course(first, places, LINE, stands[1:] | stands[:-1])
 
 
 class _Fed(_Forces):
@@ -126,21 +119,16 @@ class _Fed(_Forces):
         around = np.pad(samples, (REACH - 1, 0))
         through = [around[REACH + k :][:frames] + (around[REACH - k :][:frames] if k else 0) for k in range(REACH + 1)]
         everywhere = _everywhere(first, place, frames)
-        by_line, by_quantum = (_course(0, everywhere, lines) for lines in (LINE, QUANTUM))
+        by_line, by_quantum = (_course(everywhere, lines) for lines in (LINE, QUANTUM))
         self.samples.append((samples[:frames], np.array(through), by_line, by_quantum))
-
-    @staticmethod
-    def course(first: int, places: Array) -> "_Course":
-        """Return the way of a force from a frame on: along lines."""
-        end = first + len(places)
-        return _Course(*(each[first:] for each in _course(0, _everywhere(first, places, end), LINE)))
 
 
 def _everywhere(first: int, places: Array, frames: int) -> Array:
     """Return places in all frames, of those from a frame on: before, they move as they begin to."""
     since = np.arange(frames) - first
     begun = places[np.clip(since, 0, len(places) - 1)]
-    return np.asarray(np.clip(begun + np.minimum(since, 0) * float(np.diff(places[:2]).sum()), 0.0, 1.0))
+    step = float(places[1] - places[0]) if len(places) > 1 and (first + 1) % LINE else 0.0
+    return np.asarray(np.clip(begun + np.minimum(since, 0) * step, 0.0, 1.0))
 
 
 def _lines(ends: Any, frames: int) -> Array:
@@ -256,30 +244,15 @@ class _Course(NamedTuple):
         return np.asarray(here + self.share * (there - here))
 
 
-def _course(first: int, places: Array, lines: int, stands: Array | None = None) -> _Course:
-    """Return the way of a force along places from a frame on, as lines of so many frames; those of LINE frames keep
-    their rows. stands: in these frames it acts where it is."""
-    stands = np.zeros(len(places), bool) if stands is None else stands
+def _course(places: Array, lines: int) -> _Course:
+    """Return the way of a force along places, as lines of so many frames; those of LINE frames keep their rows."""
     frame = np.arange(len(places))
-    line = (first + frame) // lines
-    begins = np.flatnonzero(np.append(True, (line[1:] != line[:-1]) | (stands[1:] != stands[:-1])))
-    ends = np.append(begins[1:], len(places))
-    # A line ends where the next begins, but what is steered goes on elsewhere from quantum to quantum.
-    after = np.minimum(ends, len(places) - 1)
-    goes_on = ((first + ends) % lines == 0) & ((first + ends) % QUANTUM != 0) & (ends == after) & ~stands[after]
-    end = np.where(goes_on, places[after], _after(places, begins, ends))
-    run = np.repeat(np.arange(len(begins)), ends - begins)
-    begin, end = np.where(stands, places, places[begins][run]), end[run]
-    share = np.where(stands, 0.0, (frame - begins[run]) / (ends - begins)[run])
+    begins = frame // lines * lines
+    last = np.minimum(begins + lines, len(places)) - 1
+    begin = places[begins]
+    end = places[last] + (places[last] - places[np.maximum(last - 1, begins)])  # what is steered goes on elsewhere
+    share = (frame - begins) / (last + 1 - begins)
     return _Course(begin, end, share, begin if lines == LINE else begin + share * (end - begin))
-
-
-def _after(places: Array, begins: Array, ends: Array) -> Array:
-    """Return where a body that moves to and fro between 0 and 1 comes to after each run of places."""
-    last, before, first = (places[np.maximum(ends - n, begins)] for n in (1, 2, 3))
-    step, old = last - before, before - first
-    on = last + np.where(np.abs(step) < (1.0 - _TURNS) * np.abs(old), -old, step)  # else it has just turned
-    return np.asarray(np.where(on > 1.0, 2.0 - on, np.abs(on)))
 
 
 def _row_of(table: Array, place: Array) -> Array:

@@ -9,9 +9,11 @@ from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
 from ...resonator.rows import Row, at_time, course, filters_of, lay_rows
-from ..bodies.objects import modes_of, point_of
+from ..bodies.objects import modes_of, point_of, shapes_of, weigh
+from ..bodies.surface import put
 from ..memory.records import Contact, ContactPoint
-from ..memory.state import State
+from ..memory.state import QUANTUM, State
+from .coupled_rolls import position_of
 
 
 def _rows_of(parts: int) -> list[Row]:
@@ -33,6 +35,8 @@ def _tilted(begin: float, end: float) -> Row:
 _ROWS = [[course(1, 0.0, 1.0), at_time(1.0)], *(_rows_of(parts) for parts in range(1, MOST_PARTS + 1))]
 _OF_LINE, _OF_ONE, _OF_TWO, _OF_THREE = (filters_of(rows) for rows in _ROWS)
 _LINE, _ONE, _TWO, _THREE = (tuple(range(len(rows))) for rows in _ROWS)
+
+_TURNED = 1e-6  # share of its way by which a body falls short that has turned
 
 BENT = -1
 """Number in the place of a moment for a force that lasts."""
@@ -63,6 +67,53 @@ def lay_motion(parts: int, samples: int, modes: Modes, point: Point, room: View[
 def lay_point(state: State, parts: int, samples: int, modes: Modes, where: Point) -> float:
     """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
     return lay_motion(parts, samples, modes, where, state.scratch.room, state.scratch.rows)
+
+
+@noinline_kernel
+def lay_moving(state: State, contact: Contact, parts: int, samples: int, modes: Modes, frame: int) -> float:
+    """Do what `lay_point` does for a body that moves over its object, from a frame on: its shapes go as a line from
+    there to where it is furthest in the quantum. It moves with the modes, and not as it passes their shapes."""
+    scratch, point, obj = state.scratch, contact.point[0], state.objects[contact.point[0].slot]
+    begin, end = position_of(contact, frame), _furthest(contact, frame)
+    put(state, obj, contact, begin)
+    place = lay_motion(parts, samples, modes, point_of(state, obj, point), scratch.room, scratch.rows)
+    weigh(scratch.drift, end * (obj.rows - 1) - point.row)
+    for i in range(4):
+        scratch.drift[i] -= point.weights[i]
+    for i in range(AHEAD * rows_for(parts)):
+        scratch.moving[i] = 0.0
+    drift = Point(shapes_of(state, obj), obj.size, point.row, scratch.drift)
+    moved = lay_motion(parts, samples, modes, drift, scratch.room, scratch.moving)
+    ends = (rows_for(parts) - 1) * AHEAD
+    old, old_moved, total = place, moved, place
+    for n in range(samples):
+        share = (position_of(contact, frame + n) - begin) / (end - begin) if end != begin else 0.0
+        last, last_moved = scratch.rows[ends + n], scratch.moving[ends + n]
+        for r in range(rows_for(parts)):
+            i = r * AHEAD + n
+            if _is_rate(r, parts):
+                scratch.rows[i] += share * scratch.moving[i]
+            else:
+                scratch.rows[i] += total - old + share * (scratch.moving[i] - old_moved)
+        total, old, old_moved = scratch.rows[ends + n], last, last_moved
+    return place
+
+
+@kernel
+def _furthest(contact: Contact, frame: int) -> float:
+    """Return the position in a quantum, from a frame on, that is furthest from where a body is then: it turns at the
+    ends."""
+    begin, end = position_of(contact, frame), position_of(contact, QUANTUM)
+    way = contact.rolls * (1.0 - frame / QUANTUM) / contact.travel
+    if abs(end - begin) > (1.0 - _TURNED) * way:
+        return end
+    return 1.0 if position_of(contact, frame + 1) > begin else 0.0
+
+
+@kernel
+def _is_rate(row: int, parts: int) -> bool:
+    """True for a row that is no displacement (block_records.py)."""
+    return 2 * parts <= row < 3 * parts or 4 * parts - 1 <= row < 5 * parts - 2
 
 
 @kernel

@@ -4,8 +4,8 @@ where nothing else acts on the object, or on those that share contacts with it.
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
 decided for each quantum anew: while a contact of another kind acts, or too many do, and where a contact is too stiff
 for the parts of a sample, they go on sample by sample (contact_groups.py). So does a sample that they don't follow;
-then another block begins. A body that moves over its object feels the modes at one place in each block; its
-force moves on meanwhile.
+then another block begins. A body that moves over its object feels the modes where it comes to; what its force does to
+the samples after it is known for one place in each block.
 
 Friction follows the normal force and the modes sample by sample (slides.py). So a block under it is solved a sample at
 a time, just before: later samples of all its contacts feel friction as they feel their own forces.
@@ -32,7 +32,7 @@ from ..bodies.surface import put
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
-from .block_motion import BENT, clear_rows, lay_answers, lay_point
+from .block_motion import BENT, clear_rows, lay_answers, lay_moving, lay_point
 from .contact_force import find_transfer, observe_points
 from .contact_list import take_place, take_room_again
 from .coupled_rolls import position_of
@@ -262,8 +262,8 @@ def _has_place(state: State, contact: Contact) -> bool:
 
 @kernel
 def _look(state: State, net: Net) -> int:
-    """Return the parts of a sample that follow all contacts; 0 if none do. A body that moves over its object feels the
-    modes where it is amid the quantum."""
+    """Return the parts of a sample that follow all contacts; 0 if none do. A body that moves over its object is put
+    where it is amid the quantum: its force is answered as there."""
     level = state.choices.accuracy
     least: int = PARTS[level]
     parts = 1
@@ -308,7 +308,10 @@ def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
         if point.slot >= 0:
             obj = state.objects[point.slot]
             modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
-            place += scale * lay_point(state, block.parts, samples, modes, where)
+            if side == 0 and contact.travel > 0.0 and point.on_surface == 0:
+                place += scale * lay_moving(state, contact, block.parts, samples, modes, frame)
+            else:
+                place += scale * lay_point(state, block.parts, samples, modes, where)
     take_rows(block, state.scratch.rows, scale)
     rolls = contact.trait.along == 1
     begin_block(block, contact.coupled, place, rolls)

@@ -25,6 +25,7 @@ from ..memory.records import Contact, ContactPoint
 from ..memory.state import COUPLING, SAMPLING, Object, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
+from .coupled_rolls import put_on_line
 from .solver_choice import choose_solver, soften_pulse, tolerance_of
 from .trace import trace_blow, trace_snap, trace_touches
 
@@ -176,6 +177,8 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
     lasts = True
     if contact.solver == COUPLING:
         contact.solved = 0
+        if contact.travel > 0.0:  # friction has put it amid the quantum, or the rows of its ringing elsewhere
+            put_on_line(state, contact, frame, scratch.drift)
         for n in range(FINE):
             scratch.fine[n] = contact.moments[n]
         trace_touches(state, contact, sample)

@@ -22,9 +22,11 @@ from ...contact.accuracy import LEVELS, PARTS
 from ...contact.block import renew_block
 from ...contact.block_parts import parts_along
 from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View
+from ...resonator.fed import LINE
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
-from ..bodies.objects import is_felt, shape_at
+from ..bodies.objects import is_felt, shape_at, weigh
 from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
 from ..memory.records import SLID, Contact
@@ -42,7 +44,7 @@ _FINE = LEVELS.index("-80")  # of the accuracies, from which on short steps err 
 _SHARE = 1.0 / 7.0  # of the room for coupled modes, which rolls take at most: they last
 _TURNED = 0.25  # rad^2 of a swing on the contact in a sample, times friction: beyond, that comes too late for it
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
-_PLACED = 16  # frames after which one that feels all modes, and is in no block, acts at another place
+_SETTLED = 16  # frames after which it is told anew how the object answers there
 
 
 @noinline_kernel
@@ -144,16 +146,43 @@ def lead_roll(state: State, contact: Contact) -> None:
     if led == 0 and lead_coupled_roll(roll, contact.coupled, contact.fraction if roll.t == 0.0 else 0.0):
         contact.unsettled = 1
     contact.led = 0
-    if contact.travel > 0.0 and (frame % _PLACED == 0 or frame == contact.ahead):
-        put(state, state.objects[contact.point[0].slot], contact, position_of(contact, frame))
-        contact.unsettled = 1
+    if contact.travel > 0.0:
+        put_on_line(state, contact, frame, state.scratch.drift)
+        if frame % _SETTLED == 0 or frame == contact.ahead:
+            contact.unsettled = 1
+
+
+@kernel
+def put_on_line(state: State, contact: Contact, frame: int, drift: View[float]) -> None:
+    """Put what rolls or slides where it is at a frame: shapes under what travels go as lines for LINE frames. `drift`
+    gets what its weights change by in a frame."""
+    obj, point = state.objects[contact.point[0].slot], contact.point[0]
+    begin = frame // LINE * LINE
+    put(state, obj, contact, position_of(contact, begin))
+    for i in range(4):
+        drift[i] = 0.0
+    if contact.travel > 0.0 and point.on_surface == 0:
+        weigh(drift, position_of(contact, begin + LINE) * (obj.rows - 1) - point.row)
+        for i in range(4):
+            drift[i] = (drift[i] - point.weights[i]) / LINE
+            point.weights[i] += (frame - begin) * drift[i]
+
+
+@kernel
+def line_position_of(contact: Contact, frame: int) -> float:
+    """Return the position of what rolls or slides, as a line for LINE frames."""
+    begin = frame // LINE * LINE
+    here = position_of(contact, begin)
+    return here + (frame - begin) / LINE * (position_of(contact, begin + LINE) - here)
 
 
 @kernel
 def position_of(contact: Contact, frame: float) -> float:
-    """Return the position of a rolling or sliding body on the object's strike path, along which it goes to and fro."""
+    """Return the position of a rolling or sliding body on the object's strike path, along which it goes to and fro: of
+    one that feels the modes amid the sample that begins at the frame."""
     position = contact.now.position
     if contact.travel > 0.0:
-        position += (contact.rolls * (frame / QUANTUM) + contact.rolled) / contact.travel
+        since = frame + 0.5 if contact.solver == COUPLING else frame
+        position += (contact.rolls * (since / QUANTUM) + contact.rolled) / contact.travel
     position -= 2.0 * math.floor(0.5 * position)
     return min(position, 2.0 - position)

@@ -13,13 +13,13 @@ from ...resonator.fed import LINE, feed_through, lay_blows, ring_fed, sample_for
 from ...resonator.simd import LANES, STRETCH
 from ...resonator.sizes import REACH
 from ...rolling.body import fill_roll
-from ..bodies.objects import modes_of, shapes_of, weigh
+from ..bodies.objects import modes_of, shapes_of
 from ..bodies.sensing import push_sensed
 from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending, wind_up
 from ..bodies.surface import put
 from ..memory.records import Contact, Through
 from ..memory.state import BEHIND, LEAD, QUANTUM, Object, State
-from .coupled_rolls import position_of
+from .coupled_rolls import put_on_line
 
 
 @noinline_kernel
@@ -97,7 +97,7 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
     frame = start
     while frame < stop:
         end = min(stop, frame - frame % LINE + LINE) if moves else stop
-        count, driven = _drivers(state, obj, frame, end)
+        count, driven = _drivers(state, obj, frame)
         if obj.sensors > 0:
             _push_sensed(state, obj, count, driven, frame)
         if count == 0:  # swarms between their blows, presses that have ended
@@ -222,9 +222,9 @@ def _ring_driven(
 
 
 @kernel
-def _drivers(state: State, obj: Object, frame: int, end: int) -> tuple[int, int]:
-    """List the rolls on an object as they are at a frame, and how they move until another, in `drivers`: how many, and
-    how many modes they drive."""
+def _drivers(state: State, obj: Object, frame: int) -> tuple[int, int]:
+    """List the rolls on an object as they are at a frame, and how they move, in `drivers`: how many, and how many modes
+    they drive."""
     count = driven = 0
     entry = obj.rolls_head
     while entry >= 0:
@@ -233,7 +233,7 @@ def _drivers(state: State, obj: Object, frame: int, end: int) -> tuple[int, int]
         if contact.trait.swarms > 0:
             count = _list_swarm(state, obj, contact, count)
         elif contact.roll >= 0:  # else it was a press that has ended in this quantum
-            _drive(state, obj, state.scratch.drivers[count], contact, entry % 2, frame, end)
+            _drive(state, state.scratch.drivers[count], contact, entry % 2, frame)
             count += 1
         driven = point.modes
         entry = point.next_roll
@@ -258,24 +258,19 @@ def _list_swarm(state: State, obj: Object, contact: Contact, count: int) -> int:
 
 
 @kernel
-def _drive(
-    state: State, obj: Object, driver: Driver, contact: Contact, side: int, frame: int, end: int
-) -> None:  # fmt: skip
-    """Tell where a roll acts on an object at a frame, and how that changes until another."""
+def _drive(state: State, driver: Driver, contact: Contact, side: int, frame: int) -> None:
+    """Tell where a roll acts on an object at a frame, and how that changes from frame to frame."""
     point = contact.point[side]
     driver.feed = contact.roll
     for i in range(4):
         driver.drift[i] = 0.0
     if side == 0 and contact.trait.along == 1:  # what rests or presses is where it was put
-        put(state, obj, contact, position_of(contact, frame))
-        if contact.travel > 0.0 and end > frame and point.on_surface == 0:
-            weigh(driver.drift, position_of(contact, end) * (obj.rows - 1) - point.row)
-            for i in range(4):
-                driver.drift[i] = contact.now.gain * (driver.drift[i] - point.weights[i]) / (end - frame)
+        put_on_line(state, contact, frame, driver.drift)
     driver.row = point.row
     gain = contact.now.gain if contact.ahead == 0 else 1.0  # else its moments hold it
     for i in range(4):
         driver.weights[i] = gain * point.weights[i]
+        driver.drift[i] *= gain
 
 
 @kernel
@@ -292,7 +287,7 @@ def add_through(state: State, obj: Object, voice: View2D[float]) -> None:
             continue
         moves = entry % 2 == 0 and contact.travel > 0.0
         for end in range(2 if moves else 1):
-            _drive(state, obj, driver, contact, entry % 2, end * QUANTUM, end * QUANTUM)
+            _drive(state, driver, contact, entry % 2, end * QUANTUM)
             _know_through(state, obj, point.modes, driver.row, through)
             _weigh_taps(driver, through, taps[end])
         _hear(taps[0], taps[1 if moves else 0], state.samples[contact.roll], voice)

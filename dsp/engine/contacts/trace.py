@@ -8,7 +8,7 @@ from ..bodies.strikers import share_of_blow
 from ..memory.records import Contact, Slide
 from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
 from ..memory.striker_state import Voice
-from .coupled_rolls import position_of
+from .coupled_rolls import line_position_of
 
 
 @kernel
@@ -66,7 +66,7 @@ def trace_roll(state: State, contact: Contact, feed: View2D[float], frames: tupl
     if state.trace.on == 0:
         return
     for n in range(frames[0], frames[1]):
-        entry = _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), 1.0, feed[n])
+        entry = _trace_moving(state, contact, state.position + n - 1, line_position_of(contact, n), 1.0, feed[n])
         if entry >= 0:
             state.trace.entries[entry].fed = fed
             _publish(state)

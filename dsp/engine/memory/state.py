@@ -245,6 +245,8 @@ class Scratch(Record):
     observed: Annotated[View[float], FINE]
     net: Net  # rolls that are solved in blocks together
     rows: Annotated[View[float], AHEAD * ROWS]  # of a point's motion over a quantum
+    moving: Annotated[View[float], AHEAD * ROWS]  # of what that changes by as the point moves on
+    drift: Annotated[View[float], 4]  # of a point's weights
     room: Annotated[View[float], ROOM_FOR_ROWS]  # to lay them out
     receptance: Annotated[View[float], FINE]
     drivers: Annotated[View[Driver], DRIVEN]  # of the rolls and swarms on one object, at one time
