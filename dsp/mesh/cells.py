@@ -32,13 +32,13 @@ _FAR = 1e-10  # of the stiffness: of nodes that hardly move a cell's part of the
 _LEAST_FILLED = 1e-3  # of a cell
 _THIN = 0.3  # of a cell's side: sheets are thinner
 _BENT = 0.01  # of a cell's volume, with normals over 45 degrees from the first direction: where sheets meet
-_LEFT = 0.4  # share of the stiffness along a sheet's normal that stays, over (thickness/side of a cell)^2
+_LEFT = 3.0  # share of the stiffness along a sheet's normal that stays, over (thickness/side of a cell)^3: as it bends
 _AGREED = 0.02  # of the volume, by triangles and by rays: within that the triangles' counts
 _SHIFT = 0.02  # of a wave's frequency along the body
 _AT_ONCE = 256  # points of a cell
 _SIZES = 14  # halvings
 _SAMPLES = 30_000
-_SHARES, _FINE_SHARES = (0.6,), (0.8, 0.6, 0.45, 0.3)  # of cells that are all alike: large ones, before they are halved
+_SHARES, _FINE_SHARES = (0.8, 0.6), (0.8, 0.6, 0.45, 0.3)  # of cells that are all alike: before they are halved
 _MORE = 2.4  # times as many cells as if all were alike, those of a second grid among them
 _HALVINGS = 3
 _RESOLVED = 0.2  # of the smallest cells' sides: the body is thicker
@@ -372,7 +372,7 @@ def _of_piece(own: Points, mesh: Mesh, number: int, material: Material, yielding
     stiffness, mass = _of_cell(places, own.weights, side, mesh.degree, material)
     thickness = float(np.median(own.through)) / side
     if yielding and thickness < _THIN and _is_bent(own.weights, own.normals):
-        share = 1 - _LEFT * thickness**2
+        share = 1 - _LEFT * thickness**3
         stiffness -= share * _held_across(own._replace(places=places), side, mesh.degree, material)
     return stiffness, mass
 
