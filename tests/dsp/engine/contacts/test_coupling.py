@@ -117,7 +117,7 @@ def test_heavy_and_light_strikers_against_dop853(name, striker, v_in):
 def test_a_coin_rattles_on_a_tin_lid():
     """Dozens of touches in milliseconds are chaos, of which the first are like DOP853's; energy is what can be said."""
     engine = Engine(RATE)
-    preset = PRESETS.object("tin-lid")
+    preset = PRESETS.changed("tin-lid", [("split_seed", 0)])  # pairs lie alike, else there is one touch
     modes = preset.modes(engine.top_frequency)
     handle = engine.add(modes, 0.05)
     law = PRESETS.striker("coin").contact(preset.material)
