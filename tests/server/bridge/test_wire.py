@@ -121,8 +121,8 @@ def test_what_is_put_off_for_a_table_of_pulses_is_told_once():
 
 
 def test_what_cannot_be_of_a_step_leaves_the_rest_of_it():
-    """Hammers at next to no speed, whose blows would last for seconds, are silent beside rice, and slower ones refused by
-    themselves: all later steps were refused."""
+    """Hammers at next to no speed, whose blows would last for seconds, are silent beside rice, and slower ones are
+    refused by themselves: all later steps were refused."""
     session = Session(SoundEngine(48_000), Presets())
 
     def say(text):
