@@ -241,7 +241,9 @@ class _Course(NamedTuple):
         """Return a shape under the force in each frame."""
         row = _row_of(table, self.kept)
         here, there = (_along(table, place, row) for place in (self.begin, self.end))
-        return np.asarray(here + self.share * (there - here))
+        far = np.abs(self.end - self.begin) * (len(table) - 1) > 1.0  # beyond the rows that a line keeps
+        share = np.where(far & (self.kept == self.begin), 0.0, self.share)
+        return np.asarray(here + share * (there - here))
 
 
 def _course(places: Array, lines: int) -> _Course:

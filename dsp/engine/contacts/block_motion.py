@@ -13,7 +13,7 @@ from ..bodies.objects import modes_of, point_of, shapes_of, weigh
 from ..bodies.surface import put
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import QUANTUM, State
-from .coupled_rolls import position_of
+from .coupled_rolls import keeps_rows, position_of
 
 
 def _rows_of(parts: int) -> list[Row]:
@@ -75,6 +75,8 @@ def lay_moving(state: State, contact: Contact, parts: int, samples: int, modes: 
     there to where it is furthest in the quantum. It moves with the modes, and not as it passes their shapes."""
     scratch, point, obj = state.scratch, contact.point[0], state.objects[contact.point[0].slot]
     begin, end = position_of(contact, frame), _furthest(contact, frame)
+    if not keeps_rows(obj.rows, begin, end):  # too fast for a line
+        begin = end = position_of(contact, 0.5 * QUANTUM)
     put(state, obj, contact, begin)
     place = lay_motion(parts, samples, modes, point_of(state, obj, point), scratch.room, scratch.rows)
     weigh(scratch.drift, end * (obj.rows - 1) - point.row)

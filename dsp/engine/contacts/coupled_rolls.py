@@ -148,7 +148,9 @@ def lead_roll(state: State, contact: Contact) -> None:
     contact.led = 0
     if contact.travel > 0.0:
         put_on_line(state, contact, frame, state.scratch.drift)
-        if frame % _SETTLED == 0 or frame == contact.ahead:
+        rows = state.objects[contact.point[0].slot].rows
+        far = not keeps_rows(rows, position_of(contact, frame), position_of(contact, frame + _SETTLED))
+        if far or frame % _SETTLED == 0 or frame == contact.ahead:
             contact.unsettled = 1
 
 
@@ -158,14 +160,22 @@ def put_on_line(state: State, contact: Contact, frame: int, drift: View[float]) 
     gets what its weights change by in a frame."""
     obj, point = state.objects[contact.point[0].slot], contact.point[0]
     begin = frame // LINE * LINE
-    put(state, obj, contact, position_of(contact, begin))
+    end = position_of(contact, begin + LINE)
+    keeps = contact.travel > 0.0 and keeps_rows(obj.rows, position_of(contact, begin), end)
+    put(state, obj, contact, position_of(contact, begin if keeps else frame))
     for i in range(4):
         drift[i] = 0.0
-    if contact.travel > 0.0 and point.on_surface == 0:
-        weigh(drift, position_of(contact, begin + LINE) * (obj.rows - 1) - point.row)
+    if keeps and point.on_surface == 0:
+        weigh(drift, end * (obj.rows - 1) - point.row)
         for i in range(4):
             drift[i] = (drift[i] - point.weights[i]) / LINE
             point.weights[i] += (frame - begin) * drift[i]
+
+
+@kernel
+def keeps_rows(rows: int, begin: float, end: float) -> bool:
+    """True if the cubic through the four rows of shapes about one position is one at the other, too."""
+    return abs(end - begin) * (rows - 1) <= 1.0
 
 
 @kernel
