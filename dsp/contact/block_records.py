@@ -60,6 +60,7 @@ class Net(Record):
     end: int  # and up to which they are, -1: nobody has done so
     begin: int  # at which their block began
     lasts: int  # 1: forces that last are not all those of bodies at rest, which are in no force here
+    moves: int  # 1: a body moves over an object, so that its block ends early
     rubs: int  # 1: friction acts on an object, too, sample by sample
     contact: Annotated[View[int], TOGETHER]  # places among the contacts
     block: Annotated[View[int], TOGETHER]  # and among the blocks
@@ -76,7 +77,10 @@ class Block(Record):
 
     settled: int  # number of the receptance that the tables are of, 0: none
     parts: int  # of a sample that they are for, 0: the contact is too stiff
-    tables: Annotated[View[Tables], TOGETHER]  # for the force of each member of the net, its own among them
+    # For the force of each member of the net, its own among them. Of what moves alone the second and the third are for
+    # its places at the quantum's ends.
+    tables: Annotated[View[Tables], TOGETHER]
+    reached: float  # the latter place
     linear: Linear  # a rest alone that swings little
     touch: int  # number of a blow's touch whose energy is kept account of
     # While a block lasts:

@@ -72,56 +72,81 @@ def take_missed(block: Block, tables: Tables, laid: View[float], place: float, o
 
 
 @kernel
-def take_rows(block: Block, laid: View[float], scale: float) -> None:
-    """Take rows of the point's motion that were laid one after the other, times `scale`."""
+def take_rows(block: Block, laid: View[float], scale: float, samples: int) -> None:
+    """Take rows of the point's motion over so many samples that were laid one after the other, times `scale`."""
     count, rows = rows_of(block), motion_of(block)
     if count == _OF_ONE:  # by registers
-        for n in range(AHEAD):
+        for n in range(samples):
             first = _OF_ONE * (n + 1)
             rows[first], rows[first + 1] = scale * laid[n], scale * laid[AHEAD + n]
             rows[first + 2], rows[first + 3] = scale * laid[2 * AHEAD + n], scale * laid[3 * AHEAD + n]
         return
     for r in range(count):
-        for n in range(AHEAD):
+        for n in range(samples):
             rows[(n + 1) * count + r] = scale * laid[r * AHEAD + n]
 
 
 @kernel
-def take_answers(block: Block, tables: Tables, moment: int, laid: View[float]) -> None:
-    """Take the rows of the motion that follows on a moment of a force that is 1."""
+def take_answers(block: Block, tables: Tables, moment: int, laid: View[float], samples: int) -> None:
+    """Take the rows of the motion over so many samples that follow on a moment of a force that is 1."""
     count, first = rows_of(block), line_of(tables.later)
-    _take_answers(block, tables.later[first:], moment, laid, 0)
+    _take_answers(block, tables.later[first:], moment, laid, samples, 0)
     if count == _OF_ONE:
-        _take_answers(block, tables.later[first + _ODD :], moment, laid, _OF_ONE)
+        _take_answers(block, tables.later[first + _ODD :], moment, laid, samples, _OF_ONE)
 
 
 @kernel
-def _take_answers(block: Block, later: View[float], moment: int, laid: View[float], behind: int) -> None:
+def _take_answers(block: Block, later: View[float], moment: int, laid: View[float], samples: int, behind: int) -> None:
     """Take them so many values behind the first, before which they are 0."""
     count, moments = rows_of(block), moments_of(block)
     for i in range(behind):
         later[moment * AT_ONCE + i] = 0.0
     for r in range(count):
-        for n in range(AHEAD):
+        for n in range(samples):
             i = n * count + r + behind
             within = i % AT_ONCE
             later[(i - within) * moments + moment * AT_ONCE + within] = laid[r * AHEAD + n]
 
 
 @kernel
-def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
-    """Add what the forces of sample n do to the rows of the samples after it, of all contacts of a net of a size."""
-    for i in range(size):
-        for j in range(size):
-            ratio = net.gain[j] / net.gain[i] if i != j else 1.0
-            _feel(blocks[net.block[i]], blocks[net.block[i]].tables[j], blocks[net.block[j]].moments, n, ratio)
+def mix_tables(mixed: Tables, first: Tables, last: Tables, share: float, count: int) -> None:
+    """Set the first `count` values of tables to those on a line between two others': a share of the way to the last."""
+    begin, early, late = line_of(mixed.later), line_of(first.later), line_of(last.later)
+    for i in range(count):
+        value = first.later[early + i]
+        mixed.later[begin + i] = value + share * (last.later[late + i] - value)
+    for i in range(FORCES * MOTIONS):
+        mixed.give[i] = first.give[i] + share * (last.give[i] - first.give[i])
+    for i in range(MOMENTS_AHEAD * FORCES):
+        mixed.travel[i] = first.travel[i] + share * (last.travel[i] - first.travel[i])
+    for i in range(MOTIONS):
+        mixed.give_all[i] = first.give_all[i] + share * (last.give_all[i] - first.give_all[i])
 
 
 @kernel
-def _feel(block: Block, tables: Tables, moments: View[float], n: int, share: float) -> None:
-    """Add what a share of one force does to the rows of one contact."""
+def values_for(block: Block, samples: int) -> int:
+    """Return how many values of a block's tables reach over so many samples."""
+    if block.parts == 1:
+        return _ODD + 2 * (samples + 2) * _OF_ONE
+    return samples * rows_of(block) * moments_of(block)
+
+
+@kernel
+def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
+    """Add what the forces of sample n do to the rows of the samples after it in the block, of all contacts of a net of
+    a size."""
+    for i in range(size):
+        for j in range(size):
+            ratio = net.gain[j] / net.gain[i] if i != j else 1.0
+            left = net.stop - net.begin - 1 - n
+            _feel(blocks[net.block[i]], blocks[net.block[i]].tables[j], blocks[net.block[j]].moments, n, left, ratio)
+
+
+@kernel
+def _feel(block: Block, tables: Tables, moments: View[float], n: int, left: int, share: float) -> None:
+    """Add what a share of one force does to the rows of one contact, of which so many samples are left."""
     count, first, later, rows = rows_of(block), line_of(tables.later), tables.later, motion_of(block)
-    begin, values = (n + 2) * count, (AHEAD - 1 - n) * count
+    begin, values = (n + 2) * count, left * count
     m0, m1 = share * moments[0], share * moments[1]
     if block.parts == 1:
         odd = n & 1  # then it begins amid a line

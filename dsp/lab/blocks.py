@@ -50,14 +50,14 @@ def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: tu
         inject_kept(struck, bank.point, moments)
         ring_on(struck)
         lay(block, struck, bank.point, room)
-        take_answers(block, block.tables[0], j, room[1])
+        take_answers(block, block.tables[0], j, room[1], AHEAD)
 
 
 @kernel
 def begin_alone(block: Block, contact: Coupled, bank: Bank, room: tuple[View[float], View[float]]) -> None:
     """Begin a block of one contact with the modes as they are."""
     place = lay(block, bank.modes, bank.point, room)
-    take_rows(block, room[1], 1.0)
+    take_rows(block, room[1], 1.0, AHEAD)
     begin_block(block, contact, place, contact.rest_force > 0.0)
 
 
@@ -105,7 +105,7 @@ def _simulate(solved, bank, room, case, parts, samples, times, out):
 def _simulation(case: Case, parts: int) -> tuple[NDArray[np.void], Callable[..., None]]:
     contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
     blocks, net = np.zeros(1, dtype_of(Block)), np.zeros(1, dtype_of(Net))[0]
-    net["size"], net["gain"], net["share"] = 1, 1.0, 1.0
+    net["size"], net["gain"], net["share"], net["stop"] = 1, 1.0, 1.0, AHEAD
     room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS)
     law = tuple(map(float, (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.rate)))
     return contacts, partial(_simulate, (contacts, group, blocks, net), bank_of(case), room, law, parts)

@@ -9,11 +9,12 @@ from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
 from ...resonator.rows import Row, at_time, course, filters_of, lay_rows
+from ...resonator.simd import LANES
 from ..bodies.objects import modes_of, point_of, shapes_of, weigh
 from ..bodies.surface import put
 from ..memory.records import Contact, ContactPoint
-from ..memory.state import QUANTUM, State
-from .coupled_rolls import keeps_rows, position_of
+from ..memory.state import State
+from .coupled_rolls import keeps_rows, position_of, turns
 
 
 def _rows_of(parts: int) -> list[Row]:
@@ -36,10 +37,14 @@ _ROWS = [[course(1, 0.0, 1.0), at_time(1.0)], *(_rows_of(parts) for parts in ran
 _OF_LINE, _OF_ONE, _OF_TWO, _OF_THREE = (filters_of(rows) for rows in _ROWS)
 _LINE, _ONE, _TWO, _THREE = (tuple(range(len(rows))) for rows in _ROWS)
 
-_TURNED = 1e-6  # share of its way by which a body falls short that has turned
-
 BENT = -1
 """Number in the place of a moment for a force that lasts."""
+
+
+@kernel
+def whole_lanes(samples: int) -> int:
+    """Return the least multiple of LANES that is no less."""
+    return (samples + LANES - 1) // LANES * LANES
 
 
 @kernel
@@ -70,13 +75,14 @@ def lay_point(state: State, parts: int, samples: int, modes: Modes, where: Point
 
 
 @noinline_kernel
-def lay_moving(state: State, contact: Contact, parts: int, samples: int, modes: Modes, frame: int) -> float:
-    """Do what `lay_point` does for a body that moves over its object, from a frame on: its shapes go as a line from
-    there to where it is furthest in the quantum. It moves with the modes, and not as it passes their shapes."""
+def lay_moving(state: State, contact: Contact, parts: int, frame: int, stop: int, modes: Modes) -> float:
+    """Do what `lay_point` does for a body that moves over its object, from a frame to another: its shapes go as a line
+    from there to where it is furthest till then. It moves with the modes, and not as it passes their shapes."""
+    samples = whole_lanes(stop - frame)
     scratch, point, obj = state.scratch, contact.point[0], state.objects[contact.point[0].slot]
-    begin, end = position_of(contact, frame), _furthest(contact, frame)
+    begin, end = position_of(contact, frame), _furthest(contact, frame, stop)
     if not keeps_rows(obj.rows, begin, end):  # too fast for a line
-        begin = end = position_of(contact, 0.5 * QUANTUM)
+        begin = end = position_of(contact, 0.5 * (frame + stop))
     put(state, obj, contact, begin)
     place = lay_motion(parts, samples, modes, point_of(state, obj, point), scratch.room, scratch.rows)
     weigh(scratch.drift, end * (obj.rows - 1) - point.row)
@@ -102,14 +108,11 @@ def lay_moving(state: State, contact: Contact, parts: int, samples: int, modes: 
 
 
 @kernel
-def _furthest(contact: Contact, frame: int) -> float:
-    """Return the position in a quantum, from a frame on, that is furthest from where a body is then: it turns at the
-    ends."""
-    begin, end = position_of(contact, frame), position_of(contact, QUANTUM)
-    way = contact.rolls * (1.0 - frame / QUANTUM) / contact.travel
-    if abs(end - begin) > (1.0 - _TURNED) * way:
-        return end
-    return 1.0 if position_of(contact, frame + 1) > begin else 0.0
+def _furthest(contact: Contact, frame: int, stop: int) -> float:
+    """Return the position from a frame to another that is furthest from where a body is then: it turns at the ends."""
+    if not turns(contact, frame, stop):
+        return position_of(contact, stop)
+    return 1.0 if position_of(contact, frame + 1) > position_of(contact, frame) else 0.0
 
 
 @kernel
@@ -119,9 +122,9 @@ def _is_rate(row: int, parts: int) -> bool:
 
 
 @kernel
-def lay_answers(state: State, parts: int, contact: Contact, other: Contact, moment: int) -> float:
-    """Lay out how a contact's points move after a sample in which one moment of another's force is 1, or its own; or,
-    for BENT, if 1 N that bent them is gone. Return where they begin (m)."""
+def lay_answers(state: State, parts: int, contact: Contact, other: Contact, moment: int, samples: int) -> float:
+    """Lay out how a contact's points move for so many samples, a multiple of LANES, after one in which one moment of
+    another's force is 1, or its own; or, for BENT, if 1 N that bent them is gone. Return where they begin (m)."""
     place = 0.0
     clear_rows(state, parts)
     for side in range(2):
@@ -129,12 +132,14 @@ def lay_answers(state: State, parts: int, contact: Contact, other: Contact, mome
             point, struck = contact.point[side], other.point[other_side]
             meet = point.slot >= 0 and point.slot == struck.slot
             if meet and (side == other_side or contact.index != other.index):
-                place += _lay_answer(state, parts, point, struck, moment)
+                place += _lay_answer(state, parts, point, struck, moment, samples)
     return place
 
 
 @kernel
-def _lay_answer(state: State, parts: int, point: ContactPoint, struck: ContactPoint, moment: int) -> float:
+def _lay_answer(
+    state: State, parts: int, point: ContactPoint, struck: ContactPoint, moment: int, samples: int
+) -> float:
     """Add how a point of an object moves after a force on another one to `rows`."""
     obj, work, moments = state.objects[point.slot], state.scratch.work, state.scratch.fine
     modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
@@ -152,4 +157,4 @@ def _lay_answer(state: State, parts: int, point: ContactPoint, struck: ContactPo
     else:
         for i in range(size):
             moved.y1[i], moved.y2[i] = modes.a1[i] * moved.y1[i] + modes.a2[i] * moved.y2[i], moved.y1[i]
-    return lay_point(state, parts, AHEAD, moved, point_of(state, obj, point))
+    return lay_point(state, parts, samples, moved, point_of(state, obj, point))

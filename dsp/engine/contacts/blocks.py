@@ -16,12 +16,12 @@ import math
 from ...contact.accuracy import PARTS
 from ...contact.block import begin_block, end_block, forget_energy, renew_block, step_blocks
 from ...contact.block_parts import is_long, parts_for
-from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of
+from ...contact.block_records import TOGETHER, Block, Net
 from ...contact.block_sizes import MOMENTS_AHEAD
-from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_missed, take_rows
+from ...contact.block_tables import feel, take_rows
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
-from ...resonator.simd import LANES
+from ...resonator.fed import LINE
 from ...rolling.block_path import begin_evenly, project_path, roll_back, roll_evenly
 from ...rolling.body import share_of
 from ...rolling.coupled_roll import lead_coupled_roll
@@ -32,10 +32,11 @@ from ..bodies.surface import put
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
-from .block_motion import BENT, clear_rows, lay_answers, lay_moving, lay_point
-from .contact_force import find_transfer, observe_points
+from .block_motion import clear_rows, lay_moving, lay_point, whole_lanes
+from .block_places import amid_block, bends_under, goes_alone, settle_between, settle_with
+from .contact_force import observe_points
 from .contact_list import take_place, take_room_again
-from .coupled_rolls import position_of
+from .coupled_rolls import PASSED, passed_by
 from .flights import release_spent
 from .linear_rests import may_be_linear, note_calm, run_linear
 from .rolls import feed_of, register_roll
@@ -115,6 +116,7 @@ def _resume(state: State, net: Net, end: int) -> None:
     """Say when the objects of a net whose block ends at a frame are to be looked at again.
 
     After a sample that no block follows comes another block; after one that took none twice as many samples as then.
+    Where a body moves over one, another block follows at once.
     """
     apart = 0
     for i in range(net.objects):
@@ -124,6 +126,8 @@ def _resume(state: State, net: Net, end: int) -> None:
         obj = state.objects[net.object[i]]
         obj.apart, obj.laid = apart, -1
         obj.resumes = end + apart if end + apart <= QUANTUM - _FEWEST else QUANTUM
+        if net.moves == 1 and end == net.stop:
+            obj.resumes = end
 
 
 @kernel
@@ -143,7 +147,7 @@ def _gather(state: State, net: Net, slot: int, frame: int, goes_on: bool) -> boo
     """List the contacts that act on an object, and on those that share contacts with it, from a frame on, in the order
     of their places; false if one can't be solved in blocks, or another one acts soon. goes_on: their block has begun
     before, so they can."""
-    net.size = net.lasts = net.rubs = net.objects = 0
+    net.size = net.lasts = net.moves = net.rubs = net.objects = 0
     net.stop = QUANTUM
     if state.choices.method.method > 0:
         return False
@@ -161,6 +165,8 @@ def _gather(state: State, net: Net, slot: int, frame: int, goes_on: bool) -> boo
                 if not _list(state, net, net.object[i], first, frame, goes_on):
                     return False
         i += 1
+    if net.moves == 1:
+        net.stop = min(net.stop, (net.begin + _FEWEST + LINE - 1) // LINE * LINE)
     for i in range(net.size):
         net.gain[i] = state.contacts[net.contact[i]].now.gain
     return net.size > 0 and (goes_on or net.stop >= frame + _FEWEST)
@@ -195,8 +201,9 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
                 i -= 1
             net.contact[i], net.block[i] = index, contact.roll
             net.size += 1
-            net.lasts |= _bends(contact)
+            net.lasts |= bends_under(contact)
             net.rubs |= contact.trait.slips == 1 and rubs(contact)
+            net.moves |= contact.trait.along == 1 and passed_by(state, contact) > PASSED
             for side in range(2):
                 if contact.point[side].slot >= 0:
                     _join(net, contact.point[side].slot)
@@ -237,12 +244,6 @@ def _is_directed(contact: Contact) -> bool:
 
 
 @kernel
-def _bends(contact: Contact) -> bool:
-    """True if objects bend under all of a contact's force: there is no other that is in balance with it."""
-    return contact.trait.along == 0 and contact.trait.rests == 0
-
-
-@kernel
 def _stays(state: State, contact: Contact) -> bool:
     """True if a striker touches, and is not taken away in the quantum."""
     if contact.touching == 0 or contact.coupled.touching == 0:
@@ -263,14 +264,14 @@ def _has_place(state: State, contact: Contact) -> bool:
 @kernel
 def _look(state: State, net: Net) -> int:
     """Return the parts of a sample that follow all contacts; 0 if none do. A body that moves over its object is put
-    where it is amid the quantum: its force is answered as there."""
+    where it is amid the block: its force is answered as there."""
     level = state.choices.accuracy
     least: int = PARTS[level]
     parts = 1
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
-        if contact.travel > 0.0:
-            put(state, state.objects[contact.point[0].slot], contact, position_of(contact, 0.5 * QUANTUM))
+        if contact.travel > 0.0 and not goes_alone(state, net, contact):
+            put(state, state.objects[contact.point[0].slot], contact, amid_block(net, contact))
             contact.unsettled = 1
         if contact.unsettled == 1:
             observe_points(state, contact)
@@ -295,13 +296,16 @@ def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
         block.settled, block.parts = contact.settled, parts
         for j in range(TOGETHER):
             block.tables[j].settled = 0
+    if goes_alone(state, net, contact):
+        settle_between(state, net, contact, block)
     for j in range(net.size):
         other, tables = state.contacts[net.contact[j]], block.tables[j]
+        # What stays where it is keeps its tables.
+        samples = whole_lanes(net.stop - frame) if contact.travel > 0.0 or other.travel > 0.0 else QUANTUM
         if tables.settled != other.settled:
             tables.settled = other.settled
-            _settle(state, contact, other, block, tables)
+            settle_with(state, contact, other, block, tables, samples)
     scale, place = 1.0 / contact.now.gain, 0.0
-    samples = (net.stop - frame + LANES - 1) // LANES * LANES
     clear_rows(state, block.parts)
     for side in range(2):
         point = contact.point[side]
@@ -309,34 +313,16 @@ def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
             obj = state.objects[point.slot]
             modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
             if side == 0 and contact.travel > 0.0 and point.on_surface == 0:
-                place += scale * lay_moving(state, contact, block.parts, samples, modes, frame)
+                place += scale * lay_moving(state, contact, block.parts, frame, net.stop, modes)
             else:
-                place += scale * lay_point(state, block.parts, samples, modes, where)
-    take_rows(block, state.scratch.rows, scale)
+                place += scale * lay_point(state, block.parts, whole_lanes(net.stop - frame), modes, where)
+    take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame))
     rolls = contact.trait.along == 1
     begin_block(block, contact.coupled, place, rolls)
     if rolls:
         begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
     else:
         project_path(contact.coupled, block)  # which is level
-
-
-@kernel
-def _settle(state: State, contact: Contact, other: Contact, block: Block, tables: Tables) -> None:
-    """Find what the force of another contact, or its own, does at a contact's points: within a sample and after it."""
-    own = contact.index == other.index
-    if own:
-        settle_tables(tables, contact.coupled.answer, block.parts)
-    else:
-        find_transfer(state, contact, other)
-        answer_of(state.scratch.receptance, 1.0 / state.rate, state.scratch.fine)
-        settle_tables(tables, state.scratch.fine, block.parts)
-    for moment in range(moments_of(block)):
-        lay_answers(state, block.parts, contact, other, moment)
-        take_answers(block, tables, moment, state.scratch.rows)
-    if _bends(other):
-        place = lay_answers(state, block.parts, contact, other, BENT)
-        take_missed(block, tables, state.scratch.rows, place, contact.coupled.period**2 / contact.m if own else 0.0)
 
 
 @kernel
@@ -368,7 +354,7 @@ def _leave(state: State, net: Net, end: int) -> None:
             contact.led = 1 if end < net.stop else 0
             if end < net.stop and block.piece >= 0:
                 roll_back(state.rolls[contact.roll], contact.coupled, block)
-            if end < QUANTUM and contact.travel > 0.0:
+            if end < net.stop and contact.travel > 0.0:
                 contact.unsettled = 1  # its force moves on, and leaves it elsewhere
         state.steps_taken += end - net.begin
 
@@ -400,10 +386,10 @@ def _hand_on(state: State, contact: Contact, frame: int) -> None:
                 for k in range(KEPT):
                     fed[n, k] = 0.0
         register_roll(state, contact.index)
-        if _bends(contact):
+        if bends_under(contact):
             press_striker(state, contact)
         feed_striker(state, contact)
-    if _bends(contact):
+    if bends_under(contact):
         trace_press(state, contact, fed, (frame, contact.ahead))
     else:
         trace_roll(state, contact, fed, (frame, contact.ahead), 0)

@@ -44,7 +44,9 @@ _FINE = LEVELS.index("-80")  # of the accuracies, from which on short steps err 
 _SHARE = 1.0 / 7.0  # of the room for coupled modes, which rolls take at most: they last
 _TURNED = 0.25  # rad^2 of a swing on the contact in a sample, times friction: beyond, that comes too late for it
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
-_SETTLED = 16  # frames after which it is told anew how the object answers there
+_FALLS_SHORT = 1e-6  # share of its way by which a body falls short that has turned
+PASSED = 1e-3
+"""Rows of shapes that a body passes in a quantum, within which the object's answer stays."""
 
 
 @noinline_kernel
@@ -148,10 +150,22 @@ def lead_roll(state: State, contact: Contact) -> None:
     contact.led = 0
     if contact.travel > 0.0:
         put_on_line(state, contact, frame, state.scratch.drift)
-        rows = state.objects[contact.point[0].slot].rows
-        far = not keeps_rows(rows, position_of(contact, frame), position_of(contact, frame + _SETTLED))
-        if far or frame % _SETTLED == 0 or frame == contact.ahead:
+        if passed_by(state, contact) > PASSED or frame % LINE == 0 or frame == contact.ahead:
             contact.unsettled = 1
+
+
+@kernel
+def passed_by(state: State, contact: Contact) -> float:
+    """Return how many rows of shapes what rolls or slides passes in a quantum."""
+    rows = state.objects[contact.point[0].slot].rows - 1
+    return contact.rolls * rows / contact.travel if contact.travel > 0.0 else 0.0
+
+
+@kernel
+def turns(contact: Contact, frame: int, stop: int) -> bool:
+    """True if what rolls or slides turns at an end of its path from a frame to another."""
+    way = contact.rolls * ((stop - frame) / QUANTUM) / contact.travel
+    return abs(position_of(contact, stop) - position_of(contact, frame)) < (1.0 - _FALLS_SHORT) * way
 
 
 @kernel

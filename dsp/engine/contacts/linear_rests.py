@@ -26,7 +26,7 @@ def run_linear(state: State, net: Net) -> bool:
     if linear.settled != contact.settled or linear.load != contact.coupled.rest_force:
         begin_tables(linear, contact.coupled, contact.settled)
         for moment in range(2):
-            lay_answers(state, LINE, contact, contact, moment)
+            lay_answers(state, LINE, contact, contact, moment, QUANTUM)
             add_answers(linear, contact.coupled, moment, state.scratch.rows)
         end_tables(linear, state.scratch.work)
     place = 0.0

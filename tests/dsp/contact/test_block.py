@@ -112,7 +112,7 @@ def run(case, v, path, least=2):
     """Return the courses of the point's velocity, the body's, compression and energy; steps beyond two a sample."""
     contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
     blocks, net, bank = np.zeros(1, dtype_of(Block)), np.zeros(1, dtype_of(Net))[0], bank_of(case)
-    net["size"], net["gain"], net["share"] = 1, 1.0, 1.0
+    net["size"], net["gain"], net["share"], net["stop"] = 1, 1.0, 1.0, AHEAD
     out = np.empty((len(path), 4))
     law = case.m, case.k, case.mu, case.a
     room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS)
