@@ -2,8 +2,8 @@
 
 R = (rho c k b/(2 pi)) int_0^pi |V(k cos t)|^2 S(k b sin t) dt, V(q) = int phi exp(-i q x) dx: t is the angle to the
 axis, S the resistance per length, over rho c b, of an endless line of that section. A free bar's modes carry no net
-momentum: the integral knows. Waves slower than sound radiate from the ends: there a flat bar is taken as
-a rectangle. Of a thick bar S is that of its section (`thick`).
+momentum: the integral knows. Waves slower than sound radiate from the ends: there the air that moves along with a flat
+bar is that of a rectangle. Of a thick bar S is that of its section (`thick`).
 """
 
 import math
@@ -18,7 +18,7 @@ from ..material import Array
 from ..ritz import legendre_at
 from .closed import cylinder_efficiency
 from .quadrature import segment
-from .rectangle import free_rectangle, jump_terms, side
+from .rectangle import far_rectangle, jump_terms, side
 from .strip_table import MASS, REACH, RESISTANCE
 from .thick import swaying
 
@@ -128,14 +128,14 @@ def _of_rectangle(bar: Bar, shape: Array, k: float, wave: float) -> float:
     """Return the resistance of a mode that is not much faster than sound: its ends radiate, and a line does not know
     them.
 
-    The bar is a flat rectangle, as wide and as long, and of its moving area: exact where it is thin.
+    The air that moves along does so as about a flat rectangle, as wide and as long, and fades at the ends: exact where
+    the bar is thin. The air that the bar displaces does not fade there: it is a line. Each wave along the bar radiates
+    by so much more than of the flat one as an endless bar's does.
     """
     half_width, displaced, added, _, aspect = bar.outline
     counts = [math.ceil(wave * half) + _MARGIN for half in (bar.half, half_width)]
-    dipole = displaced + added
-    low = 1 / (1 + (k * half_width) ** 2)
-    moving = shape * (1 + (dipole / dipole.max() - 1) * low)
-    series = legendre_at(bar.nodes, bar.terms).T @ (bar.weights * moving)
+    fading = shape * (1 + (added / added.max() - 1) / (1 + (k * half_width) ** 2))
+    series = legendre_at(bar.nodes, bar.terms).T @ (bar.weights * fading)
     series *= np.arange(bar.terms) + 0.5
 
     def along(at: Array) -> Array:
@@ -149,10 +149,25 @@ def _of_rectangle(bar: Bar, shape: Array, k: float, wave: float) -> float:
     parts = {(odd, 0): b[odd::2, None] * c[None, 0::2] for odd in (0, 1)}
     largest = max((part**2).sum() for part in parts.values())
     parts = {odd: part for odd, part in parts.items() if (part**2).sum() > 1e-12 * largest}
-    sides = side(bar.half, counts[0]), side(half_width, counts[1])
-    flat = 2 * IMPEDANCE * k * free_rectangle(k, *sides, parts)[0].real
-    excess = (dipole.max() / (math.pi * half_width**2)) ** 2 - 1
-    return float(flat * (1 + excess * low**2) * swaying(np.array([k * half_width]), aspect)[0])
+    far = far_rectangle(k, side(bar.half, counts[0]), side(half_width, counts[1]), parts)
+    x = k * half_width * far.cosine
+    low = 1 / (1 + x**2)
+    dipole = displaced.max() + added.max()
+    share = displaced.max() / dipole * low
+    flat = _strip_resistance(x)
+    pushed = flat - 1j * math.pi * x * _strip_mass(x)  # by an endless strip of unit velocity
+    endless = pushed / np.abs(pushed) * half_width**2 * np.sqrt(math.pi / 2 * flat / x**3)
+    line = _spectrum(bar, (shape * displaced / displaced.max())[:, None], _bessel(bar.terms, far.x[None]))
+    power = sum(
+        np.abs((1 - share) * fades + share * line[odd][0] * endless) ** 2 for odd, fades in far.amplitude.items()
+    )
+    excess = (dipole / (math.pi * half_width**2)) ** 2 - 1
+    return float(2 * IMPEDANCE * k * (far.weights * power * (1 + excess * low**2)) @ swaying(x, aspect))
+
+
+def _bessel(terms: int, phase: Array) -> Array:
+    """Return spherical Bessel functions of q half (n, d), of as many orders as count: (terms at most, n, d)."""
+    return spherical_bessel(min(terms, math.ceil(phase.max()) + _NEGLIGIBLE), phase)
 
 
 def _resistance(bar: Bar, shapes: Array, k: Array) -> Array:
@@ -163,7 +178,7 @@ def _resistance(bar: Bar, shapes: Array, k: Array) -> Array:
     dipole = displaced + added
     varies = not is_round and dipole.min() < dipole.max() * (1 - 1e-9)
     most = bar.nodes.size // 2 if varies else bar.terms
-    bessel = spherical_bessel(min(most, math.ceil(phase.max()) + _NEGLIGIBLE), phase)
+    bessel = _bessel(most, phase)
     even, odd = _spectrum(bar, shapes, bessel[: bar.terms])
     if is_round:
         power = (even**2 + odd**2) * _round_resistance(x)

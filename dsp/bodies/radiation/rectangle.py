@@ -118,14 +118,49 @@ def legendre_terms(terms: int, values: Callable[[Array], Array], half: float) ->
     return series
 
 
+class Far(NamedTuple):
+    """The far field of a mode by its waves along x, k_x = k sin u: k_x half the side (m,), cos u (m,), weights (m,),
+    and for each parity along x amplitudes (m,), of whose squares, weighted, the sum is the real part of the impedance.
+    The phase is that of the jump's transform."""
+
+    x: Array
+    cosine: Array
+    weights: Array
+    amplitude: Mapping[int, Complex]
+
+
 def free_rectangle(k: float, along: Side, across: Side, projected: Parts) -> Complex:
     """Return the impedances, over 2 rho c k, of modes given by their `jump_terms`, at k = omega/c."""
+    total: Complex = np.zeros(next(iter(projected.values())).shape[2], np.complex128)
+    for flat, jump, _ in _jumped(k, along, across, projected).values():
+        total += (flat * jump).sum(axis=0)
+    return total
+
+
+def far_rectangle(k: float, along: Side, across: Side, projected: Parts) -> Far:
+    """Return the far field of one mode that is even across, given by its `jump_terms`."""
+    rays = _rays(k, along.half, across.half)
+    amplitude = {}
+    for (odd_x, odd_y), (_, jump, (x, y)) in _jumped(k, along, across, projected).items():
+        if odd_y:
+            raise ValueError("expected a mode that is even across")
+        field = ((x.T @ jump.reshape(len(x), -1))[:, None] @ y)[:, 0]
+        size = np.sqrt((rays.v_weights * rays.v_cosine**2 * np.abs(field) ** 2).sum(axis=1))
+        amplitude[odd_x] = size * np.exp(1j * np.angle(field[:, 0]))
+    return Far(rays.x, rays.u_cosine, rays.u_weights * k**3 * rays.u_cosine**3 / math.pi**2, amplitude)
+
+
+def _jumped(
+    k: float, along: Side, across: Side, projected: Parts
+) -> dict[tuple[int, int], tuple[Array, Complex, tuple[Array, Array]]]:
+    """Return for each pair of parities the modes' terms (p q, modes), their jumps' (p q, modes), and the transforms of
+    the terms along x (p, m) and y (m, q, n) at the rays."""
     kz = np.sqrt(np.maximum((along.x[:, None] / along.half) ** 2 + (across.x / across.half) ** 2 - k**2, 0))
     rays = _rays(k, along.half, across.half)
     field_x = along.half * _transforms(along.terms, rays.x)
     field_y = across.half * _transforms(across.terms, rays.y)
     weights_x, weights_y = rays.u_weights * k**3 * rays.u_cosine**3, rays.v_weights * rays.v_cosine**2
-    total: Complex = np.zeros(next(iter(projected.values())).shape[2], np.complex128)
+    found = {}
     for (odd_x, odd_y), b in projected.items():
         p, q, _ = b.shape
         x, y = field_x[odd_x::2][:p], field_y[odd_y::2][:q].transpose(1, 0, 2)
@@ -138,8 +173,9 @@ def free_rectangle(k: float, along: Side, across: Side, projected: Parts) -> Com
         matrix = (pairs_x @ pairs_y + 1j * near) / math.pi**2
         matrix = matrix.reshape(p, p, q, q).transpose(0, 2, 1, 3).reshape(p * q, p * q)
         flat = b.reshape(p * q, -1)
-        total += (flat * np.linalg.solve(matrix, flat + 0j)).sum(axis=0)
-    return total
+        jump: Complex = np.linalg.solve(matrix, flat.astype(np.complex128))
+        found[odd_x, odd_y] = flat, jump, (x, y)
+    return found
 
 
 def walled_rectangle(k: float, halves: tuple[float, float], series: Parts) -> Array:
