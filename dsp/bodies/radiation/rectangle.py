@@ -173,7 +173,7 @@ def _jumped(
         matrix = (pairs_x @ pairs_y + 1j * near) / math.pi**2
         matrix = matrix.reshape(p, p, q, q).transpose(0, 2, 1, 3).reshape(p * q, p * q)
         flat = b.reshape(p * q, -1)
-        jump: Complex = np.linalg.solve(matrix, flat.astype(np.complex128))
+        jump = np.asarray(np.linalg.solve(matrix, flat + 0j), np.complex128)
         found[odd_x, odd_y] = flat, jump, (x, y)
     return found
 
