@@ -207,7 +207,7 @@ def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float, h: floa
     if square <= _LEAST:
         return
     wanted = share * min(square / max(sheet.energy, _LEAST), 1.0) * _missing(sheet, y1, y2, h)
-    paid = min(wanted, 0.25 * square)
+    paid = max(min(wanted, 0.25 * square), -0.5 * sheet.psi * sheet.psi)
     loss = 1.0 - math.sqrt(1.0 - 2.0 * paid / square)
     for i in range(n):
         y2[i] -= loss * pushed[i] * (velocity[i] * y1[i] + before[i] * y2[i])
@@ -216,7 +216,8 @@ def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float, h: floa
 
 @simd_kernel
 def catch_up(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
-    """Bring psi, which is far behind, to the grid's as far as modes can pay at once: the highest pay most."""
+    """Bring psi, which is far behind, to the grid's as far as modes can pay at once: the highest pay most. None gets
+    anything, also where half of a kick brings psi ahead."""
     n = 2 * sheet.functions - sheet.plain
     velocity, before, pushed, drained = sheet.seen[0], sheet.seen[1], sheet.pushed, sheet.drained
     first = second = 0.0
@@ -226,7 +227,7 @@ def catch_up(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
         second += drained[i] * drained[i] * v * v
     if second <= _LEAST:
         return
-    paid = min(_missing(sheet, y1, y2, h), 0.25 * first * first / second)
+    paid = min(max(_missing(sheet, y1, y2, h), 0.0), 0.25 * first * first / second)
     loss = (first - math.sqrt(first * first - 2.0 * second * paid)) / second
     for i in range(n):
         v = velocity[i] * y1[i] + before[i] * y2[i]

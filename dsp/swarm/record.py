@@ -181,6 +181,7 @@ class Swarm(Record):
     blows: int  # so far
     impulse: float  # N s: given in this quantum
     energy: float  # J: of its blows, so far
+    coming: float  # J: of those that may still act
 
 
 class Blows(Record):

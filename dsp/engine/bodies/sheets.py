@@ -145,12 +145,14 @@ def _repay(state: State, obj: Object, sheet: Sheet) -> None:
 
 @kernel
 def _coming(state: State, obj: Object) -> float:
-    """Return the energy (J) that strikers which touch an object in this quantum may bring it."""
+    """Return the energy (J) that strikers which touch an object in this quantum, and the blows of swarms, may bring."""
     energy = 0.0
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.touching == 1 or contact.start < state.position + QUANTUM:
+        if contact.trait.swarms > 0:
+            energy += state.swarms[contact.swarm].coming
+        elif contact.touching == 1 or contact.start < state.position + QUANTUM:
             energy += 0.5 * contact.m * contact.v_in * contact.v_in
         index = contact.next
     return energy

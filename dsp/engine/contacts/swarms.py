@@ -44,6 +44,7 @@ _LOWEST = 16.0  # Hz: of the bands of modes
 _BRIEFEST = 1e-6  # s: of a memory
 _NEAR = 1e-9  # of a rate
 _BENT = 1e-6  # of a step's highest rate: its bends lie on the lattice of knots
+_ACTS = 0.5  # share of blows that act in the quantum after the one in which they are drawn
 
 
 @kernel
@@ -70,7 +71,7 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     swarm.used, swarm.law, swarm.table = 1, contact.trait.swarms, int(values.pulses) - 1
     seed_swarm(swarm, np.uint64(values.seed))
     swarm.index = swarm.count = swarm.blows = 0
-    swarm.time = swarm.reached = swarm.excited = swarm.spared = swarm.energy = swarm.impulse = 0.0
+    swarm.time = swarm.reached = swarm.excited = swarm.spared = swarm.energy = swarm.coming = swarm.impulse = 0.0
     swarm.memory, swarm.spare, swarm.bar = 1.0, AT_ONCE, -math.inf
     swarm.m, swarm.k, swarm.mu, swarm.a, swarm.w = contact.m, contact.k, contact.mu, contact.a, contact.w
     swarm.places = PLACES if values.spread > 0.0 else 1
@@ -262,12 +263,13 @@ def swarm_on(state: State, index: int) -> bool:
     until = (state.position + QUANTUM + LOOK - swarm.lead - contact.origin) / state.rate
     if contact.until < math.inf:
         until = min(until, on_lattice((contact.until - contact.origin) / state.rate))
-    swarm.impulse = 0.0
+    swarm.impulse, told = 0.0, swarm.energy
     _find_flow(swarm, begin)
     if swarm.pieces > 0:
         lay_pieces(state, contact, swarm, until)
     else:
         lay_drawn(state, contact, swarm, until)
+    swarm.coming = _ACTS * swarm.coming + swarm.energy - told
     drop_knots(swarm, until)
     _make_force(state, contact, swarm)
     obj.live = max(obj.live, contact.point[0].modes)

@@ -454,3 +454,13 @@ def test_a_press_is_felt_by_coupled_modes():
         assert is_coupled(engine, handle)
         left.append(whole(engine, handle))
     assert left[1] < 0.9 * left[0]
+
+
+@pytest.mark.parametrize("preset", ["splash-cymbal", "crash-cymbal"])
+def test_a_cymbal_among_fast_heavy_grains_sounds_on(preset):
+    """Blows of kilowatts, some at ten times the speed of most: no mode gets energy where stretching is behind."""
+    with carom.Scene(44_100, limiter=False) as scene:
+        cymbal = scene.new("a", preset, tune=-12.45, most_modes=64)
+        cymbal.shake(7509.0, position=0.461, variety=0.816, evenness=0.5)
+        peaks = np.abs(scene.render(0.2).samples).max(axis=1).reshape(10, -1).max(axis=1)
+    assert peaks[-1] > 1.0 and peaks.max() < 100.0
