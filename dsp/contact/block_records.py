@@ -4,7 +4,7 @@ from typing import Annotated
 
 from ..native.jit import kernel
 from ..native.typed import Record, View, View2D
-from ..numerics.legendre import AHEAD
+from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, BEYOND, line_of
 from .block_sizes import FORCES, LINE, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 
@@ -40,7 +40,9 @@ class Tables(Record):
     settled: int  # number of the receptance of the contact whose force it is, 0: none is known
     # m/(N s): what each moment adds to rows of later samples, from a line of the cache on, as `add_tables` reads it.
     # Of one part, whose rows fill half a line, once more half a line behind.
+    # Of what moves, for a block amid the quantum, and at its ends (block_tables.py).
     later: Annotated[View[float], MOMENTS_AHEAD * AHEAD * ROWS + AT_ONCE]
+    ends: Annotated[View[float], 2 * FINE]  # m/(N sample): the answers within a sample at these
     # What each force takes off at all nodes, one after the other: m/N, then of the rate, m/(N sample).
     give: Annotated[View[float], FORCES * MOTIONS]
     # m/N: what each takes off the compression's course in the work that moments do, one moment after the other.
@@ -61,6 +63,7 @@ class Net(Record):
     begin: int  # at which their block began
     lasts: int  # 1: forces that last are not all those of bodies at rest, which are in no force here
     moves: int  # 1: a body moves over an object, so that its block ends early
+    between: int  # 1: so near that tables go as lines between the quantum's ends
     rubs: int  # 1: friction acts on an object, too, sample by sample
     contact: Annotated[View[int], TOGETHER]  # places among the contacts
     block: Annotated[View[int], TOGETHER]  # and among the blocks
@@ -77,10 +80,8 @@ class Block(Record):
 
     settled: int  # number of the receptance that the tables are of, 0: none
     parts: int  # of a sample that they are for, 0: the contact is too stiff
-    # For the force of each member of the net, its own among them. Of what moves alone the second and the third are for
-    # its places at the quantum's ends.
-    tables: Annotated[View[Tables], TOGETHER]
-    reached: float  # the latter place
+    tables: Annotated[View[Tables], TOGETHER]  # for the force of each member of the net, its own among them
+    reached: float  # position at the quantum's end for which there are tables
     linear: Linear  # a rest alone that swings little
     touch: int  # number of a blow's touch whose energy is kept account of
     # While a block lasts:

@@ -11,6 +11,8 @@ from .power_series import POWERS
 
 _OF_ONE = 4  # rows of a block of one part: half a line of the cache
 _ODD = 2 * (AHEAD + 2) * _OF_ONE  # where its answers lie once more, half a line behind
+AT_BEGIN, AT_END = 1024, 2048
+"""Places in `later` of tables for a quarter of AHEAD samples at a quantum's ends."""
 
 
 @kernel
@@ -87,9 +89,10 @@ def take_rows(block: Block, laid: View[float], scale: float, samples: int) -> No
 
 
 @kernel
-def take_answers(block: Block, tables: Tables, moment: int, laid: View[float], samples: int) -> None:
-    """Take the rows of the motion over so many samples that follow on a moment of a force that is 1."""
-    count, first = rows_of(block), line_of(tables.later)
+def take_answers(block: Block, tables: Tables, moment: int, laid: View[float], samples: int, begin: int) -> None:
+    """Take the rows of the motion over so many samples that follow on a moment of a force that is 1; begin: 0, or
+    AT_BEGIN or AT_END."""
+    count, first = rows_of(block), line_of(tables.later) + begin
     _take_answers(block, tables.later[first:], moment, laid, samples, 0)
     if count == _OF_ONE:
         _take_answers(block, tables.later[first + _ODD :], moment, laid, samples, _OF_ONE)
@@ -109,22 +112,30 @@ def _take_answers(block: Block, later: View[float], moment: int, laid: View[floa
 
 
 @kernel
-def mix_tables(mixed: Tables, first: Tables, last: Tables, share: float, count: int) -> None:
-    """Set the first `count` values of tables to those on a line between two others': a share of the way to the last."""
-    begin, early, late = line_of(mixed.later), line_of(first.later), line_of(last.later)
-    for i in range(count):
-        value = first.later[early + i]
-        mixed.later[begin + i] = value + share * (last.later[late + i] - value)
-    for i in range(FORCES * MOTIONS):
-        mixed.give[i] = first.give[i] + share * (last.give[i] - first.give[i])
-    for i in range(MOMENTS_AHEAD * FORCES):
-        mixed.travel[i] = first.travel[i] + share * (last.travel[i] - first.travel[i])
-    for i in range(MOTIONS):
-        mixed.give_all[i] = first.give_all[i] + share * (last.give_all[i] - first.give_all[i])
+def mix_tables(block: Block, tables: Tables, share: float, samples: int, answer: View[float]) -> None:
+    """Set tables to those on a line between a quantum's ends, a share of it from the beginning: as far as so many
+    samples need them. `answer` (FINE) gets the answer there."""
+    ends, later, first = tables.ends, tables.later, line_of(tables.later)
+    for n in range(FINE):
+        answer[n] = ends[n] + share * (ends[FINE + n] - ends[n])
+    settle_tables(tables, answer, block.parts)
+    for i in range(_values_for(block, samples)):
+        early = later[first + AT_BEGIN + i]
+        later[first + i] = early + share * (later[first + AT_END + i] - early)
 
 
 @kernel
-def values_for(block: Block, samples: int) -> int:
+def go_on_from_end(block: Block, tables: Tables, samples: int) -> None:
+    """Take tables at a quantum's end, as far as so many samples need them, as those at the next one's beginning."""
+    later, first = tables.later, line_of(tables.later)
+    for n in range(FINE):
+        tables.ends[n] = tables.ends[FINE + n]
+    for i in range(_values_for(block, samples)):
+        later[first + AT_BEGIN + i] = later[first + AT_END + i]
+
+
+@kernel
+def _values_for(block: Block, samples: int) -> int:
     """Return how many values of a block's tables reach over so many samples."""
     if block.parts == 1:
         return _ODD + 2 * (samples + 2) * _OF_ONE

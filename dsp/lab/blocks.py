@@ -50,7 +50,7 @@ def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: tu
         inject_kept(struck, bank.point, moments)
         ring_on(struck)
         lay(block, struck, bank.point, room)
-        take_answers(block, block.tables[0], j, room[1], AHEAD)
+        take_answers(block, block.tables[0], j, room[1], AHEAD, 0)
 
 
 @kernel

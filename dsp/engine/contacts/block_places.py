@@ -1,18 +1,31 @@
 """The answers of objects to the forces of contacts that are solved in blocks (blocks.py): tables for the places where
 those act.
 
-What moves over an object by itself has tables at both ends of a quantum, and in each block a line between them. Where
-it moves fast or turns at an end of its path, and where other contacts are in its net, each block has tables of its own.
+Where bodies move over objects, and not far in a quantum, there are tables for both its ends, and in each block those on
+a line between them. Where one moves fast or turns at an end of its path, and beside presses, each block has tables of
+its own.
 """
 
-from ...contact.block_records import Block, Net, Tables, moments_of
-from ...contact.block_tables import answer_of, mix_tables, settle_tables, take_answers, take_missed, values_for
+import math
+
+from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of
+from ...contact.block_tables import (
+    AT_BEGIN,
+    AT_END,
+    answer_of,
+    go_on_from_end,
+    mix_tables,
+    settle_tables,
+    take_answers,
+    take_missed,
+)
 from ...native.jit import kernel, noinline_kernel
+from ...numerics.legendre import FINE
 from ...resonator.fed import LINE
 from ..bodies.surface import put
 from ..memory.records import Contact
 from ..memory.state import QUANTUM, State
-from .block_motion import BENT, lay_answers
+from .block_motion import BENT, lay_answers, whole_lanes
 from .contact_force import find_transfer, observe_points
 from .coupled_rolls import passed_by, position_of, turns
 
@@ -21,66 +34,162 @@ _SAME = 1e-9  # of a path: places that differ by less are one
 
 
 @kernel
-def goes_alone(state: State, net: Net, contact: Contact) -> bool:
-    """True if a net is one body that goes one way over its object in the quantum, and not far, but to other answers."""
-    near = net.size == 1 and net.moves == 1 and passed_by(state, contact) < _FAR
-    return near and not turns(contact, 0, QUANTUM)
+def go_on_lines(state: State, net: Net) -> bool:
+    """True if bodies of a net move over their objects, each one way in the quantum, and not far: tables go as lines
+    between its ends."""
+    near = net.moves == 1 and net.lasts == 0
+    for i in range(net.size):
+        contact = state.contacts[net.contact[i]]
+        if contact.travel > 0.0:
+            near = near and passed_by(state, contact) < _FAR and not turns(contact, 0, QUANTUM)
+    return near
 
 
 @kernel
-def amid_block(net: Net, contact: Contact) -> float:
-    """Return the position of what moves in the middle of its net's block."""
-    return position_of(contact, 0.5 * (net.begin + net.stop))
-
-
-@noinline_kernel
-def settle_between(state: State, net: Net, contact: Contact, block: Block) -> None:
-    """Set the tables of a body that goes alone: those amid the block, on a line between the quantum's ends."""
-    tables, first, last = block.tables[0], block.tables[1], block.tables[2]
-    begin, end, here = position_of(contact, 0), position_of(contact, QUANTUM), amid_block(net, contact)
-    count = values_for(block, LINE)
-    if last.settled != contact.settled or block.reached != end:
-        if last.settled == contact.settled and abs(block.reached - begin) < _SAME:
-            mix_tables(first, last, last, 0.0, count)
-        else:
-            _settle_at(state, contact, block, first, begin)
-        _settle_at(state, contact, block, last, end)
-        block.settled = first.settled = last.settled = contact.settled
-        block.reached = end
-    mix_tables(tables, first, last, (here - begin) / (end - begin), count)
-    tables.settled = contact.settled
+def put_amid(state: State, net: Net, contact: Contact) -> None:
+    """Put what moves where it is in the middle of its net's block."""
+    here = position_of(contact, 0.5 * (net.begin + net.stop))
     put(state, state.objects[contact.point[0].slot], contact, here)
 
 
+@noinline_kernel
+def settle_net(state: State, net: Net, parts: int) -> None:
+    """Find the tables of all contacts of a net whose block begins, for so many parts of a sample."""
+    for i in range(net.size):
+        contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
+        if block.settled != contact.settled or block.parts != parts:
+            block.settled, block.parts = contact.settled, parts
+            for j in range(TOGETHER):
+                block.tables[j].settled = 0
+        if net.between == 0:
+            block.reached = math.inf
+    if net.between == 1:
+        _settle_between(state, net)
+    for i in range(net.size):
+        for j in range(net.size):
+            tables, settled = state.blocks[net.block[i]].tables[j], state.contacts[net.contact[j]].settled
+            if tables.settled != settled:
+                tables.settled = settled
+                # What stays where it is keeps its tables.
+                _settle_with(
+                    state, net, i, j, whole_lanes(net.stop - net.begin) if _moves(state, net, i, j) else QUANTUM
+                )
+
+
 @kernel
-def _settle_at(state: State, contact: Contact, block: Block, tables: Tables, position: float) -> None:
-    """Find the tables of a body's own force at a position."""
-    put(state, state.objects[contact.point[0].slot], contact, position)
-    contact.unsettled = 1
-    observe_points(state, contact)
-    settle_with(state, contact, contact, block, tables, LINE)
+def _moves(state: State, net: Net, i: int, j: int) -> bool:
+    """True if one of two contacts of a net moves over its object."""
+    return state.contacts[net.contact[i]].travel > 0.0 or state.contacts[net.contact[j]].travel > 0.0
+
+
+@noinline_kernel
+def _settle_between(state: State, net: Net) -> None:
+    """Set the tables of bodies that move: those amid the block, on lines between the quantum's ends."""
+    if not _are_known(state, net, QUANTUM):
+        if _are_known(state, net, 0):
+            _go_on(state, net)
+        else:
+            _settle_at(state, net, 0)
+        _settle_at(state, net, 1)
+    for i in range(net.size):
+        block = state.blocks[net.block[i]]
+        for j in range(net.size):
+            if _moves(state, net, i, j):
+                share = 0.5 * (net.begin + net.stop) / QUANTUM
+                mix_tables(block, block.tables[j], share, LINE, state.scratch.fine)
+        if state.contacts[net.contact[i]].travel > 0.0:
+            put_amid(state, net, state.contacts[net.contact[i]])
+
+
+@kernel
+def _are_known(state: State, net: Net, frame: int) -> bool:
+    """True if the tables at an end of a quantum are those of the places at a frame."""
+    known = True
+    for i in range(net.size):
+        contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
+        if contact.travel > 0.0:
+            known = known and abs(block.reached - position_of(contact, frame)) < _SAME
+        for j in range(net.size):
+            if _moves(state, net, i, j):
+                known = known and block.tables[j].settled == state.contacts[net.contact[j]].settled
+    return known
+
+
+@kernel
+def _go_on(state: State, net: Net) -> None:
+    """Take the tables at the last quantum's end as those at this one's beginning."""
+    for i in range(net.size):
+        for j in range(net.size):
+            if _moves(state, net, i, j):
+                go_on_from_end(state.blocks[net.block[i]], state.blocks[net.block[i]].tables[j], LINE)
+
+
+@kernel
+def _settle_at(state: State, net: Net, end: int) -> None:
+    """Find the tables of bodies that move at the quantum's beginning, or at its end: 1."""
+    for i in range(net.size):
+        contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
+        if contact.travel > 0.0:
+            block.reached = position_of(contact, end * QUANTUM)
+            put(state, state.objects[contact.point[0].slot], contact, block.reached)
+            contact.unsettled = 1
+            observe_points(state, contact)
+            block.settled = contact.settled
+    for i in range(net.size):
+        for j in range(net.size):
+            if _moves(state, net, i, j):
+                _settle_end(state, net, i, j, end)
+
+
+@kernel
+def _settle_end(state: State, net: Net, i: int, j: int, end: int) -> None:
+    """Find the tables of one contact's force at another one's points where they are at an end of the quantum."""
+    contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
+    block, tables = state.blocks[net.block[i]], state.blocks[net.block[i]].tables[j]
+    tables.settled = other.settled
+    _find_answer(state, contact, other)
+    for n in range(FINE):
+        tables.ends[end * FINE + n] = state.scratch.fine[n]
+    _lay_all(state, contact, other, block, tables, LINE, AT_END if end == 1 else AT_BEGIN)
+
+
+@noinline_kernel
+def _settle_with(state: State, net: Net, i: int, j: int, samples: int) -> None:
+    """Find what the force of one contact, j, does at another one's points, or its own: within a sample and in so many
+    after it."""
+    contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
+    block, tables = state.blocks[net.block[i]], state.blocks[net.block[i]].tables[j]
+    _find_answer(state, contact, other)
+    settle_tables(tables, state.scratch.fine, block.parts)
+    _lay_all(state, contact, other, block, tables, samples, 0)
+    if bends_under(other):
+        place = lay_answers(state, block.parts, contact, other, BENT, samples)
+        own = contact.coupled.period**2 / contact.m if i == j else 0.0
+        take_missed(block, tables, state.scratch.rows, place, own)
+
+
+@kernel
+def _find_answer(state: State, contact: Contact, other: Contact) -> None:
+    """Put how a contact's points answer another one's force, or its own, into the scratch `fine`, m/(N sample)."""
+    if contact.index == other.index:
+        for n in range(FINE):
+            state.scratch.fine[n] = contact.coupled.answer[n]
+    else:
+        find_transfer(state, contact, other)
+        answer_of(state.scratch.receptance, 1.0 / state.rate, state.scratch.fine)
+
+
+@noinline_kernel
+def _lay_all(
+    state: State, contact: Contact, other: Contact, block: Block, tables: Tables, samples: int, begin: int
+) -> None:
+    """Take the answers to all moments of a contact's force over so many samples; begin: as `take_answers` has it."""
+    for moment in range(moments_of(block)):
+        lay_answers(state, block.parts, contact, other, moment, samples)
+        take_answers(block, tables, moment, state.scratch.rows, samples, begin)
 
 
 @kernel
 def bends_under(contact: Contact) -> bool:
     """True if objects bend under all of a contact's force: there is no other that is in balance with it."""
     return contact.trait.along == 0 and contact.trait.rests == 0
-
-
-@noinline_kernel
-def settle_with(state: State, contact: Contact, other: Contact, block: Block, tables: Tables, samples: int) -> None:
-    """Find what the force of another contact, or its own, does at a contact's points: within a sample and in so many
-    after it."""
-    own = contact.index == other.index
-    if own:
-        settle_tables(tables, contact.coupled.answer, block.parts)
-    else:
-        find_transfer(state, contact, other)
-        answer_of(state.scratch.receptance, 1.0 / state.rate, state.scratch.fine)
-        settle_tables(tables, state.scratch.fine, block.parts)
-    for moment in range(moments_of(block)):
-        lay_answers(state, block.parts, contact, other, moment, samples)
-        take_answers(block, tables, moment, state.scratch.rows, samples)
-    if bends_under(other):
-        place = lay_answers(state, block.parts, contact, other, BENT, samples)
-        take_missed(block, tables, state.scratch.rows, place, contact.coupled.period**2 / contact.m if own else 0.0)

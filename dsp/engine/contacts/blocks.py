@@ -28,12 +28,11 @@ from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of, point_of
 from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker, press_striker
-from ..bodies.surface import put
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
 from .block_motion import clear_rows, lay_moving, lay_point, whole_lanes
-from .block_places import amid_block, bends_under, goes_alone, settle_between, settle_with
+from .block_places import bends_under, go_on_lines, put_amid, settle_net
 from .contact_force import observe_points
 from .contact_list import take_place, take_room_again
 from .coupled_rolls import PASSED, passed_by
@@ -68,8 +67,9 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
             _hand_on_all(state, net, frame)
             _resume(state, net, net.end)
             return
+        settle_net(state, net, parts)
         for i in range(net.size):
-            _begin(state, net, i, parts, frame)
+            _begin(state, net, i, frame)
     _solve(state, net, frame)
 
 
@@ -268,10 +268,11 @@ def _look(state: State, net: Net) -> int:
     level = state.choices.accuracy
     least: int = PARTS[level]
     parts = 1
+    net.between = 1 if go_on_lines(state, net) else 0
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
-        if contact.travel > 0.0 and not goes_alone(state, net, contact):
-            put(state, state.objects[contact.point[0].slot], contact, amid_block(net, contact))
+        if contact.travel > 0.0 and net.between == 0:
+            put_amid(state, net, contact)
             contact.unsettled = 1
         if contact.unsettled == 1:
             observe_points(state, contact)
@@ -286,25 +287,12 @@ def _look(state: State, net: Net) -> int:
 
 
 @noinline_kernel
-def _begin(state: State, net: Net, i: int, parts: int, frame: int) -> None:
-    """Begin a block of a contact at a frame: what it needs to know of its objects."""
+def _begin(state: State, net: Net, i: int, frame: int) -> None:
+    """Begin a block of a contact at a frame, by how its objects ring."""
     contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
     if contact.trait.single == 1 and block.touch != contact.number:
         block.touch = contact.number
         forget_energy(block)
-    if block.settled != contact.settled or block.parts != parts:
-        block.settled, block.parts = contact.settled, parts
-        for j in range(TOGETHER):
-            block.tables[j].settled = 0
-    if goes_alone(state, net, contact):
-        settle_between(state, net, contact, block)
-    for j in range(net.size):
-        other, tables = state.contacts[net.contact[j]], block.tables[j]
-        # What stays where it is keeps its tables.
-        samples = whole_lanes(net.stop - frame) if contact.travel > 0.0 or other.travel > 0.0 else QUANTUM
-        if tables.settled != other.settled:
-            tables.settled = other.settled
-            settle_with(state, contact, other, block, tables, samples)
     scale, place = 1.0 / contact.now.gain, 0.0
     clear_rows(state, block.parts)
     for side in range(2):

@@ -184,6 +184,38 @@ def test_a_body_that_moves_over_an_object_against_dop853(level, way, bound):
     assert apart(np.array(states), right) < bound
 
 
+def on_the_way(level, gestures, speeds=()):
+    """Return the sound of gestures on a plate of glass over 60 ms; the first gets the speeds 10 ms after each other."""
+    found = []
+    with carom.Scene(RATE, limiter=False) as scene:
+        scene.accuracy(level)
+        plate = scene.new("a", "glass-plate", stereo_width=0)
+        for i, (name, given) in enumerate(gestures):
+            getattr(plate, name)(id=f"g{i}", **given)
+        for speed in (None, *speeds):
+            if speed is not None:
+                scene.steer("g0", speed=speed, over=0.0)
+            found.append(scene.render(0.06 if not speeds else 0.01).samples[:, 0].astype(float))
+    return np.concatenate(found)
+
+
+SLIDES = [
+    ("slide", {"speed": 0.1, "force": 4.0, "striker": "steel", "position": 0.2, "travel": 0.42, "seed": 1}),
+    ("roll", {"speed": 0.28, "roughness": 0.2, "striker": "steel", "position": 0.6, "travel": 0.36, "seed": 2}),
+]
+
+
+def test_bodies_that_move_beside_each_other():
+    """The answer of each one's point to the other's force moves on, too."""
+    assert apart(on_the_way("-60", SLIDES), on_the_way("exact", SLIDES)) < -66
+
+
+def test_a_body_that_halts_on_its_way():
+    """A body goes on by tables of the place where it stands."""
+    speeds = (1e-7, 1e-7, 0.2, 1e-7, 0.5)
+    assert apart(on_the_way("-60", SLIDES[:1], speeds), on_the_way("exact", SLIDES[:1], speeds)) < -60
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("level", "bound", "modal_mass"), [("-50", -50, 50.0), ("-60", -60, 50.0), ("-80", -80, 5e3)])
 def test_a_roll_on_what_hardly_gives_way_against_dop853(level, bound, modal_mass):
