@@ -12,7 +12,7 @@ import numpy as np
 from ..bodies.material import Array, Material
 from .forms import together
 from .fronts import Elements, Factor
-from .grading import extrapolated, graded, places_on
+from .grading import extrapolated, graded, hollow, places_on
 from .grids import Grid, grid_about
 from .lanczos import lowest
 from .numbering import Mesh, mesh_of
@@ -30,20 +30,35 @@ _VOID = 1e-6  # of the stiffness: outside of the body
 _SLIVER = 1e-2  # of the stiffness, times the cube of the filling: of cells that hold little
 _FAR = 1e-10  # of the stiffness: of nodes that hardly move a cell's part of the body
 _LEAST_FILLED = 1e-3  # of a cell
-_THIN = 0.3  # of a cell's side: sheets are thinner
 _BENT = 0.01  # of a cell's volume, with normals over 45 degrees from the first direction: where sheets meet
-_LEFT = 3.0  # share of the stiffness along a sheet's normal that stays, over (thickness/side of a cell)^3: as it bends
 _AGREED = 0.02  # of the volume, by triangles and by rays: within that the triangles' counts
+_NOWHERE = np.zeros(0, np.int64)
 _SHIFT = 0.02  # of a wave's frequency along the body
 _AT_ONCE = 256  # points of a cell
 _SIZES = 14  # halvings
 _SAMPLES = 30_000
-_SHARES, _FINE_SHARES = (0.8, 0.6), (0.8, 0.6, 0.45, 0.3)  # of cells that are all alike: before they are halved
+_SHARES, _FINE_SHARES = (0.8, 0.6), (1.0, 0.8, 0.6, 0.45)  # of cells that are all alike: before they are halved
 _MORE = 2.4  # times as many cells as if all were alike, those of a second grid among them
 _HALVINGS = 3
 _RESOLVED = 0.2  # of the smallest cells' sides: the body is thicker
 _RAYS = (24, 40)  # of a cell: the fewest, the most
 _THROUGH = 4  # rays through a wall
+
+
+class _Law(NamedTuple):
+    """The share of the stiffness across walls that stays where they meet in a cell: a factor times a power of
+    thickness/side, below a bound of it."""
+
+    factor: float
+    power: float
+    most: float
+
+
+_WHERE_BENT = _Law(3.0, 3, 0.3)
+_AT_EDGES = _Law(0.4, 2, 1.0)
+"""The laws of large cells, rims and outer edges among them, and of small ones at inner edges. At these a corner in
+plane strain then yields as the solid does, in the mean over where it lies in its cell. At a rim nothing has to yield,
+and a curved wall must not; but large cells are too stiff where it curves."""
 
 
 class Points(NamedTuple):
@@ -117,13 +132,15 @@ class Solution(NamedTuple):
 
 class Sizes(NamedTuple):
     """The side of cells (m), rays through each, and the body's thickness (m): twice its volume over its area. How often
-    cells at inner edges are halved, and whether the last halving tells the error that is left."""
+    cells at inner edges are halved, and whether the last halving tells the error that is left; whether walls yield
+    across at inner edges alone."""
 
     side: float
     rays: int
     thickness: float
     halvings: int = 0
     told: bool = False
+    edges: bool = False
 
 
 def sizes(surface: Surface, cells: int, wall: float | None = None) -> Sizes:
@@ -157,9 +174,9 @@ def graded_sizes(surface: Surface, cells: int, fine: bool) -> Sizes:
             told = halvings > 1
             takes = counts[halvings] + told * counts[halvings - 1]
             resolved = size.thickness > _RESOLVED * size.side / 2**halvings
-            if resolved and takes < _MORE * cells and (told or not fine) and (not best or halvings > best.halvings):
+            if resolved and takes < _MORE * cells and (not best or halvings > best.halvings):
                 best = size._replace(halvings=halvings, told=told)
-    return best or sizes(surface, cells)
+    return (best or sizes(surface, cells))._replace(edges=fine)
 
 
 def _count(grid: Grid, places: Array, volume: float) -> float:
@@ -176,14 +193,15 @@ def solve(parts: Parts, size: Sizes, degree: int, count: int) -> Solution:
     grids = graded(grid_about(whole, size.side, size.rays), whole, size.halvings)
     if not size.told or len(grids) == 1:
         pieces, inside = _in_pieces(turned, grids[-1], _inside(turned, grids[-1], degree))
-        return of_points(inside, pieces, parts.materials, degree, count, yielding=not size.told)
+        where = _NOWHERE if size.told else hollow(whole, grids[-1]) if size.edges else None
+        return of_points(inside, pieces, parts.materials, degree, count, where)
     coarse = _inside(turned, grids[-2], degree)
     fine = _inside(turned, grids[-1], degree, coarse)
     found = []
     for grid, met in ((grids[-2], coarse), (grids[-1], fine)):
         pieces, inside = _in_pieces(turned, grid, met)
         if grid is grids[-1] or not pieces.gaps:  # how far a gap goes in the cell that it ends in is chance
-            found.append(of_points(inside, pieces, parts.materials, degree, count, yielding=False))
+            found.append(of_points(inside, pieces, parts.materials, degree, count, _NOWHERE))
     if len(found) == 1:
         return found[0]
     frequency = extrapolated(found[0].frequency, found[1].frequency, _shared(*found) ** 2)
@@ -255,10 +273,10 @@ def of_points(
     materials: tuple[Material, ...],
     degree: int,
     count: int,
-    yielding: bool = True,
+    yielding: Indices | None = None,
 ) -> Solution:
-    """Return the modes of a body that quadratures stand for, one for each of its materials. yielding: where walls meet
-    in a cell they yield across."""
+    """Return the modes of a body that quadratures stand for, one for each of its materials. yielding: the cells, at
+    inner edges, in which walls that meet yield across; None: all in which they do."""
     grid = pieces.grid
     of = np.repeat(np.arange(len(inside)), [len(each.cells) for each in inside])
     places, weights, cells, normals, through = (
@@ -271,7 +289,11 @@ def of_points(
     numbers = np.sort(np.r_[np.flatnonzero(volumes > _LEAST_FILLED * grid.sides**3), full])
     mesh = mesh_of(pieces, degree, numbers)
     points = Points(places[order], weights[order], cells[order], of[order], normals[order], through[order])
-    stiffness, mass, shares = _matrices(mesh, points, [each.full for each in inside], materials, yielding)
+    laws: list[_Law | None] = [_WHERE_BENT] * len(mesh.cells)
+    if yielding is not None:
+        at_edges = np.isin(grid.number(mesh.corners + mesh.sides[:, None] / 2), yielding)
+        laws = [_AT_EDGES if each else None for each in at_edges]
+    stiffness, mass, shares = _matrices(mesh, points, [each.full for each in inside], materials, laws)
     elements = Elements(mesh.nodes, mesh.corners + mesh.sides[:, None] / 2, 3, mesh.size)
     length = float(((mesh.corners + mesh.sides[:, None]).max(axis=0) - mesh.corners.min(axis=0)).max())
     speed = max(np.sqrt(each.youngs_modulus / each.density) for each in materials)
@@ -301,10 +323,10 @@ def _within(mesh: Mesh, points: Points) -> Array:
 
 
 def _matrices(
-    mesh: Mesh, points: Points, full: list[Indices], materials: tuple[Material, ...], yielding: bool
+    mesh: Mesh, points: Points, full: list[Indices], materials: tuple[Material, ...], laws: list[_Law | None]
 ) -> tuple[Array, Array, list[_Share]]:
     """Return the stiffness (e, 3 m, 3 m) and the mass (e, m, m) of each cell, and the pieces of cells that hold several
-    materials. full: numbers of the cells that are full of each material."""
+    materials. full: numbers of the cells that are full of each material; laws: by which walls yield in each cell."""
     degree = mesh.degree
     nodes, weights = gauss(degree + 1)
     at = cube_of(nodes)
@@ -325,7 +347,7 @@ def _matrices(
     for begin, end in _spans(mesh, points):
         own = points.part(begin, end)
         number, of = int(np.searchsorted(mesh.cells, own.cells[0])), int(own.of[0])
-        add(number, of, *_of_piece(own, mesh, number, materials[of], yielding))
+        add(number, of, *_of_piece(own, mesh, number, materials[of], laws[number]))
         filled[number] += float(own.weights.sum()) / mesh.sides[number] ** 3
         last[number] = of
     for of, cells in enumerate(full):
@@ -365,14 +387,14 @@ def _spans(mesh: Mesh, points: Points) -> list[tuple[int, int]]:
     return list(zip(begin[used].tolist(), end[used].tolist(), strict=True))
 
 
-def _of_piece(own: Points, mesh: Mesh, number: int, material: Material, yielding: bool) -> tuple[Array, Array]:
+def _of_piece(own: Points, mesh: Mesh, number: int, material: Material, law: _Law | None) -> tuple[Array, Array]:
     """Return the stiffness and the mass of a cell's points of one material."""
     side = float(mesh.sides[number])
     places = (own.places - mesh.corners[number]) / side
     stiffness, mass = _of_cell(places, own.weights, side, mesh.degree, material)
     thickness = float(np.median(own.through)) / side
-    if yielding and thickness < _THIN and _is_bent(own.weights, own.normals):
-        share = 1 - _LEFT * thickness**3
+    if law and thickness < law.most and _is_bent(own.weights, own.normals):
+        share = 1 - law.factor * thickness**law.power
         stiffness -= share * _held_across(own._replace(places=places), side, mesh.degree, material)
     return stiffness, mass
 

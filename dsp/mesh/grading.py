@@ -35,6 +35,11 @@ def graded(grid: Grid, surface: Surface, halvings: int) -> list[Grid]:
     return found
 
 
+def hollow(surface: Surface, grid: Grid) -> Indices:
+    """Return the numbers of the smallest cells of a grid that hold inner edges of a surface."""
+    return _hollow(*places_on(surface, _SAMPLES), grid)
+
+
 def places_on(surface: Surface, count: int) -> tuple[Array, Array]:
     """Return places (n, 3) on a surface, at random, and its normals there."""
     normals, areas = faces_of(surface)

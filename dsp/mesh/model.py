@@ -248,18 +248,20 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
         told = [f"a solid of {len(solved.mesh.cells)} cells of {sides} mm and degree {degree}"]
         if solved.leaks > 1e-3:
             told.append(f"{100 * solved.leaks:.2g} % of the rays met a gap in the surface, and took a neighbour's hits")
-        return solved, "cells", (*told, *_held_gap(solved, float(size_of(surface).max())))
+        told += [*_held_gap(solved, float(size_of(surface).max())), *_loose(solved.mesh.nodes)]
+        return solved, "cells", tuple(told)
     size = cells.sizes(surface, number, wanted.wall)
     if size.side < _SHELL * wanted.wall:
         solved = cells.solve_sheet(parts, wanted.wall, size, degree, count)
         text = f"a sheet of {1e3 * wanted.wall:.3g} mm, of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm"
-        return solved, "cells", (f"{text} and degree {degree}",)
+        return solved, "cells", (f"{text} and degree {degree}", *_loose(solved.mesh.nodes))
     _require_few(surface.faces)
     if len(parts.materials) > 1:
         raise MeshError(f"wall = {wanted.wall:g}: expected one material in so thin walls, or solids")
     fit, twice = _triangles(surface, fine)
     made = (shells.solve_twice if twice else shells.solve)(fit, wanted.wall, parts.materials[0], count)
-    return made, "shells", (f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(made.surface.faces)} triangles",)
+    text = f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(made.surface.faces)} triangles"
+    return made, "shells", (text, *_loose(made.surface.faces))
 
 
 def _triangles(surface: Surface, fine: bool) -> tuple[Surface, bool]:
@@ -283,6 +285,20 @@ def _held_gap(solved: cells.Solution, size: float) -> tuple[str, ...]:
     x, y, z = (f"{1e3 * each:.3g}" for each in gap.place @ cells.TILT)
     place = f"a gap of {1e3 * gap.width:.2g} mm ends about ({x}, {y}, {z}) mm in a cell of {1e3 * gap.side:.2g} mm"
     return (f"{place}, which holds both sides: modes that open it may come out too high",)
+
+
+def _loose(elements: Indices) -> tuple[str, ...]:
+    """Return a sentence on the parts of a body whose elements (e, n), numbers of nodes, share none, if there are
+    several."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    used, number = np.unique(elements, return_inverse=True)
+    number = number.reshape(elements.shape)
+    rows = np.repeat(number[:, 0], elements.shape[1])
+    graph = coo_array((np.ones(len(rows), bool), (rows, number.ravel())), shape=(len(used), len(used)))
+    count = connected_components(graph, directed=False)[0]
+    return () if count == 1 else (f"{count:,} parts that touch nowhere: each rings by itself",)
 
 
 def _require_few(faces: Indices) -> None:

@@ -1,11 +1,13 @@
 """Bodies put together of curved blocks, and their modes by hexahedra of high degree that fill them: a mug, a wrench.
 
 Each block is a grid of cells that a map takes from the unit cube to the body. Where blocks touch, their cells and the
-nodes of these meet. Cells are short at inner edges: stress has no bound there, and a few equal cells leave the wrench's
-jaws 1.3 % too stiff, the mug's handle 2.4 %.
+nodes of these meet. Cells are short at inner edges, along both of the sides that meet there: stress has no bound there,
+and a few equal cells leave the wrench's jaws 1.3 % too stiff, the mug's handle 2.4 %. Of the mug one half is enough:
+its modes are alike on both sides, or of opposite signs.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +26,8 @@ _SIDES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), 
 _RIGID = 6
 _MOST_NUMBERS = 400_000_000  # of the factor: 3.2 GB
 _SHIFT = 0.02  # of a wave's frequency along the body
+_HELD = 1e6  # of the largest stiffness
+_SAME = 1e-9  # m: places that are no farther apart are one
 
 
 class Block(NamedTuple):
@@ -38,8 +42,16 @@ def known(blocks: list[Block], material: Material, count: int, effort: int) -> n
     return frequencies(blocks, material, count, 3 + effort)
 
 
-def frequencies(blocks: list[Block], material: Material, count: int, degree: int) -> np.ndarray:
-    """Return the lowest frequencies (Hz) of a body."""
+def known_of_half(blocks: list[Block], material: Material, count: int, effort: int) -> np.ndarray:
+    """Return the same of a body of which the blocks are one half, up to y = 0."""
+    return frequencies(blocks, material, count, 3 + effort, held=((1,), (0, 2)))
+
+
+def frequencies(
+    blocks: list[Block], material: Material, count: int, degree: int, held: tuple[tuple[int, ...], ...] = ((),)
+) -> np.ndarray:
+    """Return the lowest frequencies (Hz) of a body. held: the axes along which what lies at y = 0 is held; of several,
+    all frequencies together."""
     at = lobatto(degree)
     local = np.stack(np.meshgrid(at, at, at, indexing="ij"), axis=-1).reshape(-1, 3)
     places = np.concatenate([_nodes(block, local) for block in blocks])
@@ -51,7 +63,8 @@ def frequencies(blocks: list[Block], material: Material, count: int, degree: int
     by_axis = stiffness.reshape(len(places), len(local), 3, len(local), 3)
     for axis in range(3):
         by_axis[:, :, axis, :, axis] += shift * mass
-    factor = Factor(Elements(nodes, places.mean(axis=1), 3, size), stiffness, 4, _MOST_NUMBERS)
+    elements = Elements(nodes, places.mean(axis=1), 3, size)
+    middle, stiff = np.nonzero(np.abs(places[:, :, 1]) < _SAME), _HELD * float(stiffness.max())
 
     def weigh(x: np.ndarray) -> np.ndarray:
         weighed = np.zeros((size, 3 * x.shape[1]))
@@ -60,8 +73,17 @@ def frequencies(blocks: list[Block], material: Material, count: int, degree: int
             weighed[own] += heavy @ each[own]
         return weighed.reshape(3 * size, -1)
 
-    values, _ = lowest(factor.solve, weigh, 3 * size, shift, count + _RIGID)
-    return np.sqrt(np.maximum(values, 0))[_RIGID:] / (2 * np.pi)
+    found = []
+    for axes in held:
+        for sign in (1, -1):
+            for axis in axes:
+                by_axis[middle[0], middle[1], axis, middle[1], axis] += sign * stiff
+            if sign > 0:
+                factor = Factor(elements, stiffness, 4, _MOST_NUMBERS)
+                found.append(lowest(factor.solve, weigh, 3 * size, shift, count + _RIGID)[0])
+                del factor
+    squares = np.sort(np.concatenate(found))[_RIGID : count + _RIGID]
+    return np.sqrt(np.maximum(squares, 0)) / (2 * np.pi)
 
 
 def _nodes(block: Block, local: np.ndarray) -> np.ndarray:
@@ -223,47 +245,84 @@ _CLOSE = [0.0004, 0.0012]
 
 _RADIUS, _HEIGHT, _WALL = 0.04, 0.09, 0.004
 _MIDDLE, _OUT, _IN = 0.047, 0.034, 0.025  # m, of the handle: height, radii
-_CORNER, _NEAR = 0.005, 0.001  # m: above it heights are the same through the wall; cells beside inner edges
+_CORNER = 0.005  # m: above it heights are the same through the wall
 _HALF = np.pi / 18  # rad: half of the handle's width
-_SIDE = _NEAR / _RADIUS
-_BESIDE = (-_HALF, _SIDE - _HALF, -_HALF / 2, 0.0, _HALF / 2, _HALF - _SIDE, _HALF)
-_ROUND = (_HALF + _SIDE, *(_HALF * n for n in range(2, 18, 2)), np.pi)
-_TURNS = (*(-each for each in _ROUND[::-1]), *_BESIDE, *_ROUND)
-_DEPTH = (_OUT, _OUT - _NEAR, _IN + _NEAR, _IN)  # m: through the handle
-_ANGLES = (0.0, 0.033, 0.25, 0.7, 1.1, np.pi / 2)  # rad: along half of it
-_LOW, _HIGH = [_MIDDLE - each for each in _DEPTH], [_MIDDLE + each for each in _DEPTH[::-1]]
-_HEIGHTS = (
-    _NEAR, _CORNER, _CORNER + _NEAR, _LOW[0] - _NEAR, *_LOW, _LOW[-1] + _NEAR, _MIDDLE, _HIGH[0] - _NEAR, *_HIGH,
-    _HIGH[-1] + _NEAR, _HEIGHT,
-)  # fmt: skip
-_ALONG = (
-    0.0, 0.012, 0.024, _RADIUS - _CORNER, _RADIUS - _NEAR, _RADIUS, *(_RADIUS + each for each in _HEIGHTS)
-)  # fmt: skip
+
+
+class _Cuts(NamedTuple):
+    """The cuts of a mug into cells: along its middle (m) from the bottom's centre, round it (rad), of these where the
+    handle is, through the handle (m), along it (rad), and through the wall, 0 to 1."""
+
+    along: tuple[float, ...]
+    round: tuple[float, ...]
+    beside: tuple[float, ...]
+    depth: tuple[float, ...]
+    angles: tuple[float, ...]
+    through: tuple[float, ...]
+
+    @property
+    def blocks(self) -> list[Block]:
+        """A mug's bottom and wall, whose middles meet at a corner, and half a ring on the wall."""
+
+        def wall(at: np.ndarray) -> np.ndarray:
+            share, along, turn = (_at(*each) for each in zip(at, (self.through, self.along, self.round), strict=True))
+            out, rise = _WALL * (share - 0.5), np.maximum(along - _RADIUS, 0)
+            radius = (_RADIUS + out) * np.minimum(along / _RADIUS, 1)
+            height = np.where(rise < _CORNER, -out + (_CORNER + out) * rise / _CORNER, rise)
+            return np.stack([radius * np.cos(turn), radius * np.sin(turn), height])
+
+        def handle(at: np.ndarray) -> np.ndarray:
+            angle, radius, turn = (_at(*each) for each in zip(at, (self.angles, self.depth, self.beside), strict=True))
+            outer = _RADIUS + _WALL / 2
+            x = outer * np.cos(turn) + 0.9 * radius * np.sin(angle)
+            return np.stack([x, outer * np.sin(turn), _MIDDLE - radius * np.cos(angle)])
+
+        counts = [len(each) - 1 for each in self]
+        return [Block((counts[5], counts[0], counts[1]), wall), Block((counts[4], counts[3], counts[2]), handle)]
+
+
+def mug() -> list[Block]:
+    """Return a mug of 80 x 90 mm, its wall of 4 mm, with a handle of 9 x 15 mm."""
+    half = _half_cuts((0.001,), 0.014)
+    around, beside = ((*(-each for each in own[:0:-1]), *own) for own in (half.round, half.beside))
+    return half._replace(round=around, beside=beside, through=(0.0, 1.0)).blocks
+
+
+def half_mug() -> list[Block]:
+    """Return half of it, where y is not below 0, of cells that are shorter beside inner edges, through the wall too."""
+    return _half_cuts((0.00024, 0.0012), 0.02).blocks
+
+
+def _half_cuts(layers: tuple[float, ...], widest: float) -> _Cuts:
+    """Return where half a mug is cut: so far (m) beside inner edges, and so wide (m) at most elsewhere."""
+    faces = [_RADIUS + _MIDDLE + side * each for side in (-1, 1) for each in (_IN, _OUT)]
+    corner = _RADIUS + _CORNER
+    bottom = _knots((0.0, corner), (_RADIUS,), layers, widest)
+    turns = tuple(each / _RADIUS for each in _knots((0.0, np.pi * _RADIUS), (_HALF * _RADIUS,), layers, widest))
+    quarter = tuple(each / _OUT for each in _knots((0.0, np.pi / 2 * _OUT), (0.0,), layers, widest))
+    return _Cuts(
+        along=(*bottom, *_knots((corner, _RADIUS + _HEIGHT), faces, layers, widest)[1:]),
+        round=turns,
+        beside=tuple(each for each in turns if each < 1.001 * _HALF),
+        depth=_knots((_IN, _OUT), (_IN, _OUT), layers, widest)[::-1],
+        angles=(*quarter, *(np.pi - each for each in quarter[-2::-1])),
+        through=(0.0, 0.3, 1.0),
+    )
+
+
+def _knots(
+    ends: tuple[float, float], edges: Sequence[float], layers: tuple[float, ...], widest: float
+) -> tuple[float, ...]:
+    """Return knots (m) from one end to the other: some layers beside each of the edges, at most so wide elsewhere."""
+    near = [edge + side * layer for edge in edges for side in (-1, 1) for layer in (0.0, *layers)]
+    within = [each for each in near if ends[0] + _SAME < each < ends[1] - _SAME]
+    fixed = [ends[0], *np.unique(np.round(within, 9)).tolist(), ends[1]]
+    found = fixed[:1]
+    for low, high in pairwise(fixed):
+        found += np.linspace(low, high, int(np.ceil((high - low) / widest)) + 1)[1:].tolist()
+    return tuple(found)
 
 
 def _at(share: np.ndarray, knots: tuple[float, ...]) -> np.ndarray:
     """Return places between knots, to each two of which the same share of 0 to 1 leads."""
     return np.interp(share * (len(knots) - 1), range(len(knots)), knots)
-
-
-def _mug_wall(at: np.ndarray) -> np.ndarray:
-    """Return places of a mug's bottom and wall, whose middles meet at a corner."""
-    out, along, turn = _WALL * (at[0] - 0.5), _at(at[1], _ALONG), _at(at[2], _TURNS)
-    radius, rise = (_RADIUS + out) * np.minimum(along / _RADIUS, 1), np.maximum(along - _RADIUS, 0)
-    height = np.where(rise < _CORNER, -out + (_CORNER + out) * rise / _CORNER, rise)
-    return np.stack([radius * np.cos(turn), radius * np.sin(turn), height])
-
-
-def _mug_handle(at: np.ndarray) -> np.ndarray:
-    """Return places of half a ring on the wall: along it, through it, and round the mug."""
-    angles = (*_ANGLES, *(np.pi - each for each in _ANGLES[-2::-1]))
-    angle, radius, turn = _at(at[0], angles), _at(at[1], _DEPTH), _at(at[2], _BESIDE)
-    outer = _RADIUS + _WALL / 2
-    x = outer * np.cos(turn) + 0.9 * radius * np.sin(angle)
-    return np.stack([x, outer * np.sin(turn), _MIDDLE - radius * np.cos(angle)])
-
-
-def mug() -> list[Block]:
-    """Return a mug of 80 x 90 mm, its wall of 4 mm, with a handle of 9 x 15 mm."""
-    wall = Block((1, len(_ALONG) - 1, len(_TURNS) - 1), _mug_wall)
-    return [wall, Block((2 * len(_ANGLES) - 2, len(_DEPTH) - 1, len(_BESIDE) - 1), _mug_handle)]

@@ -146,8 +146,10 @@ def _turned(place: Map, pieces: int, counts: tuple[int, int, int], wall: float |
     return Body(counts, place, known, wall)
 
 
-def _of_blocks(blocks: list[hexahedra.Block]) -> Body:
+def _of_blocks(blocks: list[hexahedra.Block], half: list[hexahedra.Block] | None = None) -> Body:
     def known(effort: int) -> np.ndarray:
+        if half is not None:
+            return hexahedra.known_of_half(half, METAL, COUNT, effort)
         return hexahedra.known(blocks, METAL, COUNT, effort)
 
     return Body((0, 0, 0), block(), known, built=blocks)
@@ -167,7 +169,7 @@ BODIES = {
     "cup 66 x 115, wall and bottom of 2": _turned(partial(can, 0.002), 9, (3, 54, 144)),
     "can 66 x 115, `--wall` 1": _turned(partial(can, 0.001), 9, (2, 18, 48), 0.001),
     "can 66 x 115, `--wall` 0.25": _turned(partial(can, 0.00025), 9, (2, 18, 48), 0.00025),
-    "mug 84 x 90 with a handle, wall of 4": _of_blocks(hexahedra.mug()),
+    "mug 84 x 90 with a handle, wall of 4": _of_blocks(hexahedra.mug(), hexahedra.half_mug()),
     "wrench of 130": _of_blocks(hexahedra.wrench()),
     "lump of 60": _of_blocks([hexahedra.Block((4, 4, 4), blob)]),
 }

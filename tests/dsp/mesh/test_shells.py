@@ -147,3 +147,13 @@ def test_sheets_that_do_not_touch_are_said():
     apart = forms.together(*(Surface(one.points + np.array([0, 0, 0.02 * k]), one.faces) for k in range(8)))
     with pytest.raises(MeshError, match="no mode bends the body: expected parts that touch"):
         model_of(*apart, METAL, Wanted(0.0005, modes=10, points=60))
+
+
+@pytest.mark.parametrize("wall", [0.0005, 0.006])
+def test_parts_that_ring_apart_are_told(wall):
+    """Parts are told of a shell and of a sheet of cells."""
+    one = square(2, 0.05)
+    apart = forms.together(one, Surface(one.points + np.array([0, 0, 0.2]), one.faces))
+    (told,) = [note for note in model_of(*apart, METAL, Wanted(wall, modes=10, points=60)).notes if "parts" in note]
+    assert told == "2 parts that touch nowhere: each rings by itself"
+    assert not any("parts" in note for note in model_of(*one, METAL, Wanted(wall, modes=10, points=60)).notes)
