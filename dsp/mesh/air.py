@@ -35,6 +35,7 @@ _THIN = 0.35  # of the spacing: thinner walls are one layer
 _APART = 0.7  # of the spacing: how far off the faces at an edge count, so that no point is of both
 _LEAST_AREA = 0.05  # of the median's
 _WAVE = 2.5  # points a wavelength at least
+_TOGETHER = 8  # points whose samples are summed at a time
 
 
 class Layer(NamedTuple):
@@ -238,11 +239,8 @@ def _near(layer: Layer, rest: Array) -> None:
     from scipy.spatial import cKDTree
 
     reach = _NEAR * float(np.sqrt(np.median(layer.areas)))
-    tree = cKDTree(layer.places)
-    lists = tree.query_ball_point(layer.samples.places, reach, return_sorted=False)
-    sizes = np.fromiter(map(len, lists), np.int64, len(lists))
-    sample = np.repeat(np.arange(len(lists)), sizes)
-    point = np.concatenate([np.asarray(each, np.int64) for each in lists])
+    pairs = cKDTree(layer.samples.places).sparse_distance_matrix(cKDTree(layer.places), reach, output_type="ndarray")
+    sample, point = pairs["i"], pairs["j"]
     other = point != layer.own[sample]
     point, sample = point[other], sample[other]
     count = len(rest)
@@ -264,20 +262,23 @@ def _constant(layer: Layer) -> Array:
     from scipy.special import erfinv
 
     width = _WINDOW * float(np.sqrt(np.median(layer.areas)))
-    places, normals, _ = layer.samples
+    middle = layer.places.mean(axis=0)  # far from it digits would be lost
+    places, normals = layer.samples.places - middle, layer.samples.normals
     # A constant jump along the normal of this point: samples count by their own point's side.
     weights = np.sign(np.einsum("ij,ij->i", normals, layer.normals[layer.own])) * layer.weights
     sums, covered = np.empty((2, len(layer.places)))
-    for number, (here, look) in enumerate(zip(layer.places, layer.normals, strict=True)):
-        difference = here - places
-        square = np.maximum(np.einsum("ij,ij->i", difference, difference), 1e-18)
-        turned = 3 * (difference @ look) * np.einsum("ij,ij->i", normals, difference)
-        value = weights * (normals @ look - turned / square) / (4 * np.pi * square * np.sqrt(square))
-        near = np.flatnonzero(square < (_WINDOWS * width) ** 2)
-        share = square[near] / width**2
-        value[near] *= -np.expm1(-(share**2))
-        sums[number] = value.sum()
-        covered[number] = layer.weights[near] @ np.exp(-share) / (np.pi * width**2)
+    apart = np.einsum("ij,ij->i", normals, places)
+    for begin in range(0, len(layer.places), _TOGETHER):
+        some = slice(begin, begin + _TOGETHER)
+        here, look = layer.places[some] - middle, layer.normals[some]
+        square = np.maximum((places**2).sum(axis=1) + (here**2).sum(axis=1)[:, None] - 2 * here @ places.T, 1e-18)
+        turned = 3 * (np.einsum("ij,ij->i", here, look)[:, None] - look @ places.T) * (here @ normals.T - apart)
+        value = weights * (look @ normals.T - turned / square) / (4 * np.pi * square * np.sqrt(square))
+        row, near = np.nonzero(square < (_WINDOWS * width) ** 2)
+        share = square[row, near] / width**2
+        value[row, near] *= -np.expm1(-(share**2))
+        sums[some] = value.sum(axis=1)
+        covered[some] = np.bincount(row, layer.weights[near] * np.exp(-share), len(here)) / (np.pi * width**2)
     rim = erfinv(2 * np.clip(covered, 0.55, 1 - 1e-6) - 1)
     found: Array = sums - (math.gamma(0.75) / 2 + np.interp(rim, *_beyond_rim())) / width
     return found
@@ -319,15 +320,27 @@ def _far(layer: Layer, frequency: float, beta: float, jump: Complex) -> float:
     """Return the resistance (1/s) of a jump (points,) at a frequency (Hz), by its far field."""
     k, directions = 2 * np.pi * frequency / SPEED, _sphere(_DIRECTIONS)
     source = -1j * k * (directions @ layer.normals.T) + (beta + 1j * k if beta else 0)
-    far = (np.exp(-1j * k * (directions @ layer.places.T)) * source) @ (layer.areas * jump) / (4 * np.pi)
+    angle = k * (directions @ (layer.places - layer.places.mean(axis=0)).T)
+    far = (_turned(angle).conj() * source) @ (layer.areas * jump) / (4 * np.pi)
     return float((np.abs(far) ** 2).mean() * 4 * np.pi / IMPEDANCE)
+
+
+def _turned(angle: Array) -> npt.NDArray[np.complex64]:
+    """Return exp(i angle) to seven digits, in a tenth of the time of all."""
+    single = angle.astype(np.float32)
+    found = np.empty(single.shape, np.complex64)
+    np.cos(single, out=found.real)
+    np.sin(single, out=found.imag)
+    return found
 
 
 def _matrix(layer: Layer, static: _Static, k: complex, beta: complex) -> Complex:
     """Return the motions (n, n) by dipoles, and beta monopoles, of unit strength at each point."""
     r, areas = static.distance, layer.areas
     ikr = 1j * k * r
-    wave = np.exp(ikr)
+    wave = _turned(k.real * r)
+    if k.imag:
+        wave *= np.exp(np.asarray(-k.imag * r, np.float32))
     one, two = ikr - 1, ikr * ikr - 2 * ikr + 2
     turned = static.here * static.there
     moving = wave * (one * static.both + (two - one) * turned) - (3 * turned - static.both)

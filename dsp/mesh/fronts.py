@@ -120,21 +120,29 @@ class Factor:
     def _summed(self, which: Indices, matrices: Array) -> _Rest:
         """Return the sum of some elements."""
         nodes, local = np.unique(self._place[self._elements.nodes[which]], return_inverse=True)
-        matrix = np.zeros((len(nodes) * self._elements.unknowns,) * 2, order="F")
-        for at, each in zip(local.reshape(len(which), -1), matrices[which], strict=True):
-            rows = self._unknowns(at)
-            matrix[rows[:, None], rows] += each
-        return _Rest(nodes, matrix)
+        rows = self._unknowns(local.reshape(-1)).reshape(len(which), -1)
+        size = len(nodes) * self._elements.unknowns
+        place = rows[:, None, :] * size + rows[:, :, None]  # by columns
+        matrix = np.asarray(np.bincount(place.ravel(), matrices[which].ravel(), size**2), np.float64)
+        return _Rest(nodes, matrix.reshape(size, size).T)
 
     def _joined(self, one: _Rest, other: _Rest) -> _Rest:
-        """Return the sum of what two parts leave."""
+        """Return the sum of what two parts leave, its lower half."""
         nodes = np.union1d(one.nodes, other.nodes)
         matrix = np.zeros((len(nodes) * self._elements.unknowns,) * 2, order="F")
-        rows = self._unknowns(np.searchsorted(nodes, one.nodes))
-        matrix.T[np.ix_(rows, rows)] = one.matrix.T
-        rows = self._unknowns(np.searchsorted(nodes, other.nodes))
-        matrix.T[np.ix_(rows, rows)] += other.matrix.T
+        for part in (one, other):
+            runs = self._runs(np.searchsorted(nodes, part.nodes))
+            for n, (begin, end, at) in enumerate(runs):
+                columns = slice(at, at + end - begin)
+                for first, last, to in runs[n:]:
+                    matrix[to : to + last - first, columns] += part.matrix[first:last, begin:end]
         return _Rest(nodes, matrix)
+
+    def _runs(self, at: Indices) -> list[tuple[int, int, int]]:
+        """Return where runs of unknowns begin and end, and where each goes, by the places of ascending nodes."""
+        begin = np.flatnonzero(np.diff(at, prepend=-2) != 1)
+        end = np.append(begin, len(at))[1:]
+        return [(a, b, to) for a, b, to in (np.stack([begin, end, at[begin]], 1) * self._elements.unknowns).tolist()]
 
     def _solved(self, part: _Part, whole: _Rest) -> _Rest:
         """Solve for the nodes whose elements are all in a part, its first ones, and return what is left of it."""

@@ -78,13 +78,13 @@ def _apart(places: Array, radius: float) -> Indices:
     """Return the numbers of places of which none lies within a radius of another one, as many as fit."""
     from scipy.spatial import cKDTree
 
-    near = cKDTree(places).query_ball_point(places, radius, return_sorted=False)
+    tree = cKDTree(places)
     alive = np.ones(len(places), bool)
     chosen = []
     for number in np.random.default_rng(1).permutation(len(places)):
         if alive[number]:
             chosen.append(int(number))
-            alive[near[number]] = False
+            alive[tree.query_ball_point(places[number], radius)] = False
     return np.array(chosen, np.int64)
 
 

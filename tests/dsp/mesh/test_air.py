@@ -69,6 +69,18 @@ def test_a_plate_radiates_as_caroms_own_plate_does(kind):
     assert np.sqrt((apart**2).mean()) < 0.7
 
 
+def test_a_body_radiates_alike_wherever_it_lies():
+    """Distances follow from products, and phases have seven digits: those of places 100 km off would have none left."""
+    disc = forms.lathe(np.c_[np.linspace(0, 0.1, 12), np.zeros(12)], 48, closed=False)
+    frequency = np.array([800.0, 5000.0])
+    found = []
+    for offset in (0.0, 1e5):
+        layer, _ = layer_of(Surface(disc.points + offset, disc.faces), "sheet", 100)
+        motion = layer.normals[:, 2:] * np.ones(2)
+        found.append(radiation(layer, motion, frequency).resistance)
+    assert np.abs(decibels(*found)).max() < 0.01
+
+
 def sheet(sides, steps):
     """Return an open rectangle of triangles about the origin."""
     x, y = np.meshgrid(*(np.linspace(-a / 2, a / 2, n + 1) for a, n in zip(sides, steps, strict=True)), indexing="ij")
