@@ -16,17 +16,22 @@ if TYPE_CHECKING:
 
 
 def law_of(
-    to: ObjectCall, by: PlayedObject | None, changes: Mapping[str, float] | None = None, said: Collection[str] = LAW
+    to: ObjectCall,
+    by: PlayedObject | None,
+    changes: Mapping[str, float] | None = None,
+    said: Collection[str] = LAW,
+    onto: PlayedObject | None = None,
 ) -> Contact:
-    """Return the contact law of a gesture: its striker's, with `changes`; given keys win.
+    """Return the contact law of a gesture on its object, or `onto` another: its striker's, with `changes`; given keys
+    win.
 
     Where an object strikes, its mass does. Unless a striker is named, the rest comes from the materials of both. The
     canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on. A
     restitution that is given takes the striker's dissipation's place, and the other way round. At a point of a surface
     the stiffness follows how the surface curves there.
     """
-    preset, given = to.obj.preset, to.values.numbers
-    struck = struck_material(to)
+    struck_object, given = onto or to.obj, to.values.numbers
+    preset, struck = struck_object.preset, struck_material(to, struck_object)
     law = to.transaction.laws.of(to.striker, struck or preset.material)._asdict()
     if by:
         law["mass"] = by.mass
@@ -49,13 +54,13 @@ def law_of(
     return Contact(**law)
 
 
-def struck_material(to: ObjectCall) -> Material | None:
-    """Return the material of the object's part that a gesture touches first, where that is not the object's own."""
-    table: Table | None = to.obj.preset.geometry.get("table")  # that of a mesh
-    faces = to.obj.modes.faces
+def struck_material(to: ObjectCall, struck: PlayedObject) -> Material | None:
+    """Return the material of an object's part that a gesture touches first, where that is not the object's own."""
+    table: Table | None = struck.preset.geometry.get("table")  # that of a mesh
+    faces = struck.modes.faces
     if table is None or table.of is None or faces is None:
         return None
-    point, place = to.values.vectors.get("point"), to.values.numbers.get("position", to.obj.preset.position)
+    point, place = to.values.vectors.get("point"), to.values.numbers.get("position", struck.preset.position)
     return table.material_at(faces.line[round(place * (faces.path - 1))] if point is None else point)
 
 

@@ -22,8 +22,10 @@ def shatter(to: ObjectCall) -> None:
     if velocity == 0.0:
         to.end_at_once()
         return
-    law, onto = law_of(to, None), _onto(to)
-    require_short(velocity, law)
+    onto = _onto(to)
+    law, landing = law_of(to, None), law_of(to, None, onto=onto)
+    for each in (law, landing):
+        require_short(velocity, each)
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {
         **law._asdict(),
@@ -39,7 +41,7 @@ def shatter(to: ObjectCall) -> None:
     }
     sound = None if to.is_point_mass else to.transaction.laws.sound_of(to.striker)
     motion |= engine.lay_out_striker(sound) if sound else {}
-    pieces = {**motion, "stage": 1.0 if onto else 2.0}
+    pieces = {**motion, **landing._asdict(), "stage": 1.0 if onto else 2.0}
     here, below = to.obj.handle, (onto or to.obj).handle
     _add(
         to,

@@ -7,7 +7,10 @@ import carom
 from carom.dsp.bodies.air import IMPEDANCE, SPEED
 from carom.dsp.bodies.plate import plate
 from carom.dsp.engine.bodies.striker_modes import radiated_by
+from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets
+from carom.server.scene.session import Session
+from tests.server.scene.support import say
 
 RATE = 48_000
 
@@ -69,3 +72,18 @@ def test_a_large_piece_rings_fainter_than_a_small_one():
 
     louder = [loudest(0.12, 0.11, seed) - loudest(0.03, 0.03, seed) for seed in (1, 2, 3, 5)]
     assert -12.0 < np.mean(louder) < 0.0
+
+
+def test_pieces_land_by_what_they_fall_on_and_cracks_are_of_what_breaks(monkeypatch):
+    session, presets, sent = Session(Engine(RATE), Presets()), Presets(), []
+    for name, preset in (("glass", "wine-glass"), ("board", "wood-board"), ("alone", "wine-glass")):
+        say(session, "/object/new", name, preset)
+    send = session.engine.send
+    monkeypatch.setattr(session.engine, "send", lambda each: (sent.extend(each), send(each))[1])
+    say(session, "/object/glass/shatter", 1.0, "onto", "board")
+    say(session, "/object/alone/shatter", 1.0)
+    cracks, pieces, _, _, nowhere, _ = (each.values for each in sent)
+    shards = presets.striker("glass-shards")
+    on_glass, on_wood = (shards.contact(presets.object(name).material)[1] for name in ("wine-glass", "wood-board"))
+    assert (cracks["stiffness"], pieces["stiffness"], nowhere["stiffness"]) == (on_glass, on_wood, on_glass)
+    assert on_wood < 0.5 * on_glass
