@@ -71,7 +71,7 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
             if v < SLOWEST:
                 bounce_piece(swarm, p, 0.0)
                 continue
-            light = log(mass / (swarm.k * math.exp(0.5 * size_of(swarm, contact.trait.meets * swarm.mass_of[p]))))
+            light = log(mass / swarm.k)
             loss, width = pulse_of(swarm, table, light, v)
             given = known_of(table.momentum, loss)
             blows.alike[n], blows.shorter[n], bounces = bend_piece(swarm, p, mass, width, flat, given)
