@@ -29,8 +29,10 @@ from .soundfont import SoundFont
 
 RATE, SECONDS = 48_000, 2.0
 SEEDS = range(1, 13)
-FLOOR = "length 2 width 1.98 thickness 0.15 material granite"
+FLOOR = "ceramic-tile length 2 width 1.98 thickness 0.15 material granite"
 """Tiles are laid in mortar on a slab: together they are as heavy, and are not heard."""
+TABLE = "wood-board length 1.4 width 0.8 thickness 0.025"
+"""The top of a table for six."""
 ROOM = "0 /listener 0 0 0.5\n0 /room 5 4 2.5 x -2.5 y -2 t60 0.3\n"
 """A room to record in, 1 m from it: EBU Tech 3276 (1998, as recalled) has a T60 of 0.2 to 0.4 s."""
 PLACES = "0 /object/a/place 0.8 0.3 0.05\n0 /object/b/place 0.8 0.3 0\n"
@@ -39,10 +41,14 @@ SCORES = {
     "gravel": "0 /object/new a gravel-path\n0 /object/a/step 700 seed {}",
     "can": "0 /object/new a drinks-can\n0 /object/a/crumple 0.2 id c seed {}\n1.5 /gesture/c/stop",
     **{
-        name + place: f"{before}0 /object/new a {what}\n0 /object/new b ceramic-tile {FLOOR}\n{there}"
+        name + place: f"{before}0 /object/new a {what}\n0 /object/new b {below}\n{there}"
         "0 /object/a/shatter 2 height 0.15 onto b seed {}"
         for name, what in (("glass", "wine-glass"), ("goblet", "goblet"), ("bottle", "bottle"))
-        for place, before, there in (("", "", ""), (" in a room", ROOM, PLACES))
+        for place, before, below, there in (
+            ("", "", FLOOR, ""),
+            (" in a room", ROOM, FLOOR, PLACES),
+            (" on a table", ROOM, TABLE, PLACES),
+        )
     },
     "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {}",
     "dice": "0 /object/new a plastic-cup\n0 /object/a/shake 40 speed 0.5 seed {}",
@@ -59,10 +65,13 @@ JUDGED = {
     "glass": "a burst of all frequencies, then pieces that clatter for half a second, in short tones of many pitches, "
     "most above 3 kHz; recordings clatter for a second and more, in rooms",
     "glass in a room": "the same, and the room fills the pauses as in recordings, which have more below 3 kHz",
+    "glass on a table": "the same, and the table knocks where pieces land, as loud below 5 kHz as recordings are",
     "goblet": "as the glass, which has neither stem nor foot: more of it lies below 5 kHz",
     "goblet in a room": "the same, and the room fills the pauses",
+    "goblet on a table": "the same, and the table knocks, most below 5 kHz",
     "bottle": "as the glass, lower, from 1 kHz on",
-    "bottle in a room": "the same, and the room fills the pauses; nearest to recordings, which clatter for longer",
+    "bottle in a room": "the same, and the room fills the pauses; recordings clatter for longer",
+    "bottle on a table": "the same, and the table knocks, most below 3 kHz, louder than the pieces ring",
     "pane": "as the bottle, for a second, greatest from 2 to 8 kHz, as recorded; without the part below 500 Hz that "
     "one recording has",
     "dice": "bursts of blows from 0.5 to 10 kHz with pauses between, as recorded; the cup rings on at 1 kHz for 50 ms",
@@ -79,12 +88,11 @@ RECORDINGS = {
     ),
     "gravel": (_MINETEST + "gravel_footstep.*.ogg", _UFO + "footsteps/gravel?.ogg"),
     "can": ("usr/share/games/minetest/mods/homedecor/homedecor_trash_cans/sounds/homedecor_trash_all.ogg",),
-    "glass": (_UFO + "misc/breakglass0[2-5].ogg",),
-    "glass in a room": (_UFO + "misc/breakglass0[2-5].ogg",),
-    "goblet": (_UFO + "misc/breakglass0[2-5].ogg",),
-    "goblet in a room": (_UFO + "misc/breakglass0[2-5].ogg",),
-    "bottle": (_UFO + "misc/breakglass0[2-5].ogg",),
-    "bottle in a room": (_UFO + "misc/breakglass0[2-5].ogg",),
+    **{
+        what + place: (_UFO + "misc/breakglass0[2-5].ogg",)
+        for what in ("glass", "goblet", "bottle")
+        for place in ("", " in a room", " on a table")
+    },
     "pane": (_MINETEST + "break_glass.*.ogg",),
     "dice": ("usr/share/gnubg/sounds/roll.wav",),
     "rice": (_FLUID + "GM.sf2/Maracas(L)", _FLUID + "GM.sf2/Small Shaker (L)", _FLUID + "GM.sf2/Cabasa(L)"),
