@@ -9,7 +9,7 @@ from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.native.pointers import load_address, load_double, load_int32
 from ....dsp.native.typed import Record, View, View2D, dtype_of
 from ..tracking.state import BODIES, POINTS, State
-from .soft import Soft
+from .soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, Soft, elasticity_of
 
 
 class Mechanism(Record):
@@ -154,7 +154,10 @@ def _take_contact(state: State, arrays: Arrays, n: int, contact: int) -> None:
         state.normal[n, k] = load_double(contact + arrays.normal + _DOUBLE * k)
     state.depth[n] = -load_double(contact + arrays.distance)
     state.friction[n] = load_double(contact + arrays.friction)
-    state.force[n] = 0.0
+    state.force[n] = state.elastic[n] = 0.0
+    if row >= 0 and arrays.mechanism.own == 1:
+        find_soft(arrays.mechanism, contact)
+        state.elastic[n] = elasticity_of(arrays.mechanism.soft)
     if row >= 0 and arrays.forces:
         forces = load_address(arrays.forces) + _DOUBLE * row
         rows = 1
@@ -162,3 +165,22 @@ def _take_contact(state: State, arrays: Arrays, n: int, contact: int) -> None:
             rows = max(1, 2 * (load_int32(contact + arrays.dimensions) - 1))
         for k in range(rows):
             state.force[n] += load_double(forces + _DOUBLE * k)
+
+
+@kernel
+def find_soft(mechanism: Mechanism, contact: int) -> None:
+    """Find the spring and the damper of a contact at an address, as MuJoCo's options say them."""
+    soft = mechanism.soft
+    impedance, reference = contact + mechanism.impedance, contact + mechanism.reference
+    soft.step = load_double(mechanism.step)
+    soft.low, soft.high = load_double(impedance), load_double(impedance + _DOUBLE)
+    soft.width, soft.middle = load_double(impedance + 2 * _DOUBLE), load_double(impedance + 3 * _DOUBLE)
+    soft.power = load_double(impedance + 4 * _DOUBLE)
+    most = min(max(soft.high, LEAST_IMPEDANCE), MOST_IMPEDANCE)
+    first, second = load_double(reference), load_double(reference + _DOUBLE)
+    if first > 0.0:
+        time = max(first, 2.0 * soft.step)
+        root = most * time * second
+        soft.stiffness, soft.damping = 1.0 / (root * root), 2.0 / (most * time)
+    else:
+        soft.stiffness, soft.damping = -first / (most * most), -second / most

@@ -9,9 +9,9 @@ from ....dsp.native.jit import carray, kernel, noinline_kernel
 from ....dsp.native.pointers import load_address, load_double, pointer_to
 from ....dsp.native.typed import View, View2D
 from ..tracking.state import Blow, State
-from .arrays import Arrays
+from .arrays import Arrays, find_soft
 from .functions import call_jacobian, call_solve
-from .soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, rebound_of
+from .soft import rebound_of
 
 _DOUBLE = 8  # bytes
 
@@ -62,21 +62,9 @@ def _rebound(arrays: Arrays, blow: Blow, pushed: float) -> float:
     """Return the share of its speed that a blow's contact leaves, where other forces push the bodies together
     (m/s^2)."""
     mechanism = arrays.mechanism
-    soft = mechanism.soft
     contact = load_address(arrays.contacts) + arrays.stride * blow.contact
-    impedance, reference = contact + mechanism.impedance, contact + mechanism.reference
-    soft.step = load_double(mechanism.step)
-    soft.low, soft.high = load_double(impedance), load_double(impedance + _DOUBLE)
-    soft.width, soft.middle = load_double(impedance + 2 * _DOUBLE), load_double(impedance + 3 * _DOUBLE)
-    soft.power = load_double(impedance + 4 * _DOUBLE)
-    most = min(max(soft.high, LEAST_IMPEDANCE), MOST_IMPEDANCE)
-    first, second = load_double(reference), load_double(reference + _DOUBLE)
-    if first > 0.0:
-        time = max(first, 2.0 * soft.step)
-        root = most * time * second
-        soft.stiffness, soft.damping = 1.0 / (root * root), 2.0 / (most * time)
-    else:
-        soft.stiffness, soft.damping = -first / (most * most), -second / most
+    find_soft(mechanism, contact)
+    soft = mechanism.soft
     soft.depth = max(load_double(contact + mechanism.margin) - load_double(contact + arrays.distance), 0.0)
     soft.speed, soft.pushed, soft.late = blow.speed, pushed, arrays.late
     soft.braked = 0.0

@@ -4,6 +4,8 @@ The reference acceleration is a_ref = -b v - k d r, of which the constraint appl
 (MuJoCo, "Computation": "Solver parameters"). It is taken step by step as the simulator does.
 """
 
+import math
+
 from ....dsp.native.jit import kernel
 from ....dsp.native.typed import Record, dtype_of
 
@@ -53,6 +55,20 @@ def rebound_of(soft: Soft) -> float:
             break
         slows |= rate < before
     return min(max(-least / soft.speed, 0.0), 1.0)
+
+
+@kernel
+def elasticity_of(soft: Soft) -> float:
+    """Return the share of its speed that the contact leaves at most, of all depths at which it may be seen first.
+
+    A damped spring leaves exp(-pi z/sqrt(1 - z^2)). Where one step turns the bodies round, that is
+    d (b h + k d h^2) - 1, if they are as deep as they came in a step of h.
+    """
+    stiffness, braked = soft.stiffness, soft.high * soft.damping * soft.step
+    at_once = braked + stiffness * (soft.high * soft.step) ** 2 - 1.0
+    square = 0.25 * soft.damping * soft.damping
+    swings = math.exp(-math.pi * math.sqrt(square / (stiffness - square))) if stiffness > square else 0.0
+    return min(max(swings, at_once), 1.0)
 
 
 @kernel

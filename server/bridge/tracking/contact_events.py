@@ -102,7 +102,7 @@ def _step_pair(state: State, microphones: MicrophoneState, i: int, span: float) 
     if pair.fresh > 0:
         _hit(state, pair)
         pair.landed, pair.calm = pair.speed / pair.fresh, 0
-        pair.left = pair.landed
+        pair.left, pair.hops, pair.hopping = pair.landed, 0.0, 0.0
         pair.stood, pair.begun = 0, state.time
     elif pair.settled == 0 or state.time - pair.begun > _STOOD or _is_calm(state, pair):
         pair.stood = 1

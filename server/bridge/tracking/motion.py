@@ -47,6 +47,7 @@ def follow(state: State, pair: Pair, span: float) -> None:
     if pair.settled == 0:
         pair.now[0] = slip
     pair.fastest = max(slip, pair.fastest * glide.remembered)
+    pair.hops = max(pair.hopping, pair.hops * glide.remembered)
     pair.now[0] += share * (slip - pair.now[0])
     if pair.settled < 2:
         pair.settled = 2 if pair.followed > 0 else 1

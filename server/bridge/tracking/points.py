@@ -14,6 +14,9 @@ GRAZING = 0.25
 friction coefficient times the slip, and let it fall again (M. Anitescu, Math. Program. 105, 2006). A body that rocks as
 it falls closes up to twice as fast."""
 
+STAYED, BACK, CAME = range(3)
+"""Ways in which a point is there: since the last steps, again, or anew."""
+
 _ROCKS, _STEEPEST = 2.0, 1.0  # times the friction; the greatest share
 _ALIGNED = 0.98  # cosine between two normals of one plane
 _WHOLE, _ALIKE = 0.8, 1.05  # of the bodies' mass; times as fast as they sink, at most
@@ -36,6 +39,7 @@ def clear(pair: Pair) -> None:
     pair.count = pair.fresh = pair.followed = 0
     pair.swept[0] = pair.swept[1] = 0.0
     pair.weight = pair.slip = pair.force = pair.closes = pair.speed = pair.delay = pair.mass = pair.restitution = 0.0
+    pair.hopping = 0.0
     for k in range(3):
         pair.point[k] = pair.normal[k] = pair.fresh_point[k] = pair.fresh_normal[k] = 0.0
 
@@ -60,7 +64,7 @@ def _find(state: State, a: int, b: int) -> int:
     pair.seen, pair.landed, pair.left = -math.inf, math.inf, math.inf
     for k in range(3):
         pair.now[k] = pair.said[k] = 0.0
-    pair.sweep[0] = pair.sweep[1] = pair.fastest = pair.pushed = pair.over = 0.0
+    pair.sweep[0] = pair.sweep[1] = pair.fastest = pair.hops = pair.pushed = pair.over = 0.0
     pair.hopped_at = -math.inf
     return place
 
@@ -108,19 +112,29 @@ def take_point(state: State, n: int, span: float, fall: float, least: float) -> 
         pair.point[k] += point[k]
         pair.normal[k] += sign * normal[k]
     pair.steepest = _steepest(state.friction[n])
-    fresh = _is_new(state, pair, n, span, abs(approach) + slip)
+    came = _find_before(state, pair, n, span, abs(approach) + slip)
     pair.sinks = max(pair.sinks, approach)
-    fresh = fresh and approach > least and not _grazes(pair, approach, slip, fall) and not _sinks(pair, approach)
+    gives = _gives(state, n)
+    if came != STAYED and approach <= least:
+        pair.hopping = max(pair.hopping, gives * approach)
+    fresh = came != STAYED and approach > least and not _grazes(pair, approach, slip, fall, gives, came == BACK)
+    fresh = fresh and not _sinks(pair, approach)
     if fresh and not _goes_on(state, pair, n, sign, span, approach):
-        pair.fresh += 1
-        pair.speed += approach
-        depth = state.depth[n]
-        pair.delay += min(depth / approach, span) if depth > 0.0 else 0.0
-        pair.mass += state.mass[n]
-        pair.restitution += state.restitution[n]
-        for k in range(3):
-            pair.fresh_point[k] += point[k]
-            pair.fresh_normal[k] += sign * normal[k]
+        _add_new(state, pair, n, sign, span, approach)
+
+
+@kernel
+def _add_new(state: State, pair: Pair, n: int, sign: float, span: float, approach: float) -> None:
+    """Add a new point to its pair's blow."""
+    pair.fresh += 1
+    pair.speed += approach
+    depth = state.depth[n]
+    pair.delay += min(depth / approach, span) if depth > 0.0 else 0.0
+    pair.mass += state.mass[n]
+    pair.restitution += state.restitution[n]
+    for k in range(3):
+        pair.fresh_point[k] += state.point[n, k]
+        pair.fresh_normal[k] += sign * state.normal[n, k]
 
 
 @kernel
@@ -130,19 +144,32 @@ def _steepest(friction: float) -> float:
 
 
 @kernel
-def _grazes(pair: Pair, approach: float, slip: float, fall: float) -> bool:
+def _gives(state: State, n: int) -> float:
+    """Return the share of its speed that a point's contact gives back, 0 where it is not known."""
+    return state.elastic[n] if math.isnan(state.restitution[n]) else state.restitution[n]
+
+
+@kernel
+def _grazes(pair: Pair, approach: float, slip: float, fall: float, gives: float, back: bool) -> bool:
     """True if a new point is one of a slide: it closes more slowly than it slips by far, and its contact has stayed, or
     hardly flew, or lands faster than its last blow left it.
 
     A step ends after the landing, so what the simulator lifted falls for up to a step longer, and closes by up to
-    `fall` faster; where that is most of it, it is a blow.
+    `fall` faster; where that is most of it, it is a blow. An elastic contact gives back a share of the speed at which
+    it landed, and is lifted once more: a body that slides on comes back to a place on which it slid, one that tumbles
+    to others.
     """
     lifted = pair.steepest * max(slip, pair.fastest)
-    if approach >= lifted + min(fall, lifted):
+    bounced = _LIFTED * pair.hops if back else 0.0
+    if approach >= lifted + min(fall, lifted) + bounced:
         return False
     if pair.stood == 0 and pair.flown < math.inf and approach > _LIFTED * pair.left:
         pair.stood = 1
-    return pair.stood == 1 or pair.flown < _BRIEF
+    if pair.stood == 0 and pair.flown >= _BRIEF:
+        return False
+    if back:
+        pair.hopping = max(pair.hopping, gives * approach)
+    return True
 
 
 @kernel
@@ -262,14 +289,15 @@ def longest_hop(state: State, pair: Pair, span: float) -> float:
     """Return the longest time (s) for which a pair may be missing and still touch: what slides hops."""
     longest = max(MEMORY, 2.5 * span)
     if state.gravity > 0.0:
-        longest = max(longest, min(2.0 * pair.steepest * pair.fastest / state.gravity, _LONGEST_HOP))
+        leaves = pair.steepest * pair.fastest + _LIFTED * pair.hops
+        longest = max(longest, min(2.0 * leaves / state.gravity, _LONGEST_HOP))
     return longest
 
 
 @kernel
-def _is_new(state: State, pair: Pair, n: int, span: float, rate: float) -> bool:
-    """True if a point was not there in the last steps, but for the way it goes at a rate (m/s), by which a point closes
-    and slips, and as its bodies move; it is remembered.
+def _find_before(state: State, pair: Pair, n: int, span: float, rate: float) -> int:
+    """Say whether a point STAYED since the last steps, but for the way it goes at a rate (m/s), by which a point closes
+    and slips, and as its bodies move; came BACK to its place on one of them; or CAME; it is remembered.
 
     One that was there, or before a hop, tells how fast the contact moves over both bodies. Simulators tell points in
     the same order from step to step: the one that was the same in the last step is looked at first.
@@ -287,6 +315,7 @@ def _is_new(state: State, pair: Pair, n: int, span: float, rate: float) -> bool:
         rate += _apart(state, pair.a, pair.b)
         found, passed, ways = _nearest_of(pair, on_a, on_b, time, longest, near, rate)
     new = found < 0 or passed > memory
+    back = new and _comes_back(pair, on_a, on_b, time, near)
     if found < 0:
         new = not _grows(pair, on_a, on_b, time, near)
         found = _room(pair)
@@ -299,7 +328,7 @@ def _is_new(state: State, pair: Pair, n: int, span: float, rate: float) -> bool:
     pair.kept_at[found] = time
     for k in range(3):
         pair.kept[found, 0, k], pair.kept[found, 1, k] = on_a[k], on_b[k]
-    return new
+    return (BACK if back else CAME) if new else STAYED
 
 
 @noinline_kernel
@@ -324,6 +353,18 @@ def _nearest_of(
             if nearest < min(least, away * away):
                 found, least, passed, ways = m, nearest, before, squares
     return found, passed, ways
+
+
+@kernel
+def _comes_back(
+    pair: Pair, on_a: tuple[float, float, float], on_b: tuple[float, float, float], time: float, near: float
+) -> bool:
+    """True if a point is where one was before, on one of the bodies, no longer ago than a hop."""
+    back = False
+    for m in range(pair.known):
+        if 0.0 < time - pair.kept_at[m] <= _LONGEST_HOP:
+            back |= min(_ways(pair, m, on_a, on_b)) < near * near
+    return back
 
 
 @kernel

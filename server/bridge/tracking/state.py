@@ -66,6 +66,8 @@ class Pair(Record):
     calm: int  # steps for which it neither closes nor opens
     calm_since: float  # s
     fastest: float  # m/s: its slip, or what is left of a faster one of late
+    hops: float  # m/s: what its contact gave back of its fastest landing of late that was no blow
+    hopping: float  # m/s: and of that of this step
     moves: int  # STILL, UNHEARD, HEARD or LYING
     pressure: float  # Pa rms: of its slide, as it was last estimated
     weighed_at: float  # s: when that was
@@ -289,6 +291,7 @@ class State(Record):
     mass: Annotated[View[float], POINTS]
     restitution: Annotated[View[float], POINTS]
     friction: Annotated[View[float], POINTS]
+    elastic: Annotated[View[float], POINTS]  # the greatest restitution of the simulator's contact, where none is told
     # Pairs that touch, the first `touching` of `pairs`; `place` has their numbers plus 1.
     touching: int
     glide: Glide  # in this step

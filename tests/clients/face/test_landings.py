@@ -1,5 +1,5 @@
-"""Bodies of many geoms that land whole: one blow, though a simulator takes some time to stop them, and points of other
-geoms come to touch meanwhile."""
+"""Landings that are one blow, though a simulator takes some time to stop a body, and points of other geoms come to
+touch meanwhile; and those of a slide, which are none."""
 
 import math
 
@@ -10,6 +10,7 @@ import mujoco
 
 import carom
 from carom.mujoco import Bridge
+from tests.clients.face.corpus import brick_on_ramp
 
 SCENE = """<mujoco><option timestep="{step}"/><default><geom solref="{solref} 1"/></default><worldbody>
 <geom name="floor" type="plane" size="2 2 .1"/>
@@ -96,3 +97,26 @@ def test_a_body_of_any_mass_slides():
             touch = carom.Touch("floor", "block", (0.002 * n, 0, 0), (0, 0, 1), approach=0.0, slip=0.5, force=2e9)
             block = world.step(n / 500, [touch], {"block": carom.Pose((0.002 * n, 0, 0.1), velocity=(0.5, 0, 0))})
         assert world.counts.gestures == 1 and 0.0 < abs(block).max() < 10.0
+
+
+@pytest.mark.parametrize("cone", ["elliptic", "pyramidal"])
+def test_a_slide_on_elastic_contacts_is_a_slide(cone):
+    """Each landing gives back much of its speed, and friction lifts the brick once more: it lands at up to 0.7 m/s."""
+    ways = (0.001, ".02 1"), (0.004, ".005 .5"), (0.01, ".005 .5")
+    runs = [brick_on_ramp(*way, cone, above=-1e-4) for way in ways]
+    assert not any(run.hits for run in runs) and all(run.share > 0.95 for run in runs)
+    assert max(run.level for run in runs) - min(run.level for run in runs) < 2.0
+
+
+def test_what_bounces_as_it_tumbles_is_told_its_blows():
+    """A box lands on one corner after another, on elastic contacts too: none comes back to where it slid."""
+    model = mujoco.MjModel.from_xml_string("""<mujoco><default><geom solref=".02 .3" friction=".3"/></default>
+    <worldbody><geom name="floor" type="plane" size="5 5 .1"/><body pos="0 0 .4" euler="20 30 40"><freejoint/>
+    <geom type="box" size=".09 .06 .03"/></body></worldbody></mujoco>""")
+    data = mujoco.MjData(model)
+    data.qvel[:] = 1.5, 0.5, 0.0, 10.0, -8.0, 6.0
+    bridge, hits = Bridge(model, data, rate=16_000), []
+    while data.time < 0.8:
+        bridge.step()
+        hits += bridge.world.hits
+    assert len(hits) == 9 and all(hit.speed > 0.5 for hit in hits)
