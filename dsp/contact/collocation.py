@@ -50,6 +50,7 @@ _SMALL = 2 * NODES  # unknowns: no zero is worth a look
 _GROWTH = 4e-9  # share of its energy that a contact may gain in all
 _LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
+_OPEN = 0.1  # of the tolerance: share of it that the gap may be by then, which costs no energy
 _GRADIENT_STEPS = 200
 _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
@@ -275,7 +276,9 @@ def _held(x: float, stored: float, change: float, h: float, k: float, mu: float,
 
 
 @kernel
-def until_release(step: Step, x: float, v: float, h: float, longest: float, closing: bool) -> tuple[float, bool]:
+def until_release(
+    step: Step, x: float, v: float, h: float, longest: float, closing: bool, tolerance: float
+) -> tuple[float, bool]:
     """Return the length of the step, at most `longest`, that ends where x comes to 0; and whether that is being sought.
 
     x and v (per unit of h) are those at the end of the step as tried. Newton's method from either side.
@@ -286,8 +289,9 @@ def until_release(step: Step, x: float, v: float, h: float, longest: float, clos
         if step.x[i] < 0.0:
             share = step.x[i - 1] / (step.x[i - 1] - step.x[i])
             return h * (GAUSS[i - 1] + share * (GAUSS[i] - GAUSS[i - 1])), True
-    near = _CLOSED * max(step.x[0], step.x[1], step.x[2])
-    if x < -near:
+    most = max(step.x[0], step.x[1], step.x[2])
+    near = _CLOSED * most
+    if x < -max(near, _OPEN * tolerance * most):
         return (h - x / v, True) if v < 0.0 else (h * GAUSS[NODES - 1], False)
     if closing and x > near:
         return (h - x / v, True) if v < 0.0 and h - x / v <= longest else (h, False)

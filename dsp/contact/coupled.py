@@ -43,7 +43,7 @@ from .touches import begin_touch, end_touch, look_at_touches
 
 _ON_KINK = 1e-12  # samples from a kink that are none
 _LEAST_POWER = 1e-200  # of a step's length, below which a series changes by nothing, but may be lost
-_FIRST = 0.2  # share of the contact's natural time: the first step to try
+_FIRST = 1.75  # of the contact's natural time, with the tolerance in it: the first step to try
 
 
 class ContactLaw(NamedTuple):
@@ -128,7 +128,7 @@ def respond_with(contact: Coupled, receptance: View[float]) -> None:
 @kernel
 def settle(contact: Coupled, at: float, meets: bool, released: bool) -> None:
     """Begin or end a touch at the end of a step: at a time in the sample, where striker and object meet or part."""
-    if meets or released:
+    if meets or (released and contact.motion[0] > 0.0):
         contact.position -= contact.motion[0]
         contact.motion[0] = 0.0
     if meets and contact.motion[1] > 0.0:
@@ -202,13 +202,15 @@ def lift(contact: Coupled, answer: View[float], force: float) -> None:
 def _touch(contact: Coupled, at: float) -> None:
     """Begin a touch at x = 0: the first step is a share of its natural time, or of strong dissipation's.
 
+    A force that grows as t^a is a quadratic up to a share of h^(a+1) of its momentum: that of the tolerance.
     Where a restitution was given, mu follows from the speed at which striker and object meet.
     """
     v = contact.motion[1] / contact.period
     if contact.w > 0.0:
         contact.mu = contact.w / max(v, contact.slowest)
-    time = (contact.mass / (contact.k * v ** (contact.a - 1.0))) ** (1.0 / (contact.a + 1.0))
-    contact.next = _FIRST * time / max(1.0, contact.mu * v) ** (1.0 / (contact.a + 1.0)) / contact.period
+    stiffness = contact.k * v ** (contact.a - 1.0) * max(1.0, contact.mu * v)
+    time = (contact.tolerance * contact.mass / stiffness) ** (1.0 / (contact.a + 1.0))
+    contact.next = _FIRST * time / contact.period
     begin_touch(contact, at)
     for j in range(NODES):
         contact.step.f[j] = 0.0
@@ -218,14 +220,10 @@ def _touch(contact: Coupled, at: float) -> None:
 def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     """Go on by `eta` samples, those of `set_powers`, under the step's force: what becomes of the sample's rest, and the
     force's part of its moments, those of the powers of 2 t - 1 (see `legendre_moments`)."""
-    contact.last = eta
-    time = eta * contact.period
-    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
-    contact.position += eta * (contact.rise + eta * contact.bend)
-    contact.rise += 2.0 * eta * contact.bend
-    contact.v += time * contact.push / contact.m
-    if contact.touching == 1 or contact.force[0] > 0.0:
-        _push(contact, eta, at, powers)
+    _carry(contact, eta)
+    if _pushes(contact):
+        _push(contact, eta)
+        _give(contact, eta, at, powers)
     back, shorter = 1.0, 1.0 / eta
     for k in range(FINE):
         if contact.power[k] > _LEAST_POWER:
@@ -234,15 +232,57 @@ def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
 
 
 @kernel
-def _push(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
-    """Apply the force to striker and point: the rest of `move` where there is one."""
-    f, h, power, free, pushed = contact.force, contact.period, contact.power, contact.free, contact.pushed
+def move_to_end(contact: Coupled, eta: float, at: float, ends: tuple[float, float], powers: View[float]) -> None:
+    """Do what `move` does where a step goes to the sample's end: the compression there (m) and its rate (m/s) are
+    known, and nothing else of the motion is asked for."""
+    _carry(contact, eta)
+    if _pushes(contact):
+        contact.impulse[0], contact.impulse[1] = _impulse(contact, 0, eta, 1.0), _impulse(contact, 1, eta, eta)
+        _give(contact, eta, at, powers)
+    contact.motion[0], contact.motion[1] = ends[0], ends[1] * contact.period
+
+
+@kernel
+def _carry(contact: Coupled, eta: float) -> None:
+    """Go on by `eta` samples with the striker and the surface, as if there were no force."""
+    contact.last = eta
+    time = eta * contact.period
+    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
+    contact.position += eta * (contact.rise + eta * contact.bend)
+    contact.rise += 2.0 * eta * contact.bend
+    contact.v += time * contact.push / contact.m
+
+
+@kernel
+def _pushes(contact: Coupled) -> bool:
+    """True if there is a force."""
+    return contact.touching == 1 or contact.force[0] > 0.0
+
+
+@kernel
+def _impulse(contact: Coupled, n: int, eta: float, power: float) -> float:
+    """Return int (eta - s)^n f ds over the step."""
+    f = contact.force
+    impulse: float = eta * power * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
+    return impulse
+
+
+@kernel
+def _push(contact: Coupled, eta: float) -> None:
+    """Apply the force to the point: what becomes of the sample's rest."""
+    f, power, free, pushed = contact.force, contact.power, contact.free, contact.pushed
     for n in range(FINE):
-        contact.impulse[n] = eta * power[n] * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
+        contact.impulse[n] = _impulse(contact, n, eta, power[n])
         contact.given[n] = contact.answer[n] * power[n]
     put_push(contact.given, pushed)
     for k in range(FINE):
         free[ON + k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
+
+
+@kernel
+def _give(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
+    """Apply the force to the striker, and add its part of the sample's moments."""
+    f, h = contact.force, contact.period
     contact.position -= h * h * contact.impulse[1] / contact.m
     contact.v -= h * contact.impulse[0] / contact.m
     contact.touches[contact.touched - 1].impulse += h * contact.impulse[0]

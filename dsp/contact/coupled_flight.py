@@ -59,21 +59,27 @@ def fly(motion: View[float], left: float) -> tuple[float, bool]:
 
 
 @kernel
-def apart_for(contact: Coupled, distance: float, speed: float) -> float:
+def apart_for(contact: Coupled, distance: float, speed: float, acceleration: float, faster: float) -> float:
     """Return for how many whole samples from now striker and object surely stay apart: those may be left to `fly_on`.
 
-    To be asked right after `step_together`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while
-    they touch, infinity if the striker is gone for good.
+    To be asked right after `step_together`; `distance`, `speed` and `acceleration` bound the object's point, by
+    `bank.reach`, and others may make it faster by so much (m/s). Where no acceleration is known, it is infinite. 0
+    while they touch, infinity if the striker is gone for good.
     """
     gap = -contact.motion[0]
     if contact.touching or contact.wait >= 0.0 or gap <= 0.0:
         return 0.0
     if contact.push <= 0.0 and contact.v <= 0.0 and contact.position < -distance:
         return math.inf
-    acceleration = max(contact.push, 0.0) / contact.m
-    # The closing gap, and the way back into the object's reach; the later one.
-    near = _until(gap, contact.v + speed, acceleration)
-    far = _until(-distance - contact.position, contact.v, acceleration)
+    pushed = max(contact.push, 0.0) / contact.m
+    # The closing gap, by speeds or from the rate at which it closes now, and the way back into the object's reach; the
+    # latest one.
+    near = _until(gap, contact.v + speed + faster, pushed)
+    if acceleration < math.inf:
+        near = max(near, _until(gap, contact.motion[1] / contact.period + faster, pushed + acceleration))
+    if pushed == 0.0 and contact.v < 0.0 and contact.position + contact.v * near < -distance:
+        return math.inf  # out of reach before the gap may have closed
+    far = _until(-distance - contact.position, contact.v, pushed)
     samples = max(near, far, 0.0) / contact.period
     return float(math.floor(samples)) if samples < _AGES else math.inf
 

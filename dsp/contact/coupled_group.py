@@ -15,13 +15,15 @@ can't gain energy either.
 from ..native.jit import kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import FINE
-from .coupled import lift, look, move, pass_kinks, settle, until_kink
+from .coupled import lift, look, move, move_to_end, pass_kinks, settle, until_kink
 from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_records import Coupled, CoupledGroup, Member
 from .coupled_step import FINEST, HELD, LEAST, give_of, hold, set_powers
-from .power_series import BINOMIAL, POWERS, legendre_moments
+from .power_series import BINOMIAL, POWERS, legendre_moments, value_at
 from .touches import begin_touch
+
+_STRETCHED = 1.1  # times the step to try: so long may one be that comes to the sample's end, rather than leave a sliver
 
 MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
 
@@ -112,16 +114,20 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
             group.touching += 1
             contact.steps += 1
             eta = min(eta, contact.next)
-    eta = min(eta, longest)
+    eta = longest if longest < _STRETCHED * eta else eta
     if eta > 0.0:
         held = group.touching > 0 and contacts[group.member[0]].coupled.tolerance == HELD
         taken = 0.0
         if group.touching == 0 and not last:
             taken = _until_first_meeting(contacts, group, longest)
-            _set_all(contacts, group, taken)
+            _fly_all(contacts, group, taken, left)
         elif not last and not held:
             taken = find_step(contacts, group, eta, longest)
-        if taken > 0.0:
+        if taken > 0.0 and taken >= left and group.size == 1:
+            eta = taken
+            contact = contacts[group.member[0]].coupled
+            move_to_end(contact, eta, at, (group.end_x[0], group.end_v[0]), group.moments[0])
+        elif taken > 0.0:
             eta = taken
             _move_all(contacts, group, eta, at)
             _answer_others(contacts, group, False)
@@ -153,6 +159,18 @@ def _until_first_meeting(contacts: Items[Member], group: CoupledGroup, longest: 
                     group.event[j] = NOTHING
                 group.event[i] = MEETS
     return first
+
+
+@kernel
+def _fly_all(contacts: Items[Member], group: CoupledGroup, eta: float, left: float) -> None:
+    """Find where contacts that all fly are after `eta` samples; of one that is `left` to the sample's end, only the end
+    of its path."""
+    if group.size == 1 and eta >= left:
+        contact = contacts[group.member[0]].coupled
+        group.end_x[0], rate = value_at(contact.motion, eta)
+        group.end_v[0] = rate / contact.period
+    else:
+        _set_all(contacts, group, eta)
 
 
 @kernel

@@ -255,7 +255,8 @@ def _find_end(contacts: Items[Member], group: CoupledGroup, eta: float, longest:
             continue
         x, v = group.end_x[i], group.end_v[i] * contact.period
         if contact.touching == 1:
-            whole, sought = until_release(contact.step, x, v, eta, longest, group.sought[i] == 1)
+            sought = group.sought[i] == 1
+            whole, sought = until_release(contact.step, x, v, eta, longest, sought, contact.tolerance)
             event = LEAVES
         else:
             whole, sought = _until_meeting(contacts, group, i, eta, longest)

@@ -44,7 +44,7 @@ def update_objects(state: State) -> None:
             obj.driven_gain = 0.0
         if follows:
             obj.driven_lately = 0
-        obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = 0
+        obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = obj.rubbed = 0
         obj.rolls_head = -1
         obj.ahead = obj.resumes = 0
         obj.laid = -1

@@ -98,8 +98,10 @@ class Drive(NamedTuple):
 
 
 _ONES = (1.0,) * LANES
+_ONE = (1.0,)
 _LINE, _ALL = (0, 1), (0, 1, 2, 3)  # moments of a force that is a line over each sample, and of any other
 _FLAT = 1e-300  # keeps quotients of modes finite that are at rest for good
+_FASTEST = 1e30  # of a mode's turn in a sample: keeps products with modes at rest finite
 
 
 @simd_kernel
@@ -301,18 +303,21 @@ def observe(modes: Modes, point: Point, work: View[float], coefficients: View[fl
 
     `work` (float64) has room for 3 n values, n being the number of modes.
     """
-    y1, y2, a1, a2, response = modes.y1, modes.y2, modes.a1, modes.a2, modes.response
-    n = len(y1)
-    _shapes(n, point, work)
+    response, n, w = modes.response, len(modes.y1), _four(point.weights)
     # exp(s theta) = exp(s) exp(-s (1 - theta)): the reflected table, on the state a sample later.
     for first in range(0, n, LANES):
-        row = first // LANES * RESPONSES + MOBILITY
-        for k in range(LANES):
-            i = first + k
-            mobility = work[i] * response[row + k]
-            after = a1[i] * y1[i] + a2[i] * y2[i]
-            work[n + i] = mobility * (a1[i] * after + a2[i] * y1[i])
-            work[2 * n + i] = mobility * a2[i] * after
+        phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
+        put_product(work, first, phi, dot(response, first // LANES * RESPONSES + MOBILITY, 0, _ONE))
+        mobility, y1 = dot(work, first, 0, _ONE), dot(modes.y1, first, 0, _ONE)
+        a1, a2 = dot(modes.a1, first, 0, _ONE), dot(modes.a2, first, 0, _ONE)
+        put_product(work, n + first, a1, y1)
+        add_product(work, n + first, a2, dot(modes.y2, first, 0, _ONE))
+        after = dot(work, n + first, 0, _ONE)
+        put_product(work, n + first, a1, after)
+        add_product(work, n + first, a2, y1)
+        put_product(work, n + first, mobility, dot(work, n + first, 0, _ONE))
+        put_product(work, 2 * n + first, mobility, a2)
+        put_product(work, 2 * n + first, dot(work, 2 * n + first, 0, _ONE), after)
     project(n, response, work, coefficients)
 
 
@@ -348,17 +353,19 @@ def transfer_receptance(
 
 
 @simd_kernel
-def reach(modes: Modes, point: Point, work: View[float]) -> tuple[float, float]:
-    """Return bounds of the point's displacement (m) and velocity (m/s, up to sigma/omega) by the ringing modes.
+def reach(modes: Modes, point: Point, work: View[float]) -> tuple[float, float, float]:
+    """Return bounds of the point's displacement (m), velocity (m/s, up to sigma/omega) and change of velocity (m/s per
+    sample) by the ringing modes.
 
     `work` as in `observe`.
     """
     y1, y2, a1, a2, response = modes.y1, modes.y2, modes.a1, modes.a2, modes.response
     n = len(y1)
     _shapes(n, point, work)
-    distance = speed = 0.0
+    distance = speed = change = 0.0
     for first in range(0, n, LANES):
-        row = first // LANES * RESPONSES + MOBILITY
+        group = first // LANES * RESPONSES
+        row = group + MOBILITY
         for k in range(LANES):
             i = first + k
             mobility, scale = abs(response[row + k]), abs(response[row + LANES + k])
@@ -366,8 +373,10 @@ def reach(modes: Modes, point: Point, work: View[float]) -> tuple[float, float]:
             moved = abs(work[i]) * math.sqrt(max(-a2[i] * square, 0.0))
             sine = math.sqrt(max(-4.0 * a2[i] - a1[i] * a1[i], _FLAT))  # 2 r sin(theta)
             distance += 2.0 * moved * scale / sine
-            speed += moved * mobility / max(scale, _FLAT)
-    return distance, speed
+            fast = moved * mobility / max(scale, _FLAT)
+            speed += fast
+            change += fast * min(response[group + PACE + k], _FASTEST)
+    return distance, speed, change
 
 
 @simd_kernel

@@ -176,9 +176,11 @@ def shapes_at(state: State, obj: Object, row: int, weights: View[float], directe
 
 
 @kernel
-def reach_of(state: State, obj: Object, point: ContactPoint) -> tuple[float, float]:
-    """Return bounds of the object's motion where it is touched: displacement (m) and velocity (m/s)."""
-    return reach(modes_of(state, obj, 0, obj.live), point_of(state, obj, point), state.scratch.work)
+def reach_of(state: State, obj: Object, point: ContactPoint) -> tuple[float, float, float]:
+    """Return bounds of the object's motion where it is touched: displacement (m), velocity (m/s) and acceleration
+    (m/s^2)."""
+    distance, speed, change = reach(modes_of(state, obj, 0, obj.live), point_of(state, obj, point), state.scratch.work)
+    return distance, speed, change * state.rate
 
 
 @kernel

@@ -24,35 +24,39 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
 
     seen: the point was looked at just now.
     """
-    distance = farthest = speed = 0.0
+    distance = farthest = speed = acceleration = faster = 0.0
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
-            far, fast = _reach(state, obj, point)
-            given, faster = _given_by_others(state, contact, point.slot) if keeps_strikers(state) else (0.0, 0.0)
+            far, fast, change = _reach(state, obj, point)
+            given, kicked = _given_by_others(state, contact, point.slot) if keeps_strikers(state) else (0.0, 0.0)
             distance += far / contact.now.gain
-            speed += (fast + faster) / contact.now.gain
+            speed += fast / contact.now.gain
+            acceleration += change / contact.now.gain
+            faster += kicked / contact.now.gain
             farthest += _farthest(state, contact, side, far, given) / contact.now.gain
     contact.reach = distance
     if not seen:
         contact.coupled.motion[0] = contact.coupled.position + distance  # at most
-    return apart_for(contact.coupled, farthest, speed)
+        acceleration = math.inf  # the gap's rate is not known
+    return apart_for(contact.coupled, farthest, speed, acceleration, faster)
 
 
 @kernel
-def _reach(state: State, obj: Object, point: ContactPoint) -> tuple[float, float]:
-    """Return bounds of an object's motion where it is touched: displacement (m) and velocity (m/s).
+def _reach(state: State, obj: Object, point: ContactPoint) -> tuple[float, float, float]:
+    """Return bounds of an object's motion where it is touched: displacement (m), velocity (m/s) and acceleration
+    (m/s^2).
 
     Coupled modes take energy from each other: of them only that is known, or may come in this quantum.
     """
     if obj.live == 0:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     if not is_coupled(state, obj):
         return reach_of(state, obj, point)
     sheet = state.sheets[obj.sheet]
     twice = 2.0 * sheet.c0 / sheet.growth * obj.amplified
-    return math.sqrt(twice * point.compliance) / obj.settings.tune, math.sqrt(twice * point.give)
+    return math.sqrt(twice * point.compliance) / obj.settings.tune, math.sqrt(twice * point.give), math.inf
 
 
 @kernel
@@ -65,9 +69,32 @@ def _farthest(state: State, contact: Contact, side: int, far: float, given: floa
     if contact.trait.single == 0:
         return far if given == 0.0 else math.inf
     obj = state.objects[point.slot]
-    energy = given + _energy(state, obj, 0, min(obj.live, obj.felt)) + _energy(state, obj, obj.unheard, obj.live)
-    farthest = math.sqrt(2.0 * energy * point.compliance) / obj.settings.tune
+    farthest = math.sqrt(2.0 * (given + _energy_of(state, obj)) * point.compliance) / obj.settings.tune
     return farthest if given > 0.0 else min(far, farthest)
+
+
+@kernel
+def energy_beside(state: State, obj: Object, contact: Contact) -> float:
+    """Return the energy (J) of an object that a contact touches, and what others may give it yet."""
+    given, _ = _given_by_others(state, contact, contact.point[0].slot)
+    return given + _energy_of(state, obj)
+
+
+@kernel
+def is_beyond(contact: Contact, obj: Object, energy: float, samples: float) -> bool:
+    """True if a striker that has left one object for good is farther away than so much energy (J) moves it, and was so
+    many samples ago."""
+    coupled, point = contact.coupled, contact.point[0]
+    if contact.trait.single == 0 or contact.point[1].slot >= 0 or coupled.push > 0.0 or coupled.v > 0.0:
+        return False
+    away = coupled.v * samples * coupled.period - coupled.position
+    return away * obj.settings.tune * contact.now.gain > math.sqrt(2.0 * energy * point.compliance)
+
+
+@kernel
+def _energy_of(state: State, obj: Object) -> float:
+    """Return the energy (J) of an object's modes that contacts feel."""
+    return _energy(state, obj, 0, min(obj.live, obj.felt)) + _energy(state, obj, obj.unheard, obj.live)
 
 
 @kernel

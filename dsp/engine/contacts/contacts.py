@@ -47,6 +47,7 @@ def update_contacts(state: State, obj: Object) -> None:
     while index >= 0:
         contact = state.contacts[index]
         after = contact.next
+        obj.rubbed |= contact.trait.slips
         _glide(state, contact, obj)
         _look_at_partner(state, contact, obj)
         waits = must_wait(state, index) and not (contact.trait.repeats == 1 and contact.touching == 1)
@@ -294,7 +295,8 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
 
     Contacts that end are dropped.
     """
-    _rub_all(state, obj, frame)
+    if obj.rubbed == 1:
+        _rub_all(state, obj, frame)
     before = -1
     index = obj.contact
     while index >= 0:

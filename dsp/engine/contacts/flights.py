@@ -13,7 +13,7 @@ from ..memory.quality import keeps_strikers
 from ..memory.records import Contact
 from ..memory.state import COUPLING, END_RESTED, END_STOPPED, QUANTUM, Object, State
 from .bounces import fly_off
-from .clearance import flight
+from .clearance import energy_beside, flight, is_beyond
 from .contact_list import give_room_back, report_end
 from .gesture_kernels import come_back
 
@@ -122,11 +122,16 @@ def is_gone(state: State, contact: Contact) -> bool:
 @noinline_kernel
 def call_back(state: State, obj: Object, frame: int) -> None:
     """Look sooner at strikers that fly from an object, where another that began to touch may throw it after them."""
+    now = float(state.position + frame - 1)
+    energy = -1.0
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
         if contact.touching == 1 and contact.solver == COUPLING and contact.aside > 0:
-            _call_back(state, contact, float(state.position + frame - 1))
+            if contact.aside == 2 and energy < 0.0:
+                energy = energy_beside(state, obj, contact)  # it is the same for all that have left
+            if contact.aside == 1 or not is_beyond(contact, obj, energy, contact.gone_at - now):
+                _call_back(state, contact, now)
         index = contact.next
 
 

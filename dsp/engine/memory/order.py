@@ -14,5 +14,5 @@ def wake(state: State, slot: int) -> None:
     state.order[state.active] = slot
     state.active += 1
     obj.driven_gain = obj.energy = 0.0
-    obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = 0
+    obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = obj.rubbed = 0
     obj.rolls_head = -1

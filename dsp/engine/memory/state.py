@@ -195,6 +195,7 @@ class Object(Record):
     shares_contact: int  # with another object
     restless: int  # 1: what rests on it, or on which it rests, is awake
     leaned_on: int  # 1: another object rests on it
+    rubbed: int  # 1: something slides on it
     driven_modes: int  # its first modes that a force acted on
     driven_lately: int  # the same since the last step of the tension (bodies/glide.py), whether it glides or not
     driven_gain: float  # the highest gain of a gesture whose force acted on it

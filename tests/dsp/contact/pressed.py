@@ -126,7 +126,7 @@ def press(contact, longest):
             h *= 0.25
             closing = False
             continue
-        whole, closing = until_release(contact.step, x, v, h, longest, closing)
+        whole, closing = until_release(contact.step, x, v, h, longest, closing, contact.tolerance)
         ratio = _ratio(contact, h, x, v)
         if whole != h or ratio < WITHIN:
             # No need to seek a release that is too far away for one step.

@@ -13,6 +13,7 @@ from carom.dsp.contact.coupled import ContactLaw
 from carom.dsp.contact.coupled_group import MOST_STEPS
 from carom.dsp.contact.coupled_records import COUPLED_GROUP
 from carom.dsp.contact.coupled_step import HELD
+from carom.dsp.contact.pulse import contact_time
 from carom.dsp.lab import coupled_sampled
 from carom.dsp.lab.coupled import MEMBER, Case, error, extreme_case, random_cases, simulate, step_alone
 from carom.dsp.resonator import bank, coefficients
@@ -119,12 +120,13 @@ def test_extreme_contacts_stay_finite_passive_and_bounded(tolerance):
 
 
 class Modes:
-    """One group of modes, through the kernels that the engine calls."""
+    """Modes through the kernels that the engine calls."""
 
     def __init__(self, frequency, sigma, phi, rate=48_000.0):
-        n = bank.LANES
+        groups = -(-len(frequency) // bank.LANES)
+        n = groups * bank.LANES
         self.state, self.tuning = np.zeros((2, n)), np.zeros((2, n))
-        self.modes = bank.Modes(*self.state, *self.tuning, np.zeros(n), np.zeros(bank.RESPONSES))
+        self.modes = bank.Modes(*self.state, *self.tuning, np.zeros(n), np.zeros(groups * bank.RESPONSES))
         for i in range(len(frequency)):
             coefficients.set_mode(self.modes, i, frequency[i], sigma[i], rate, 1.0)
         shape = np.zeros(4 * n)
@@ -143,7 +145,8 @@ class Modes:
         return seen
 
     def reach(self):
-        return bank.reach(self.modes, self.point, self.work)
+        distance, speed, change = bank.reach(self.modes, self.point, self.work)
+        return distance, speed, 48_000.0 * change
 
     def step(self, moments):
         bank.inject_fine(self.modes, self.point, moments)
@@ -183,7 +186,7 @@ def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
         step(modes.observe(), moments)
         modes.step(moments)
         velocities.append(float(contact["v"]))
-        apart.append(coupled_flight.apart_for(contact, *modes.reach()))
+        apart.append(coupled_flight.apart_for(contact, *modes.reach(), 0.0))
     assert max(apart[1_000:rest]) == 0.0
     gone = apart.index(math.inf)
     assert gone > rest and set(apart[gone:]) == {math.inf}
@@ -205,7 +208,7 @@ def bounced(longest):
         looked += 1
         step(modes.observe(), moments)
         modes.step(moments)
-        skip = int(min(coupled_flight.apart_for(contact, *modes.reach()), longest - 1))
+        skip = int(min(coupled_flight.apart_for(contact, *modes.reach(), 0.0), longest - 1))
     return contact["contacts"], looked, float(contact["v"])
 
 
@@ -216,6 +219,52 @@ def test_a_striker_that_is_apart_may_fly_unseen():
     assert skipping[0] == contacts > 3
     assert skipping[1] < 0.5 * looked
     assert skipping[2] == pytest.approx(v, rel=1e-6)
+
+
+def left(modes, law, tolerance, skips):
+    """Strike a modal object until the striker is gone for good, and fly unseen or not: return samples looked at,
+    contacts, steps, its last velocity."""
+    contact, step = contact_of(law, modes.receptance(), tolerance)
+    looked = skip = 0
+    moments = np.zeros(bank.FINE)
+    while skip != math.inf and looked < 20_000:
+        looked += 1
+        step(modes.observe(), moments)
+        modes.step(moments)
+        skip = coupled_flight.apart_for(contact, *modes.reach(), 0.0)
+        if skips and 0 < skip < math.inf:
+            coupled_flight.fly_on(contact, skip)
+            for _ in range(int(skip)):
+                modes.ring()
+    return looked, contact["contacts"], contact["steps"], float(contact["v"])
+
+
+def blow_of_six_samples():
+    """Return an object of 24 modes, with sum m phi^2 = 0.5, and the law of a blow that lasts six samples on a wall."""
+    v, m, mu, a = 1.0, 0.01, 0.5, 1.5
+    k = (contact_time(v, m, 1.0, mu, a) * 48_000.0 / 6.0) ** (a + 1.0)
+    frequency, phi = np.geomspace(100.0, 15_000.0, 24), np.full(24, math.sqrt(0.5 / (24 * m)))
+    return Modes(frequency, np.full(24, 500.0), phi), (v, m, k, mu, a)
+
+
+def test_a_blow_is_solved_in_a_step_a_sample_and_its_striker_soon_let_go():
+    """The first step is as long as the tolerance lets it be, and the gap says itself when nothing can close it."""
+    modes, law = blow_of_six_samples()
+    looked, contacts, steps, v = left(modes, law, 0.1, True)
+    assert contacts == 1 and steps <= 6 and looked <= 8
+    modes, law = blow_of_six_samples()
+    assert v == pytest.approx(left(modes, law, 1e-7, True)[3], rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_striker_that_leaves_misses_no_touch_unseen(seed):
+    """Light objects swing after it: what it is not looked at for changes nothing."""
+    random = np.random.default_rng(seed)
+    frequency, phi = np.sort(random.uniform(100, 9_000, 12)), random.normal(size=12) * 10 ** random.uniform(0.5, 1.5)
+    law = (1.0, 0.01, 10 ** random.uniform(7, 9), 0.1, 1.5)
+    seen, unseen = (left(Modes(frequency, np.full(12, 20.0), phi), law, 1e-7, skips) for skips in (False, True))
+    assert unseen[0] <= seen[0] and unseen[1] == seen[1]
+    assert unseen[3] == pytest.approx(seen[3], rel=1e-6)
 
 
 def test_two_objects_that_both_ring():
@@ -287,8 +336,8 @@ def every_kernel(data):
     bank.observe(modes, point, work, seen)
     step_alone(place.contacts, place.group, seen, moments)
     bank.inject_fine(modes, point, moments)
-    distance, speed = bank.reach(modes, point, work)
-    apart = coupled_flight.apart_for(contact, distance, speed)
+    distance, speed, change = bank.reach(modes, point, work)
+    apart = coupled_flight.apart_for(contact, distance, speed, change, 0.0)
     coupled_flight.fly_on(contact, apart)
     pressed.begin_pressed(place.pressed, 0.0, 1.0, 0.01, 1e8, 0.5, 1.5, 0.1, 1e-5)
     pressed.press(place.pressed, 1e-3)

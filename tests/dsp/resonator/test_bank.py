@@ -286,9 +286,10 @@ def test_a_contact_sees_the_modes_as_they_are(rate):
     bank.receptance(modes, point, work, seen)
     answers = np.exp(s * theta).imag / omega @ phi**2
     assert np.abs(legval(2 * theta[:, 0] - 1, seen) - answers).max() < 1e-9 * (phi**2 / omega).max()
-    distance, speed = bank.reach(modes, point, work)
+    distance, speed, change = bank.reach(modes, point, work)
     assert distance == pytest.approx((np.abs(phi * z) / omega).sum(), rel=1e-6)
     assert speed == pytest.approx(np.abs(phi * z).sum(), rel=1e-6)
+    assert change == pytest.approx((np.abs(phi * z) * (omega + 2 * decay)).sum() / rate, rel=1e-6)
 
 
 @pytest.mark.slow
