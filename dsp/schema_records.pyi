@@ -79,6 +79,8 @@ class Values(Record):
     delay: float  # s
     pulses: float
     whole: float  # kg
+    own_stiffness: float  # N/m^a
+    own_dissipation: float  # s/m
     stage: float
     gravity: float  # m/s^2
     irregularity: float

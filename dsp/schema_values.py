@@ -26,6 +26,10 @@ _PRESSED = Parameter(
 )  # fmt: skip
 _PULSES = Parameter("pulses", 0, np.inf, "", "number of the table of a swarm's pulses", default=0.0)
 _WHOLE = Parameter("whole", 0.0, np.inf, "kg", "mass of what breaks", default=0.0)
+_OWN_LAW = (
+    Parameter("own_stiffness", 0.0, np.inf, "N/m^a", "of pieces on a floor as their own", default=0.0),
+    Parameter("own_dissipation", 0.0, np.inf, "s/m", "the same", default=0.0),
+)
 _STAGE = Parameter(
     "stage", 0, 2, "", "of what breaks: 0 its cracks, 1 its pieces on an object, 2 on nothing", default=0.0
 )  # fmt: skip
@@ -40,7 +44,7 @@ SHARED = {
     each.name: each
     for each in (
         VELOCITY, *STRIKE, *POINT, BY_POSITION, *BY_POINT, *DIRECTION, *BY_DIRECTION, *_ON_SURFACE, *_SOUND, _PRESSED,
-        _DELAY, _PULSES, _WHOLE, _STAGE,
+        _DELAY, _PULSES, _WHOLE, *_OWN_LAW, _STAGE,
     )
 }  # fmt: skip
 """Parameters that every gesture has, by name."""

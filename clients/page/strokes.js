@@ -4,6 +4,7 @@ const NATURAL = 600; // px/s of a pointer, at which a slide has its usual speed
 
 const BALL = { gesture: "roll", keys: { striker: "ball-bearing", surface: "wood", roughness: 1.5 } };
 const ROUGHER = { gesture: "roll", keys: { ...BALL.keys, roughness: 3 } };
+const ROUGHEST = { gesture: "roll", keys: { ...BALL.keys, roughness: 6 } };
 const HEAVY = { gesture: "roll", keys: { striker: "clapper", surface: "asphalt", roughness: 3 } };
 const SCRATCHED = { gesture: "slide", keys: { striker: "triangle-beater", surface: "sandpaper", force: 3 } };
 const sanded = (force) => ({ gesture: "slide", keys: { striker: "sanding-block", surface: "sandpaper", force } });
@@ -17,7 +18,8 @@ export function strokeOn({ preset, material }) {
   if (shape === "string") return sanded(20);
   if (shape === "membrane" || shape === "sphere") return sanded(100);
   if (shape === "ring" || (shape === "bar" && geometry.diameter)) return SCRATCHED;
-  if (shape === "bar" && geometry.ends !== "cantilever" && material !== "wood") return SCRATCHED;
+  if (shape === "bar" && geometry.ends === "cantilever") return ROUGHEST; // a tine hardly moves the air
+  if (shape === "bar" && material !== "wood") return SCRATCHED;
   if (shape === "listed" && geometry.height > 0.3) return HEAVY;
   return shape === "bar" || (shape === "plate" && material === "wood") ? ROUGHER : BALL;
 }

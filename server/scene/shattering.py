@@ -41,7 +41,8 @@ def shatter(to: ObjectCall) -> None:
     }
     sound = None if to.is_point_mass else to.transaction.laws.sound_of(to.striker)
     motion |= engine.lay_out_striker(sound) if sound else {}
-    pieces = {**motion, **landing._asdict(), "stage": 1.0 if onto else 2.0}
+    own = {"own_stiffness": law.stiffness, "own_dissipation": law.dissipation}
+    pieces = {**motion, **landing._asdict(), **own, "stage": 1.0 if onto else 2.0}
     here, below = to.obj.handle, (onto or to.obj).handle
     _add(
         to,

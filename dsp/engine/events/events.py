@@ -137,11 +137,13 @@ def _is_early(state: State, event: Event) -> bool:
 
 @kernel
 def _let_pieces_fall(state: State, event: Event) -> None:
-    """Say that pieces of what breaks fall on nothing if what they were to fall on is gone."""
+    """Say that pieces of what breaks fall on nothing, which is as they are, if what they were to fall on is gone."""
     if event.kind == KIND_GESTURE and state.traits[event.what].breaks == 1 and event.by_serial > 0:
         never = _is_gone(state, event.by_slot, event.by_serial)
         if never or _is_gone(state, event.slot, event.serial):
-            event.slot, event.serial, event.values.stage = event.by_slot, event.by_serial, 2.0
+            values = event.values
+            event.slot, event.serial, values.stage = event.by_slot, event.by_serial, 2.0
+            values.stiffness, values.dissipation = values.own_stiffness, values.own_dissipation
         event.by_slot = event.by_serial = 0
 
 

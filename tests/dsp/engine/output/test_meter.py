@@ -63,7 +63,7 @@ def test_peaks_are_those_of_each_channel_in_the_last_400_ms_or_since_a_sample():
     sound = np.concatenate([sound, engine.process(-len(sound) % QUANTUM)])
 
     def highest(first):
-        return pytest.approx(20 * np.log10(np.abs(sound[first:]).max(axis=0)), abs=1e-5)
+        return pytest.approx(20 * np.log10(np.abs(sound[first:]).max(axis=0).astype(float)), abs=1e-5)
 
     assert engine.meter.peaks() == highest(-19_200)
     assert engine.meter.peaks(engine.position - 640) == highest(-640) != engine.meter.peaks()
