@@ -252,12 +252,14 @@ class _Carving(NamedTuple):
     def upright(self, material: Material, x: Array) -> Section:
         """Return the section at x for bending along the thickness."""
         depth = self.depth(x)[0]
-        return Section(self.width * depth, self.width * depth**3 / 12, rectangles_shear(material, self.width / depth))
+        shear = rectangles_shear(material, self.width / depth)
+        return Section(self.width * depth, self.width * depth**3 / 12, shear, self.width + 0 * depth, depth)
 
     def sideways(self, material: Material, x: Array) -> Section:
         """Return the section at x for bending along the width."""
         depth = self.depth(x)[0]
-        return Section(self.width * depth, self.width**3 * depth / 12, rectangles_shear(material, depth / self.width))
+        shear = rectangles_shear(material, depth / self.width)
+        return Section(self.width * depth, self.width**3 * depth / 12, shear, depth, self.width + 0 * depth)
 
 
 def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> list[_Part]:
@@ -290,7 +292,7 @@ def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> 
 
 
 def _round(span: _Span, section: Section, split: float, imperfection: float) -> list[_Part]:
-    motion = bending(*span, lambda x: Section(*(each + 0 * x for each in section)))
+    motion = bending(*span, lambda x: Section(*(each + 0 * x for each in section[:3])))
     area, moment = float(section.area), float(section.moment)
     bore = math.sqrt(max(8 * moment / area - 2 * area / math.pi, 0.0))  # of A = pi/4 (D^2 - d^2), I = pi/64 (D^4 - d^4)
     outline = partial(line.tubular, math.sqrt(bore**2 + 4 * area / math.pi), bore)

@@ -10,14 +10,18 @@ import numpy as np
 from .eigen import eigh
 from .material import Array, Material
 from .ritz import basis, converged, quadrature, terms_for
+from .shearing import strips_stiffness
 
 
 class Section(NamedTuple):
-    """Area (m^2), second moment (m^4) and shear coefficient (p,) at points of a bar."""
+    """Area (m^2), second moment (m^4) and shear coefficient (p,) at points of a bar; and of a rectangle its width and
+    depth (m)."""
 
     area: Array
     moment: Array
     shear: Array
+    width: Array | None = None
+    depth: Array | None = None
 
 
 class Motion(NamedTuple):
@@ -118,7 +122,7 @@ def _solve(
     """
     nodes, weights = points
     terms, clamped = series
-    area, moment, kappa = section
+    area, moment, kappa = section[:3]
     w, slope = basis(nodes, terms + 1, clamped)
     psi, bend = basis(nodes, terms, clamped)  # one degree less, so that thin bars can be free of shear
 
@@ -135,12 +139,26 @@ def _solve(
     inertia[: terms + 1, : terms + 1] = w.T * (weights * material.density * area * half) @ w
     inertia[terms + 1 :, terms + 1 :] = psi.T * (weights * material.density * moment / half) @ psi
     eigenvalue, vector = eigh(stiffness, inertia)
-    return np.sqrt(np.maximum(eigenvalue, 0)) / (2 * np.pi), vector
+    eigenvalue = np.maximum(eigenvalue, 0)
+    if section.width is not None and section.depth is not None:
+        waves = _local_waves(material, section, eigenvalue)
+        stiffer = strips_stiffness(material, section.width, section.depth, waves) - 1
+        eigenvalue = eigenvalue + (ei[:, None] * (bend @ vector[terms + 1 :]) ** 2 * stiffer).sum(axis=0)
+    return np.sqrt(eigenvalue) / (2 * np.pi), vector
+
+
+def _local_waves(material: Material, section: Section, square: Array) -> Array:
+    """Return the wavenumbers (p, n), rad/m, of a bar's sections (p,) by the squares of angular frequencies (n,)."""
+    area, moment, kappa = (each[:, None] for each in section[:3])
+    depth = moment / area * (1 + material.youngs_modulus / (kappa * material.shear_modulus))
+    bent = square * material.density * area / (material.youngs_modulus * moment)
+    # q^4 = bent (1 + depth q^2): Timoshenko's to the first order
+    return np.sqrt(0.5 * (bent * depth + np.sqrt((bent * depth) ** 2 + 4 * bent)))
 
 
 def _wavenumber(material: Material, section: Section, frequency: float) -> float:
     """Return the larger wavenumber (rad/m) of Timoshenko's dispersion relation for a section at a frequency (Hz)."""
-    (area,), (moment,), (kappa,) = section
+    (area,), (moment,), (kappa,) = section[:3]
     e, rho, kg = material.youngs_modulus, material.density, kappa * material.shear_modulus
     square = (2 * np.pi * frequency) ** 2
     b = rho * moment * (1 + e / kg) * square

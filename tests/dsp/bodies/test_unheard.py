@@ -29,7 +29,7 @@ def rigidity(thickness):
 
 
 def cantilever():
-    length, width, thickness = 0.12, 0.02, 0.004
+    length, width, thickness = 0.12, 0.008, 0.004  # so narrow that it bends as a bar does
     modes = bodies.bar(
         STEEL, length=length, width=width, thickness=thickness, ends="cantilever", top=TOP, across=0.0, tilt=0.0
     )
