@@ -27,7 +27,7 @@ _PRESSED = Parameter(
 _PULSES = Parameter("pulses", 0, np.inf, "", "number of the table of a swarm's pulses", default=0.0)
 _WHOLE = Parameter("whole", 0.0, np.inf, "kg", "mass of what breaks", default=0.0)
 _OWN_LAW = (
-    Parameter("own_stiffness", 0.0, np.inf, "N/m^a", "of pieces on a floor as their own", default=0.0),
+    Parameter("own_stiffness", 0.0, np.inf, "N/m^a", "of pieces if they fall on nothing", default=0.0),
     Parameter("own_dissipation", 0.0, np.inf, "s/m", "the same", default=0.0),
 )
 _STAGE = Parameter(

@@ -12,6 +12,8 @@ from .material import Array, Material
 from .ritz import basis, converged, quadrature, terms_for
 from .shearing import strips_stiffness
 
+_LEAST = 1e-300  # keeps a quotient finite
+
 
 class Section(NamedTuple):
     """Area (m^2), second moment (m^4) and shear coefficient (p,) at points of a bar; and of a rectangle its width and
@@ -139,12 +141,31 @@ def _solve(
     inertia[: terms + 1, : terms + 1] = w.T * (weights * material.density * area * half) @ w
     inertia[terms + 1 :, terms + 1 :] = psi.T * (weights * material.density * moment / half) @ psi
     eigenvalue, vector = eigh(stiffness, inertia)
-    eigenvalue = np.maximum(eigenvalue, 0)
-    if section.width is not None and section.depth is not None:
-        waves = _local_waves(material, section, eigenvalue)
-        stiffer = strips_stiffness(material, section.width, section.depth, waves) - 1
-        eigenvalue = eigenvalue + (ei[:, None] * (bend @ vector[terms + 1 :]) ** 2 * stiffer).sum(axis=0)
-    return np.sqrt(eigenvalue) / (2 * np.pi), vector
+    square = np.maximum(eigenvalue, 0)
+    turned = psi @ vector[terms + 1 :]
+    bent = ei[:, None] * (bend @ vector[terms + 1 :]) ** 2
+    # What the moment changes by along the bar, times the weights: the shear force and the section's own turning.
+    change = kga[:, None] * (slope @ vector[: terms + 1] - turned)
+    change += (weights * material.density * moment / half)[:, None] * square * turned
+    square = square + _widening(material, section, square, bent, change**2 / (ei[:, None] * half**2))
+    return np.sqrt(square) / (2 * np.pi), vector
+
+
+def _widening(material: Material, section: Section, square: Array, bent: Array, changing: Array) -> Array:
+    """Return by how much the squares of angular frequencies (n,) rise as a wide section can't curve across; 0 for one
+    that is no rectangle.
+
+    bent: twice the energy of bending (p, n) at points, by weights; changing: the same of its moment's derivative. A
+    section twists where the moment changes: waves count as long as those that change as much, as at free ends less
+    does.
+    """
+    if section.width is None or section.depth is None:
+        return np.zeros_like(square)
+    waves = _local_waves(material, section, square)
+    share = changing.sum(axis=0) / np.maximum((bent * waves**2).sum(axis=0), _LEAST)
+    waves *= np.sqrt(np.minimum(share, 1))
+    stiffer = strips_stiffness(material, section.width, section.depth, waves)
+    return np.asarray((bent * (stiffer - 1)).sum(axis=0))
 
 
 def _local_waves(material: Material, section: Section, square: Array) -> Array:

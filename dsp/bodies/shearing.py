@@ -6,7 +6,8 @@ fifth mode of one of 240 x 30 x 10 mm. Hutchinson's hold how a section widens wh
 stiffer, in waves that are not much longer than it is wide. In a strip it would get stiffer without end, and in short
 waves too stiff; so from a bar on that is twice as wide as it is deep the coefficient stays as it is there. Such bars
 are stiffer by what a thin strip is, of G. Kirchhoff's plate with free edges, times Hutchinson's share of it in a bar
-that is not thin: frequencies are within 0.5 % of the solid body's, where they were up to 1.9 % too low.
+that is not thin: frequencies are within 0.3 % of the solid body's, and within 0.8 % where half a wave is as long as the
+bar is wide.
 """
 
 import math
@@ -24,7 +25,7 @@ _FINE_TERMS = np.arange(1.0, 400.0)[:, None]
 _WIDTHS = np.geomspace(0.5, 60.0, 80)  # over the depth
 _PHASES = np.linspace(0.0, 40.0, 201)  # of a wave over the width, rad
 _HALVINGS = 50  # of an interval in which a root lies
-_SHORTEST = 1e-12
+_TINY = 1e-12  # keeps a quotient finite, and a root below 1
 
 
 def rectangles_shear(material: Material, width: Array) -> Array:
@@ -51,7 +52,7 @@ def _shares(nu: float) -> tuple[Array, Array]:
     """Return 1/coefficient of rectangles of _WIDTHS without a bound, and the share of a thin strip's stiffening that
     they have in long waves."""
     inverse = _inverse(nu, _WIDTHS, _FINE_TERMS)
-    return inverse, (_PLAIN - inverse) * (1 + nu) ** 2 / (_WIDTHS * max(nu, _SHORTEST)) ** 2
+    return inverse, (_PLAIN - inverse) * (1 + nu) ** 2 / (_WIDTHS * max(nu, _TINY)) ** 2
 
 
 @cache
@@ -62,7 +63,7 @@ def _strips(nu: float) -> Array:
     nu)(b^2 - 2 + nu) b tanh(b c) = (b^2 - nu)(a^2 - 2 + nu) a tanh(a c) (Kirchhoff 1850); a bar has Omega^2 = 1 - nu^2.
     """
     c = np.maximum(_PHASES, 1e-3) / 2
-    low, high = np.full_like(c, math.sqrt(1 - nu**2) * (1 - 1e-9)), np.full_like(c, 1 - _SHORTEST)
+    low, high = np.full_like(c, math.sqrt(1 - nu**2) * (1 - 1e-9)), np.full_like(c, 1 - _TINY)
     for _ in range(_HALVINGS):
         omega = 0.5 * (low + high)
         a, b = np.sqrt(1 + omega), np.sqrt(1 - omega)

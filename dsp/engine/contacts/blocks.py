@@ -263,8 +263,8 @@ def _has_place(state: State, contact: Contact) -> bool:
 
 @kernel
 def _look(state: State, net: Net) -> int:
-    """Return the parts of a sample that follow all contacts; 0 if none do. A body that moves over its object is put
-    where it is amid the block: its force is answered as there."""
+    """Return the parts of a sample that follow all contacts; 0 if none do. A body that moves over its object, and has
+    no tables between the quantum's ends, is put where it is amid the block: its force is answered as there."""
     level = state.choices.accuracy
     least: int = PARTS[level]
     parts = 1

@@ -47,15 +47,17 @@ def test_a_bar_bends_as_the_solid_body(sides):
         assert np.abs(solid / frequency - 1).min() < 0.0035
 
 
+@pytest.mark.parametrize("poisson_ratio", [0.2, 0.4])
 @pytest.mark.parametrize("sides", [(0.24, 0.03, 0.004), (0.3, 0.06, 0.004)])
-def test_a_wide_thin_bar_bends_as_the_solid_body(sides):
-    """The width can't curve as a narrow one does: without that it is 0.6 to 1.5 % too low at its third and fourth
-    mode."""
+def test_a_wide_thin_bar_bends_as_the_solid_body(sides, poisson_ratio):
+    """The width can't curve as a narrow one does: without that a steel one is 0.6 to 1.2 % too low at its
+    third mode."""
     length, width, thickness = sides
-    solid = elastic.box(HEAVY, sides, (20, 8, 4), 20)
-    bar = bodies.bar(HEAVY, length=length, width=width, thickness=thickness, top=5000.0, **STRAIGHT)
-    for frequency in bar.frequency[:4]:
-        assert np.abs(solid / frequency - 1).min() < 0.004
+    material = replace(HEAVY, poisson_ratio=poisson_ratio)
+    solid = elastic.box(material, sides, (20, 8, 4), 20)
+    bar = bodies.bar(material, length=length, width=width, thickness=thickness, top=5000.0, **STRAIGHT)
+    for frequency in bar.frequency[:3]:
+        assert np.abs(solid / frequency - 1).min() < 0.003
 
 
 @pytest.mark.parametrize("wall", [None, 0.005])
