@@ -36,9 +36,6 @@ from .modes import Settings, gains_of
 Folders = Presets | str | PathLike[str] | Iterable[str | PathLike[str]]
 """Presets, or folders of your own presets, which are looked through first."""
 
-TRACED = 1_024
-"""Frames that can be computed between two looks at the trace, or at what was limited."""
-
 _compiling = Lock()  # so that threads which make the first scenes at once compile the engine once
 
 

@@ -20,8 +20,8 @@ class Limiting:
 
     def within(self, start: float, end: float) -> "Limiting":
         """Return the same for a sound that begins and ends at these times (s)."""
-        spans = tuple((max(first, start) - start, min(last, end) - start) for first, last in self.spans)
-        return replace(self, spans=spans)
+        cut = ((max(first, start) - start, min(last, end) - start) for first, last in self.spans)
+        return replace(self, spans=tuple(span for span in cut if span[0] < span[1]))
 
     def said(self) -> str:
         """Say what it did, in a sentence; empty if it did nothing."""

@@ -32,12 +32,14 @@ from .scene.sensing import last_of_sensors, meaning_of
 from .scene.session import Session
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
+PIECE = 1_024
+"""Frames that are computed at once, at most: between looks at what the limiter did, and at the record of contacts."""
+
 LONGEST_TAIL = 600.0
 """s after a score's last event, after which a render ends if all that goes on would go on for ever."""
 LONGEST_REST = LONGEST_BOUNCE + LONGEST_TAIL
 """Time (s) after a score's last event at which a render ends, even if gestures go on that would come to rest."""
 
-_PIECE = 4_096  # frames
 _MOST_NAMES = 8  # of gestures, in a warning
 
 
@@ -258,7 +260,7 @@ class _Timeline:
             stop = self._tail
         else:  # every quantum may be the last
             stop = (computed // QUANTUM + 1) * QUANTUM
-        return min(frames, _PIECE, max(1, stop - computed))
+        return min(frames, PIECE, max(1, stop - computed))
 
     def look_for_end(self, session: Session, warn: Callable[[str], object]) -> None:
         """Set the end if nothing sounds any more, or if the score has gone on for long enough since its last line."""
@@ -288,6 +290,7 @@ def blocks(
     options: Options,
     session: Session | None = None,
     warn: Callable[[str], object] = lambda text: None,
+    look: Callable[[], object] = lambda: None,
 ) -> Iterator[NDArray[np.float32]]:
     """Yield the sound of a score, block by block, each float32 (frames, channels); raise ScoreError that names a line
     that is refused.
@@ -296,6 +299,7 @@ def blocks(
     Without `seconds` the sound ends with the quantum in which the last object falls silent. If all that goes on would
     go on for ever (a press, a roll without friction) it ends LONGEST_TAIL after the last event, and in any case
     LONGEST_REST after it; `warn` is told of either, and of lines that have no effect. The block size does not matter.
+    look: is called after each PIECE frames at the latest.
     """
     lines = options.lines_of(score)
     session = session or Session(engine, presets, steers_ended=True, scale=options.scale_of(score))
@@ -312,6 +316,7 @@ def blocks(
                 _perform(session, line, warn)
             piece = timeline.piece(written, stop - written)
             parts.append(engine.process(piece))
+            look()
             written += piece
             timeline.look_for_end(session, warn)
             if timeline.end is not None:
@@ -370,10 +375,9 @@ def render(
         parts = StemSpools(folder, engine.channels) if stems else None
         keep = spool.append if spool else write
         frames = 0
-        for sound in blocks(score, engine, presets, options, session, warn):
+        for sound in blocks(score, engine, presets, options, session, warn, watch.look):
             if parts:
                 parts.add(session.objects.slots, engine.stems.shares(), engine.stems.sounding(), frames)
-            watch.look()
             keep(sound)
             frames += len(sound)
             progress(engine.position / options.rate)
@@ -382,7 +386,8 @@ def render(
             write(piece)
         if stems and parts:
             parts.save(lambda name: stems / f"{name}{out.suffix}", options.rate, format, frames, gain, scale)
-    return Rendered(engine, watch.take(), None if options.normalize is None else 20.0 * math.log10(gain))
+    limiting = watch.take().within(0.0, frames / options.rate)
+    return Rendered(engine, limiting, None if options.normalize is None else 20.0 * math.log10(gain))
 
 
 def _make_folder(path: Path) -> None:

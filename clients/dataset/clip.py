@@ -14,10 +14,11 @@ from ...dsp.errors import CaromError
 from ...presets import Presets
 from ...server.new_object import NEW
 from ...server.osc.score import Line, sample_at
+from ...server.render import PIECE
 from ..actions import CommandError
 from ..contacts import Contact, assemble
 from ..errors import KINDS, is_expected, plain
-from ..performer import TRACED, Performer
+from ..performer import Performer
 from .design import Item
 from .level import QUANTIZED, quantized, step_of, whole_of
 from .messages import OBJECT, lines_of, number
@@ -28,7 +29,7 @@ from .truth import AMPLIFIED, PATH, Followed, Truth, about_contacts, about_objec
 _PLAIN = ("impact", "spin")
 """Gestures that push nothing, and change no settings: the truth has no more than modes and forces."""
 
-_PIECE = 64 * TRACED
+_LONGEST = 64 * PIECE
 """Frames between two looks at the trace, which has room for the contacts of one gesture."""
 
 _LEAST_LEVEL = 40.0  # dB of a clip above the noise of its samples' steps
@@ -154,7 +155,7 @@ def _played(
     if head and (not lines or lines[0].time > 0.0):
         performer.perform(head, None)
         head = []
-    longest = QUANTUM if follows else _PIECE
+    longest = QUANTUM if follows else _LONGEST
     done, frames = 0, recipe.frames
     for line in [*lines, None]:
         due = _due(recipe, item, line) if line else frames

@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .clients.contacts import assemble
-from .clients.performer import TRACED, Performer
+from .clients.performer import Performer
 from .dsp.engine.memory.state import QUANTUM, TRACE
 from .report import Meter
+from .server.render import PIECE
 from .sound import Sensed, Sound
 
 
@@ -26,7 +27,7 @@ class Capture:
         self.warnings: list[str] = []
         self.peak = 0.0
         """The largest magnitude of a sample."""
-        self.step = QUANTUM if performer.stems else TRACED
+        self.step = QUANTUM if performer.stems else PIECE
 
     def room(self) -> int:
         """Return the frames that the next piece may have."""

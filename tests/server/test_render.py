@@ -345,3 +345,20 @@ def test_a_wav_too_long_is_refused(tmp_path, monkeypatch):
     with pytest.raises(RenderError, match=r"x\.wav: longer than the 4 GiB"):
         rendering(tmp_path, STRIKE, seconds=10.0)
     assert not list(tmp_path.glob("x.wav*"))
+
+
+def test_the_limiters_span_is_told_to_1024_frames_whatever_the_block(tmp_path):
+    (tmp_path / "s.txt").write_text("0 /object/new a xylophone-bar\n0.5 /object/a/impact 1 gain 40\n")
+    score, told = read(tmp_path / "s.txt"), []
+    for block in (64, 16_384):
+        done = render(score, tmp_path / "s.wav", Presets(), Options(block=block, seconds=3.0))
+        told.append(done.limiting.spans)
+    (((first, last),), ((start, end),)) = told
+    assert first == pytest.approx(0.5, abs=0.002)
+    assert 0.0 <= first - start < 1_024 / 48_000 and 0.0 <= end - last < 1_024 / 48_000
+
+
+def test_a_limiter_that_works_to_the_end_is_told_to_it(tmp_path):
+    (tmp_path / "s.txt").write_text("0 /object/new a church-bell gain 30\n0 /object/a/impact 3\n")
+    done = render(read(tmp_path / "s.txt"), tmp_path / "s.wav", Presets(), Options(seconds=0.1))
+    assert done.limiting.spans[-1][1] == 0.1
