@@ -113,7 +113,8 @@ class Actions(Gestures, ABC):
 
     def free(self, name: str, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove an object once it is silent, or at once, with a short fade; its name is free."""
-        self.send(f"/object/{name}/free", *([1] if at_once else []), at=at)
+        address = f"/object/{name}/free"
+        self.send(address, *([1] if _is_on(address, "at_once", at_once) else []), at=at)
 
     def steer(
         self, id: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None,
@@ -220,7 +221,7 @@ class Actions(Gestures, ABC):
 
     def limiter(self, on: bool, at: SupportsFloat | None = None) -> None:
         """Keep the sound within full scale (the default), or leave it as it is."""
-        self.send("/limiter", "on" if on else "off", at=at)
+        self.send("/limiter", "on" if _is_on("/limiter", "on", on) else "off", at=at)
 
     def panic(self, at: SupportsFloat | None = None) -> None:
         """End everything: all sound fades within 11 ms; objects stay."""
@@ -230,6 +231,13 @@ class Actions(Gestures, ABC):
 def message_of(address: str, args: tuple[Value, ...], keys: dict[str, Value]) -> Message:
     """Return a message of arguments, followed by keys and their values."""
     return Message(address, tuple(map(plain, (*args, *key_pairs(keys)))))
+
+
+def _is_on(address: str, name: str, value: object) -> bool:
+    """Return a switch as it is; CommandError for what is neither true nor false."""
+    if value not in (True, False):
+        raise CommandError(f"{address}: {name} = {value!r}: expected True or False")
+    return bool(value)
 
 
 def _spread(numbers: tuple[Value, ...]) -> tuple[Value, ...]:

@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
 from ..server.closing import Closing
 from ..server.osc import wire
@@ -43,6 +43,8 @@ class Client(Actions, Closing):
     """
 
     def __init__(self, host: str = "127.0.0.1", port: int = wire.DEFAULT_PORT, tcp: bool = False) -> None:
+        if not (isinstance(port, SupportsIndex) and 1 <= int(port) <= wire.MOST_PORT):
+            raise CommandError(f"port = {port!r}: expected 1 to {wire.MOST_PORT}")
         self._connection = Connection(host, port, tcp)
         self._bundle: list[wire.Message] | None = None
         self._kept: dict[str, deque[wire.Message]] = {

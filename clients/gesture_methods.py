@@ -57,7 +57,7 @@ def _begin(gesture: Gesture) -> _Method:
             value = keys.pop(first, None)
         self._gesture(gesture.name, name, value, position, at, keys)
 
-    method.__name__ = gesture.name
+    method.__name__ = method.__qualname__ = gesture.name
     lasts = " A gesture of that `id` that goes on (None: the object's own) is steered." if gesture.along else ""
     method.__doc__ = (
         f"Begin a gesture that {gesture.help.replace(' it', ' the object', 1)}.\n\n"

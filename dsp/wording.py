@@ -15,9 +15,10 @@ MOST_COMPARED = 128
 """Names of things that there are among which a near one is looked for."""
 
 
-def some_of(names: Iterable[str]) -> str:
-    """List the first of the things that there are, for an error."""
-    return ", ".join(islice(names, _MOST_SHOWN)) or "none"
+def there_are(names: Iterable[str]) -> str:
+    """Say which things there are, the first of them, for an error."""
+    shown = list(islice(names, _MOST_SHOWN))
+    return f"there {'are' if len(shown) > 1 else 'is'} {', '.join(shown) or 'none'}"
 
 
 def near(word: str, known: Iterable[str]) -> list[str]:

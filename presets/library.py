@@ -42,9 +42,11 @@ class Presets:
 
     def __init__(self, folders: Folder | Iterable[Folder] = ()) -> None:
         """Look presets up in folders: one, or several; raise PresetError that names one that is none."""
+        if not isinstance(folders, str | PathLike | Iterable):
+            raise PresetError(f"presets = {folders!r}: expected a folder, or several")
         folders = [folders] if isinstance(folders, str | PathLike) else list(folders)
         for folder in folders:
-            if not Path(folder).is_dir():
+            if not isinstance(folder, str | PathLike) or not Path(folder).is_dir():
                 raise PresetError(f"{folder}: expected a folder with {', '.join(KINDS)}")
         self._folders = (*map(Path, folders), BUILT_IN)
         self._surfaces: dict[str, tuple[dict[str, Any], SurfacePreset]] = {}  # with the data of which each was made

@@ -12,7 +12,7 @@ from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN
 from ..dsp.wording import expected
-from .osc.wire import DEFAULT_PORT, Argument, Message
+from .osc.wire import DEFAULT_PORT, MOST_PORT, Argument, Message
 from .render import HIGHEST_RATE, LOWEST_RATE
 from .scene.scale import Scale
 from .scene.sensing import last_of_sensors
@@ -71,10 +71,10 @@ class Options:
 
     def __post_init__(self) -> None:
         for name, value, low, high in (
-            ("port", self.port, 0, 65_535),
+            ("port", self.port, 0, MOST_PORT),
             ("rate", self.rate, LOWEST_RATE, HIGHEST_RATE),
             ("block", self.block, 0, 65_536),
-            ("page" if self.page else "oscquery", self.web or 0, 0, 65_535),
+            ("page" if self.page else "oscquery", self.web or 0, 0, MOST_PORT),
             ("channels", self.channels, CHANNELS.low, CHANNELS.high),
             ("sensors", self.sensors, 0, min(SENSORS, CHANNELS.high - self.channels)),
             ("gain", self.gain, MAIN_GAIN.low, MAIN_GAIN.high),

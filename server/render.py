@@ -87,6 +87,8 @@ class Options:
             (STEPS, steps), (ROOM, room),
         ):  # fmt: skip
             require(number, value)
+        if self.limiter not in (None, True, False):
+            raise RenderError(f"limiter = {self.limiter!r}: expected True or False")
         if self.bank not in (None, *FORMS):
             raise RenderError(f"bank = {self.bank}: {expected(str(self.bank), FORMS)}")
         if self.calibrated:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...server.osc.wire import DEFAULT_PORT
+from ...server.osc.wire import DEFAULT_PORT, MOST_PORT
 from .parser import one_of, pascals, whole
 
 if TYPE_CHECKING:
@@ -95,9 +95,9 @@ def _show_compiling(share: float, seconds: float) -> None:
 
 
 def _port(word: str) -> int:
-    if word.isdecimal() and 0 < int(word) < 65_536:
+    if word.isdecimal() and 0 < int(word) <= MOST_PORT:
         return int(word)
-    raise argparse.ArgumentTypeError(f"{word}: expected 1 to 65535")
+    raise argparse.ArgumentTypeError(f"{word}: expected 1 to {MOST_PORT}")
 
 
 def on_end(act: Callable[[], object]) -> None:

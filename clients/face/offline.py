@@ -83,11 +83,13 @@ def _lines(score: PathLike[str] | str | Iterable[Line | Sequence[Any]]) -> list[
         except UnicodeEncodeError as error:
             line = score.count("\n", 0, error.start) + 1
             raise ScoreError(f"score:{line}: {score[error.start]!a} is no character, but half of one") from None
+    if not isinstance(score, Iterable):
+        raise ScoreError(f"score = {score!r}: expected a score's text, a path of its file, or its lines")
     return [line if isinstance(line, Line) else _line(line, f"line {n}") for n, line in enumerate(score, 1)]
 
 
 def _line(line: Sequence[Any], where: str) -> Line:
-    match [plain(part) for part in line]:
+    match [plain(part) for part in line] if isinstance(line, Iterable) else []:
         case [int() | float() as time, str() as address, *args] if 0 <= time <= LONGEST_SCORE:
             return Line(float(time), Message(address, tuple(args)), where)
     raise ScoreError(f"{where}: {line!r}: expected a time from 0 to {LONGEST_SCORE} s, an address and its arguments")

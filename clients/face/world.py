@@ -30,7 +30,7 @@ from .dsp.runtime.batch import Batch
 from .dsp.wording import near
 from .scene import Scene
 from .server.bridge.blows import Counts, Hit
-from .server.bridge.bodies import ABOUT, Body, WorldError
+from .server.bridge.bodies import ABOUT, Body, WorldError, require_number
 from .server.bridge.gestures import template
 from .server.bridge.hearing import Hearing, Listener, Microphone, microphones_of
 from .server.bridge.requests import Lying, Request, Said, Slide, in_order
@@ -99,8 +99,12 @@ class World(Grained, Closing):
     ) -> None:
         if (stems or contacts) and not keep:
             raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
-        if not 0 < rate < math.inf:
-            raise WorldError(f"rate = {rate}: expected a positive number of Hz")
+        require_number("rate", rate, math.ulp(0.0), math.inf, "a positive number of Hz")
+        for name, given, kind in (("hearing", hearing, Hearing), ("listener", listener, Listener)):
+            if not (given is None or isinstance(given, kind)):
+                raise WorldError(f"{name} = {given!r}: expected a carom.{kind.__name__}")
+        if not (client is None or isinstance(client, Client)):
+            raise WorldError(f"client = {client!r}: expected a carom.Client")
         if listener is not None:
             microphones = (Microphone(listener.position, on=listener.on),)
             hearing = replace(hearing, microphones=microphones) if hearing else None
@@ -388,8 +392,7 @@ class World(Grained, Closing):
         """
         if self._scene is None:
             raise WorldError("restart: expected a World without a client")
-        if not math.isfinite(time):
-            raise WorldError(f"time = {time}: expected a finite number")
+        require_number("time", time, -math.inf, math.inf, "a finite number")
         self._scene.panic()
         self._process(_FADED + -self._frames % QUANTUM)
         self.simulation.start[0] = time - self._frames / self.rate
@@ -405,8 +408,7 @@ class World(Grained, Closing):
 
         Return float32 (frames, channels), Pa. WorldError below 0 s and above an hour.
         """
-        if not 0.0 <= seconds <= _LONGEST:
-            raise WorldError(f"seconds = {seconds}: expected 0 to {_LONGEST}")
+        require_number("seconds", seconds, 0.0, _LONGEST, f"0 to {_LONGEST}")
         until = self.time + seconds
         self.simulation.wait(until)
         return self._up_to(until)

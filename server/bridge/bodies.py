@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from ..new_object import NEW, NewObject
 from ..osc.arguments import Refused, require_name, shown
 from ..osc.wire import Argument, Message
 from ..osc.world_verbs import SIZES
-from .shapes import SHAPES, Ringing, Shape, Vector, shape_of, surface_shape
+from .shapes import SHAPES, Ringing, Shape, Vector, numbers_of, shape_of, surface_shape
 from .tracking.state import OCTAVES
 
 _CALIBRATED = {"level": 0.0, "stereo_width": 0.0}
@@ -35,6 +36,12 @@ class WorldError(Refused):
 
     The text names the body, the value and what was expected, and in a step which.
     """
+
+
+def require_number(name: str, value: object, low: float, high: float, wanted: str) -> None:
+    """Raise WorldError, which says which number is wanted, for a value that is no finite number from low to high."""
+    if not (isinstance(value, Real) and math.isfinite(value) and low <= float(value) <= high):
+        raise WorldError(f"{name} = {f'{value:g}' if isinstance(value, float) else repr(value)}: expected {wanted}")
 
 
 @dataclass(frozen=True)
@@ -132,14 +139,17 @@ class BodyMaker:
         if kind not in SHAPES:
             raise ValueError(f"shape = {shown(kind)}: {expected(kind, SHAPES)}")
         held, rings, preset = (about.pop(key, default) for key, default in (("held", 0), ("rings", 1), ("object", "")))
-        own = bool(about.pop("surface", 0))
+        own = about.pop("surface", 0)
+        for key, value in (("held", held), ("rings", rings), ("surface", own)):
+            if value not in (0, 1):
+                raise ValueError(f"{key} = {shown(value)}: expected True or False")
         density, mass, inertia, wall = (about.pop(key, None) for key in ("density", "mass", "inertia", "wall"))
         made_of = self._presets.material(str(material))
         wall = None if wall is None else _positive("wall", wall)
         alone = bool(rings) and not preset
         if own and (kind not in _SOLID or held or wall is not None or not alone):
             raise ValueError(f"surface = 1: expected a solid {' or '.join(_SOLID)} that is free, and rings by itself")
-        surfaced = own or (kind == "mesh" and _has_faces(size) and alone)
+        surfaced = bool(own) or (kind == "mesh" and _has_faces(size) and alone)
         if kind == "mesh" and _has_faces(size):
             shape = self._surface(name, size, made_of if alone else None, wall)
         else:
@@ -173,9 +183,10 @@ class BodyMaker:
     def _surface(self, name: str, size: Any, material: Material | None, wall: float | None) -> Shape:
         """Return the shape of a mesh, its vertices and faces in the axes of the body; with the object that rings as it
         does, if its material is given. It is made if it is not there yet. NoModel says why it can't be."""
-        points, faces = np.asarray(size[0], np.float64), np.asarray(size[1])
+        points, faces = numbers_of("size", size[0], SIZES["mesh"]), np.asarray(size[1])
         if not points.shape[1:] == faces.shape[1:] == (3,) or faces.dtype.kind not in "iu":
-            raise ValueError(f"size, of shapes {points.shape} and {faces.shape}: expected {SIZES['mesh']}")
+            given = f"{points.shape} and {faces.shape}, of {faces.dtype}"
+            raise ValueError(f"size, of shapes {given}: expected {SIZES['mesh']}")
         mesh = Surface(points, faces.astype(np.int64))
         if material is None:
             return surface_shape(mesh.points, mesh.faces, abs(volume_of(mesh)))
@@ -232,9 +243,10 @@ def _weighed(shape: Shape, material: Material, density: Any, mass: Any, inertia:
     if inertia is None:
         x, y, z = shape.inertia
         return mass, (mass * x, mass * y, mass * z)
-    moments = tuple(_positive("inertia", each) for each in np.ravel(np.asarray(inertia, np.float64)))
+    wanted = "three moments, kg m^2"
+    moments = tuple(_positive("inertia", each) for each in np.ravel(numbers_of("inertia", inertia, wanted)))
     if len(moments) != 3:
-        raise ValueError(f"inertia = {moments}: expected three moments, kg m^2")
+        raise ValueError(f"inertia = {moments}: expected {wanted}")
     return mass, moments
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...dsp.contact.accuracy import DEFAULT, LEVELS
 from ...dsp.wording import expected
-from .bodies import WorldError
+from .bodies import WorldError, require_number
 from .shapes import Vector
 from .tracking.microphones import MICROPHONE_STATE
 
@@ -83,19 +84,30 @@ class Hearing:
         if not 1 <= len(self.microphones) <= 64:
             raise WorldError(f"microphones: {len(self.microphones)} of them: expected 1 to 64")
         for name in ("faintest", "masked"):
-            if not -_MOST_DB <= (value := getattr(self, name)) <= _MOST_DB:
-                raise WorldError(f"{name} = {value}: expected -{_MOST_DB:g} to {_MOST_DB:g} dB")
+            require_number(name, getattr(self, name), -_MOST_DB, _MOST_DB, f"-{_MOST_DB:g} to {_MOST_DB:g} dB")
         for name in ("blows", "gestures", "rests"):
-            if not (value := getattr(self, name)) >= 0:
-                raise WorldError(f"{name} = {value}: expected 0 or more")
+            require_number(name, getattr(self, name), 0, math.inf, "0 or more")
         if str(self.accuracy) not in LEVELS:
             raise WorldError(f"accuracy = {self.accuracy}: {expected(self.accuracy, LEVELS)}")
         for number, microphone in enumerate(self.microphones):
-            for name, vector in (("position", microphone.position), ("direction", microphone.direction)):
-                if vector is not None and not (len(vector) == 3 and all(map(math.isfinite, vector))):
-                    raise WorldError(f"microphone {number}: {name} = {vector}: expected three numbers")
-            if not 0.0 <= microphone.pattern <= 1.0:
-                raise WorldError(f"microphone {number}: pattern = {microphone.pattern}: expected 0 to 1")
+            _check(f"microphone {number}", microphone)
+
+
+def _check(which: str, microphone: Microphone) -> None:
+    """Raise WorldError for a microphone that can't be."""
+    for name, vector in (("position", microphone.position), ("direction", microphone.direction)):
+        if vector is not None and not _is_vector(vector):
+            raise WorldError(f"{which}: {name} = {vector!r}: expected three numbers")
+    if microphone.direction is not None and not any(microphone.direction):
+        raise WorldError(f"{which}: direction = {microphone.direction}: expected a vector that is not 0, or None")
+    require_number(f"{which}: pattern", microphone.pattern, 0.0, 1.0, "0 to 1")
+
+
+def _is_vector(value: object) -> bool:
+    """True for three finite numbers."""
+    if not isinstance(value, Sequence | np.ndarray) or len(value) != 3:
+        return False
+    return all(isinstance(each, Real) and math.isfinite(each) for each in value)
 
 
 def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:
@@ -125,9 +137,8 @@ def begin_hearing(hearing: Hearing, state: NDArray[np.void]) -> NDArray[np.void]
     record["nearest"], record["step"] = NEAREST, _CHANGED
     for n, microphone in enumerate(hearing.microphones):
         record["position"][n] = microphone.position
-        length = math.hypot(*microphone.direction) if microphone.direction else 0.0
-        if microphone.direction and length:
-            record["direction"][n] = np.array(microphone.direction) / length
+        if microphone.direction is not None:
+            record["direction"][n] = np.array(microphone.direction) / math.hypot(*microphone.direction)
             record["pattern"][n] = microphone.pattern
     record["told"], record["next"] = np.nan, np.inf
     return made

@@ -1,6 +1,7 @@
 """The shapes of bodies: their mass and inertia, and the object that rings as they do."""
 
 import math
+import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -69,7 +70,7 @@ def shape_of(name: str, size: ArrayLike, held: bool, wall: float | None = None) 
     hollow one's wall. ValueError says what is wrong."""
     if wall is not None:
         return _hollow(shape_of(name, size, held), wall)
-    numbers = np.asarray(size, np.float64)
+    numbers = numbers_of("size", size, SIZES[name])
     if name == "mesh":
         return _mesh(numbers, held)
     given = numbers.ravel()
@@ -80,6 +81,14 @@ def shape_of(name: str, size: ArrayLike, held: bool, wall: float | None = None) 
     if name in ("cylinder", "capsule"):
         return _cylinder(name, float(given[0]), float(given[1]), held)
     return _box(name, (float(given[0]), float(given[1]), float(given[2])), held)
+
+
+def numbers_of(name: str, value: ArrayLike, wanted: str) -> NDArray[np.float64]:
+    """Return an array of numbers; raise ValueError, which says what is wanted, for what is none."""
+    try:
+        return np.asarray(value, np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} = {reprlib.repr(value)}: expected {wanted}") from None
 
 
 def _can_be(lengths: NDArray[np.float64]) -> bool:
@@ -105,8 +114,10 @@ def surface_shape(points: NDArray[np.float64], faces: NDArray[np.int64], volume:
 
 def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
     """Return the box around a mesh, whose axes and origin are those of the body."""
-    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4 or not np.isfinite(vertices).all():
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4:
         raise ValueError(f"size, of shape {vertices.shape}: expected {SIZES['mesh']}")
+    for number in np.flatnonzero(~np.isfinite(vertices).all(axis=1))[:1]:
+        raise ValueError(f"size: vertex {number} = {vertices[number].tolist()}: expected finite numbers")
     with np.errstate(over="ignore"):
         edges = np.ptp(vertices, axis=0)
     if not _can_be(edges):

@@ -14,7 +14,7 @@ from ...presets import Presets
 from ..osc.arguments import shown
 from ..osc.wire import Argument
 from .blows import Counts, Hit, blows_of, hits_of
-from .bodies import Body, BodyMaker, Progress, WorldError
+from .bodies import Body, BodyMaker, Progress, WorldError, require_number
 from .gestures import Gestures, id_of, seed_of
 from .grains import Grains
 from .hearing import Hearing, begin_hearing
@@ -35,6 +35,8 @@ from .telling import (
 )
 from .tracking.skins import round_of, skin_of
 from .tracking.state import BLOW, BODIES, CHANGING, EVENTS, LIE, MATERIALS, MOVE, POINTS, REST, new_state
+
+_NOT_NEGATIVE = "a number that is not negative"
 
 
 class Simulation:
@@ -57,7 +59,7 @@ class Simulation:
         progress: Progress | None = None,
     ) -> None:
         for name, value, least in (("gravity", gravity, 0.0), ("rest", rest, 0.0), ("start", start, -math.inf)):
-            _check_number(name, value, least)
+            require_number(name, value, least, math.inf, "a finite number" if least < 0.0 else _NOT_NEGATIVE)
         self._tell = tell.brief  # loaded now, or compiled
         self.bodies: list[Body] = []
         self._hits: tuple[int, list[Hit]] = 0, []  # of a step
@@ -283,7 +285,7 @@ class Simulation:
 
     def settle(self, seconds: float) -> None:
         """Tell no blow for a time (s) from now on, and from each time on at which it begins anew."""
-        _check_number("settle", seconds, 0.0)
+        require_number("settle", seconds, 0.0, math.inf, _NOT_NEGATIVE)
         self._settle = seconds
         self.state["settles"] = self.time + seconds if seconds else -math.inf
 
@@ -398,10 +400,3 @@ def time_told(telling: NDArray[np.void]) -> float:
     """Return the time of a step's contacts (s), by a record of TELLING."""
     time, behind = (int(telling[name][0]) for name in ("time", "behind"))
     return c_double.from_address(time).value - (c_double.from_address(behind).value if behind else 0.0)
-
-
-def _check_number(name: str, value: object, least: float) -> None:
-    """Raise WorldError for what is no finite number from `least` on."""
-    if not (isinstance(value, Real) and math.isfinite(value) and float(value) >= least):
-        words = "a finite number" if least < 0.0 else "a number that is not negative"
-        raise WorldError(f"{name} = {value!r}: expected {words}")

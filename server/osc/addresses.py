@@ -42,7 +42,7 @@ from .points import Change, Move
 from .questions import QUESTIONS
 from .sensor_verbs import SENSORS
 from .space_verbs import LISTENING, PLACING
-from .wire import Message
+from .wire import MOST_PORT, Message
 from .world_verbs import WORLD
 
 STRIKER = Word("striker", "a preset; the object's own for such a gesture, or for a strike, if none is given")
@@ -251,7 +251,7 @@ _SERVER = (
         "sends you from now on: 0: nothing. 1: /warning and /gesture/end. 2: objects that come and go, and contacts, "
         "too. 3: levels, too. With a port all answers to your datagrams go there",
         (Number("level", 0, 3, whole=True),),
-        (Number("port", 1, 65_535, whole=True),),
+        (Number("port", 1, MOST_PORT, whole=True),),
         scored=False,
     ),
     Verb(

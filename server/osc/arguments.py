@@ -1,6 +1,5 @@
 """The arguments of an address: their names, kinds and ranges, and the check of a message's arguments by them."""
 
-import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -27,15 +26,24 @@ class GestureEnded(Refused):
 
 def shown(value: Argument) -> str:
     """Return a value as an error names it."""
-    if isinstance(value, float) and math.isfinite(value):
+    if isinstance(value, float):
         return f"{value:g}"
-    text = str(value) if isinstance(value, str) else repr(value)
+    text = value if isinstance(value, str) and not _looks_like_a_number(value) else repr(value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
-def require_name(key: str, name: str) -> None:
+def _looks_like_a_number(text: str) -> bool:
+    """True if a text, shown without quotes, is taken for a number, or for nothing."""
+    try:
+        float(text or "0")
+    except ValueError:
+        return False
+    return True
+
+
+def require_name(key: str, name: Argument) -> None:
     """Refuse a name that can't be a part of an address."""
-    if not _NAME.fullmatch(name) or not name.isprintable():
+    if not isinstance(name, str) or not _NAME.fullmatch(name) or not name.isprintable():
         raise Refused(f"{key} = {shown(name)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
 
 
@@ -278,6 +286,8 @@ class Verb:
         i = 0
         while i < len(rest):
             key = rest[i]
+            if not self.named and not self.open_keys:
+                raise Refused(f"{shown(key)}: one argument too many: expected {self.usage()}")
             if not isinstance(key, str):
                 raise Refused(f"{shown(key)}: expected a key; {self.usage()}")
             if key not in self.named and not self.open_keys:

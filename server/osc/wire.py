@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Argument = int | float | str | bytes | bool | tuple["Argument", ...] | None
 """Argument of a message; a tuple is an array."""
 
-DEFAULT_PORT = 57140
+DEFAULT_PORT, MOST_PORT = 57140, 65_535
 IMMEDIATELY = 1
 MAX_DATAGRAM = 65507  # bytes: the most that UDP over IPv4 carries
 MAX_DEPTH = 8  # of bundles in bundles, and of arrays in arrays

@@ -7,7 +7,7 @@ from itertools import chain, islice
 
 from ...dsp.bodies.material import CONTACT_RADIUS
 from ...dsp.schema import BY_RADIUS
-from ...dsp.wording import MOST_COMPARED, some_of
+from ...dsp.wording import MOST_COMPARED, there_are
 from ...presets.kinds import STAND_IN
 from ..osc.addresses import Call
 from ..osc.arguments import Refused, Values, require_name, shown
@@ -55,7 +55,7 @@ class ObjectCall:
         by = self.object_named(name)
         if by is None:
             others = [other for other in islice(objects.there(time), MOST_COMPARED) if other != self.name]
-            known = self.transaction.suggestion(name, others) or f"there are {some_of(others)}"
+            known = self.transaction.suggestion(name, others) or there_are(others)
             raise Refused(f"by = {shown(name)}: expected another object; {known}")
         return by
 

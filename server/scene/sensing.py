@@ -4,7 +4,7 @@ from typing import Any
 
 from ...dsp.bodies.sensor import Sensor
 from ...dsp.engine.memory.commands import Command, Kind
-from ...dsp.wording import some_of
+from ...dsp.wording import there_are
 from ...presets.sensors import sensor_of
 from ..osc.addresses import Call
 from ..osc.arguments import Refused, Values, require_name, shown
@@ -62,8 +62,7 @@ def _free(transaction: Transaction, call: Call, values: Values) -> None:
     table = transaction.sensors
     names = [name for name in table.there if match(call.target, name)]
     if not names:
-        there = list(table.there)
-        raise Refused(f"{call.target}: no such sensor; {some_of(there) if there else 'there is none'}")
+        raise Refused(f"{call.target}: no such sensor; {there_are(table.there)}")
     for name in names:
         mounted = table.there.pop(name)
         transaction.on_undo(lambda name=name, mounted=mounted: table.there.update({name: mounted}))  # type: ignore[misc]

@@ -6,7 +6,7 @@ from itertools import islice
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT, POSITION
-from ...dsp.wording import MOST_COMPARED, expected, some_of, suggestion
+from ...dsp.wording import MOST_COMPARED, expected, suggestion, there_are
 from ..osc.addresses import Call
 from ..osc.arguments import GestureEnded, Refused, Values
 from ..osc.points import Change, Move
@@ -131,4 +131,4 @@ def _running(transaction: Transaction, target: str) -> str:
     if not transaction.explains():
         return ""
     running = list(islice(transaction.gestures.newest_running(), MOST_COMPARED))
-    return f"; {suggestion(target, running) or f'running are {some_of(running)}'}"
+    return f"; {suggestion(target, running) or there_are(running)}"

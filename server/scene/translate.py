@@ -13,7 +13,7 @@ from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BOUNCE, DROPS, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, Gesture
-from ...dsp.wording import MOST_COMPARED, some_of
+from ...dsp.wording import MOST_COMPARED, there_are
 from ...presets.kinds import DRY
 from ..new_object import NEW, NewObject, new_object
 from ..osc.addresses import Call, calls, unknown
@@ -315,7 +315,7 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
         objects = transaction.objects.at(call.target, transaction.time, transaction.selection)
         if not objects:
             there = list(islice(transaction.objects.there(transaction.time), MOST_COMPARED))
-            known = transaction.suggestion(call.target, there) or f"there are {some_of(there)}"
+            known = transaction.suggestion(call.target, there) or there_are(there)
             raise Refused(f"{call.target}: no such object; {known}")
         # One object is all that a message reaches without a pattern.
         transaction.selection.charge(_work(call, values, transaction) * (len(objects) - 1), call.target)

@@ -80,7 +80,7 @@ def test_a_bad_score_does_not_stop_the_others(carom, tmp_path, scores):
     run = carom("render", "bad.txt", *scores, "none.txt", "out")
     told = [line for line in run.stderr.splitlines() if " scores after " not in line]  # as a busy machine may say
     assert run.returncode == 1 and sorted(told) == [
-        "carom render: bad.txt:1: /object/a/impact: a: no such object; there are none",
+        "carom render: bad.txt:1: /object/a/impact: a: no such object; there is none",
         "carom render: none.txt: No such file or directory",
     ]
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["s0.wav", "s1.wav", "s2.wav"]

@@ -173,7 +173,7 @@ def scene():
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda s: s.impact("b", 1), "/object/b/impact: b: no such object; there are a"),
+        (lambda s: s.impact("b", 1), "/object/b/impact: b: no such object; there is a"),
         (lambda s: s.impact("a", "hard"), "/object/a/impact: velocity = hard: expected a number from 0 to 1000 m/s"),
         (lambda s: s.impact("a", float("nan")), "velocity = nan"),
         (lambda s: s.impact("a", 1, colour=3), "colour: no such key; expected one of striker"),

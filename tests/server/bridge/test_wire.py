@@ -83,7 +83,7 @@ def test_a_score_may_tell_bodies_that_are_grains(render_text):
         ("/world/pour rice bow 3 speed 1", "body bow: no such body; did you mean bowl?"),
         ("/world/pour rice bowl 3", "grains rice: expected speed, impulse or energy"),
         ("/world/pour rice bowl -3 speed 1", "count = -3: expected a number from 0 to 1e+06"),
-        ("/world/pour rice bowl nan speed 1", "count = nan"),
+        ("/world/pour rice bowl nan speed 1", "count = 'nan'"),
         ("/world/pour rice bowl 3 speed wide", "speed = wide: expected a number"),
     ],
 )

@@ -234,7 +234,7 @@ def test_what_is_wrong_is_named(played, address, args, reason):
 def test_what_is_refused_is_warned_of_once_in_a_while(played):
     played.ask("/midi/control", 1, "/gesture/x/speed")
     played.play(*[0xB0, 1, 5] * 100)
-    assert played.warned == ["MIDI: /gesture/x/speed: x: no such gesture is running; running are none"]
+    assert played.warned == ["MIDI: /gesture/x/speed: x: no such gesture is running; there is none"]
 
 
 def test_a_flood_is_bounded_and_told(played):

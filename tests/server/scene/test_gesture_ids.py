@@ -52,19 +52,19 @@ def test_a_gesture_is_not_steered_by_what_it_lacks(played):
 
 def test_steering_what_does_not_run_is_refused_and_the_running_ones_are_named(played):
     """A gesture runs from when it is sent, also to begin later, to when the engine reports its end."""
-    assert refusal(played, "/gesture/marble/stop") == "marble: no such gesture is running; running are none"
+    assert refusal(played, "/gesture/marble/stop") == "marble: no such gesture is running; there is none"
     say(played, "/object/pane/impact", 0.1, "id", "blow")
     say(played, "/object/pane/bounce", 0.2, "id", "ball", "striker", "fingernail")
     say(played, "/object/cup/press", 1.0, "id", "hand", time=96_000.0)
     seconds(played, 1.0)  # the blow is over, the ball bounces, the hand is still to come
-    ended = "blow: no such gesture is running; running are hand, ball"
+    ended = "blow: no such gesture is running; there are hand, ball"
     assert refusal(played, "/gesture/blow/gain", -6) == ended
     assert refusal(played, "/gesture/b[l]ow/stop") == ended.replace("blow", "b[l]ow")
     assert say(played, "/gesture/hand/force", 2.0) == [] and say(played, "/gesture/*/stop", time=120_000.0) == []
     seconds(played, 5.0)
     assert sorted(ends(played)) == [("ball", None), ("blow", None), ("hand", None)]
     for pattern in ("*", "hand", "ball"):
-        assert refusal(played, f"/gesture/{pattern}/stop").endswith("is running; running are none")
+        assert refusal(played, f"/gesture/{pattern}/stop").endswith("is running; there is none")
 
 
 def test_a_gesture_can_be_steered_by_the_bundle_that_starts_it(played):

@@ -24,7 +24,7 @@ def test_an_object_strikes_another(played):
     assert played.engine.stats.sounding == 2
     for other in ("pane", "lid", "c*"):
         reason = refusal(played, "/object/pane/impact", 1, "by", other)
-        assert reason == f"by = {other}: expected another object; there are cup"
+        assert reason == f"by = {other}: expected another object; there is cup"
 
 
 def touching(played):
