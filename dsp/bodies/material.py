@@ -20,6 +20,13 @@ of mallets, are round by 3 to 30 mm, and 10 mm is the middle of these. The conta
 power of -1/5, so it is 1.25 times longer or shorter at either end.
 """
 
+ROUNDNESS = 0.35
+"""Radius of the corners of a body with edges, over that of a sphere that fits within (H. Wadell, J. Geol. 40, 1932).
+
+It is the middle of the scale of M. C. Powers (J. Sediment. Petrol. 23, 1953), from very angular, 0.12, to round, 1. The
+contact time is 1.24 times longer or shorter at either end. A cube of 57 mm has corners of CONTACT_RADIUS.
+"""
+
 
 @dataclass(frozen=True)
 class Material:

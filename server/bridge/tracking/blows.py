@@ -18,7 +18,7 @@ from .microphones import MicrophoneState
 from .points import along
 from .skins import curvature_of
 from .state import EVENTS, HIT, OCTAVES, Blow, State
-from .strips import place_on
+from .strips import corner_of, place_on
 
 _IN = 0.05  # s: the time over which blows are counted
 _RECENT = 0.1  # s: what was louder so lately hides what is fainter
@@ -116,7 +116,8 @@ def _find_law(state: State, blow: Blow, local: View2D[float]) -> None:
         blow.stiffness, blow.dissipation, blow.exponent = soft[0], soft[1], soft[2]
         return
     law = state.law[state.material[blow.a], state.material[blow.b]]
-    blow.stiffness = law[0] * math.sqrt(contact_radius(curvature_of(state, blow.a, blow.b, local)))
+    corner = min(corner_of(state.edges[blow.a]), corner_of(state.edges[blow.b]))
+    blow.stiffness = law[0] * math.sqrt(contact_radius(curvature_of(state, blow.a, blow.b, local), corner))
     blow.dissipation, blow.exponent = law[1], law[2]
 
 
@@ -177,6 +178,7 @@ def loudness_of(state: State, body: int, lasting: float) -> float:
 
 
 @kernel
-def contact_radius(curvature: float) -> float:
-    """Return the radius (m) of a contact, within bounds; of two faces, that of rounded corners."""
-    return min(max(1.0 / curvature if curvature > 0.0 else CONTACT_RADIUS, _SHARPEST), _FLATTEST)
+def contact_radius(curvature: float, flat: float = CONTACT_RADIUS) -> float:
+    """Return the radius (m) of a contact, within bounds. flat: of two faces; those that meet in a blow touch first by a
+    corner of one."""
+    return min(max(1.0 / curvature if curvature > 0.0 else flat, _SHARPEST), _FLATTEST)

@@ -2,7 +2,7 @@
 
 import math
 
-from ....dsp.bodies.material import CONTACT_RADIUS
+from ....dsp.bodies.material import ROUNDNESS
 from ....dsp.native.jit import kernel
 from ....dsp.native.typed import Items
 
@@ -50,4 +50,11 @@ def radius_at(side: float, edges: Items[float], point: Items[float]) -> float:
     for k in range(3):
         if abs(point[k]) > 0.5 * _ENDS * edges[k]:
             ends += 1
-    return math.inf if ends < 2 else min(CONTACT_RADIUS, 0.5 * min(edges[0], edges[1], edges[2]))
+    return math.inf if ends < 2 else min(corner_of(edges), 0.5 * min(edges[0], edges[1], edges[2]))
+
+
+@kernel
+def corner_of(edges: Items[float]) -> float:
+    """Return the radius (m) of the corners of a body: as those of a cube of the volume of the box around it."""
+    radius: float = 0.5 * ROUNDNESS * (edges[0] * edges[1] * edges[2]) ** (1 / 3)
+    return radius

@@ -46,7 +46,7 @@ SCORE = """
 0      /object/new b ceramic-tile pan -1
 0.0101 /object/a/impact 1.0 mass 1e-6 stiffness 1e9 dissipation 0 exponent 1.5 id tick gain -20
 0.1    /object/b/bounce 0.02 striker ping-pong
-0.15   /object/a/impact 0.5 by b
+0.15   /object/a/impact 0.45 by b
 """
 
 

@@ -10,7 +10,7 @@ import carom
 from carom.clients.cli import main
 from carom.dsp.bodies import bar
 from carom.dsp.bodies.curved import EDGE_RADIUS
-from carom.dsp.bodies.material import CONTACT_RADIUS
+from carom.dsp.bodies.material import ROUNDNESS
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.surface import Surface
 from carom.server.bridge.bodies import NoModel, WorldError
@@ -305,4 +305,5 @@ def test_the_stiffness_of_a_contact_is_that_of_the_surface_there():
             law[name] = stiffness_of(world.score())
     assert law["mesh"] == pytest.approx(law["sphere"], rel=0.03)
     face, edge = (stiffness_of(heard(True, (0.02, y, -0.004))[1]) for y in (0.0, 0.015))
-    assert face / edge == pytest.approx((CONTACT_RADIUS / (2 * EDGE_RADIUS)) ** 0.5, rel=1e-6)
+    corner = 0.5 * ROUNDNESS * np.prod(SIZE) ** (1 / 3)
+    assert face / edge == pytest.approx((corner / (2 * EDGE_RADIUS)) ** 0.5, rel=1e-6)

@@ -1,5 +1,6 @@
 """Clicks of bodies against exact solutions of the air around them."""
 
+import itertools
 import math
 
 import numpy as np
@@ -90,7 +91,59 @@ def test_a_disc_is_the_exact_one_within_2_db():
 def test_a_thick_disc_also_displaces_air():
     thin, thick = (acceleration.disc(1.0, 0.0116, h) for h in (0.0, 0.0023))
     ratio = response(thick, np.array([50.0])) / response(thin, np.array([50.0]))
-    assert ratio[0] == pytest.approx(1 + math.pi * 0.0023 / (8 / 3 * 0.0116), rel=1e-3)
+    thicker = 1 + 0.45 * math.sqrt(0.0023 / 0.0232)
+    assert ratio[0] == pytest.approx(thicker + math.pi * 0.0023 / (8 / 3 * 0.0116), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("sides", "added"),
+    [((1, 1, 1), 0.68), ((1, 1, 2), 0.72), ((100, 1, 0.1), 89.5), ((100, 1, 0.5), 107), ((100, 1, 1), 119)],
+)
+def test_a_box_carries_the_air_that_is_known(sides, added):
+    """Prisms of DNV-RP-C205, table D-2, and sections of table D-1 (1.14, 1.36 and 1.51 times pi/4 w^2)."""
+    length, width, thickness = sides
+    frequency, volume = np.array([0.1]), length * width * thickness
+    click = acceleration.rectangle(1.0, length, width, volume)
+    dipole = RHO * (added + volume) * 2 * math.pi * frequency / (4 * math.pi * math.sqrt(3) * C)
+    assert np.abs(decibels(click, frequency, dipole)) < 0.25
+
+
+def box_resistance(sides, k, cells=8):
+    """Return the radiation resistance, over rho c, of a box that moves along its third side: monopoles on its surface,
+    by collocation at the middles of rectangles, each seen as four points."""
+    places, normals, halves = [], [], []
+    steps = -0.5 * np.cos(np.linspace(0, np.pi, cells + 1))
+    for axis, sign, i, j in itertools.product(range(3), (-1, 1), range(cells), range(cells)):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        place, normal, half = np.zeros(3), np.zeros(3), np.zeros(3)
+        place[[u, v, axis]] = (steps[i] + steps[i + 1]) / 2, (steps[j] + steps[j + 1]) / 2, sign / 2
+        half[[u, v]] = (steps[i + 1] - steps[i]) / 2, (steps[j + 1] - steps[j]) / 2
+        normal[axis] = sign
+        places.append(place * sides), normals.append(normal), halves.append(half * sides)
+    places, normals, halves = np.array(places), np.array(normals), np.array(halves)
+    long, short = np.sort(halves, axis=1)[:, 2], np.sort(halves, axis=1)[:, 1]
+    areas, leaving, above = 4 * long * short, 0.0, 0.0
+    for signs in itertools.product((-1, 1), repeat=3):  # each point twice: one axis is normal
+        away = places[:, None] - places - np.array(signs) / math.sqrt(3) * halves
+        r = np.linalg.norm(away, axis=2)
+        wave = areas / 8 * np.exp(1j * k * r) / (4 * np.pi * r)
+        above = above + wave
+        leaving = leaving + wave * (1j * k * r - 1) * (away * normals[:, None]).sum(axis=2) / r**2
+    np.fill_diagonal(leaving, -0.5)
+    own = (long * np.arcsinh(short / long) + short * np.arcsinh(long / short)) / np.pi
+    np.fill_diagonal(above, own + 1j * k * areas / (4 * np.pi))
+    pressure = k * (above @ np.linalg.solve(leaving, normals[:, 2] + 0j))
+    return abs(np.sum(pressure * normals[:, 2] * areas).imag)
+
+
+@pytest.mark.parametrize(("sides", "error"), [((1, 1, 1), 0.8), ((2, 1, 1), 0.5), ((1, 1, 0.5), 0.8), ((1, 1, 2), 1.7)])
+def test_a_box_is_that_of_boundary_elements(sides, error):
+    """Frequencies go from sound much longer than the box to half its length."""
+    length, width, thickness = sides
+    k = np.geomspace(0.3, 4.0, 6) / math.sqrt(length * width)
+    exact = RHO * C * np.array([box_resistance(sides, each) for each in k])
+    click = acceleration.rectangle(1.0, length, width, length * width * thickness)
+    assert np.abs(decibels(click, k * C / (2 * np.pi), heard(exact, k * C / (2 * np.pi)))).max() < error
 
 
 @pytest.mark.slow

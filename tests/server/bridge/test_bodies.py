@@ -9,8 +9,8 @@ from carom.server.bridge.bodies import BodyMaker
 
 TOP = 7_600.0  # Hz, as at 16 kHz
 SMALL = [
-    ("box", (0.1, 0.1, 0.1)), ("box", (0.02, 0.01, 0.01)), ("box", (0.02, 0.02, 0.01)), ("cylinder", (0.01, 0.02)),
-    ("capsule", (0.005, 0.01)), ("sphere", (0.02,)),
+    ("box", (0.1, 0.1, 0.1)), ("box", (0.02, 0.01, 0.01)), ("cylinder", (0.01, 0.02)), ("capsule", (0.005, 0.01)),
+    ("sphere", (0.02,)),
 ]  # fmt: skip
 
 
