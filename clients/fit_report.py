@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..dsp.fitting.blow import earliest
-from ..dsp.fitting.distance import Distance, distance
+from ..dsp.fitting.distance import distance
 from ..dsp.fitting.strongest import Strongest, strongest
 from .comparison import Compared, rows, write_page
 from .fitting import Made
@@ -24,11 +24,6 @@ def compared(made: Made) -> list[Compared]:
             pairs.append((distance(recorded, made.sound, fit.rate), (name, "the preset, played")))
         pairs.append((distance(recorded, fit.sound(number)[early:], fit.rate), (name, "modes and noise, fitted")))
     return pairs
-
-
-def played_beside(made: Made) -> Distance:
-    """Return the first recording, and the default strike as the engine plays it."""
-    return compared(made)[0][0]
 
 
 def write_report(made: Made, name: str, out: Path) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -87,6 +88,8 @@ def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, 
     """Return points (n, 3) in m and faces (m, 3) of a mesh file, and its bodies, as trimesh has them."""
     if path.suffix.lower() not in FORMATS:
         raise MeshError(f"{path}: expected a file that ends in {', '.join(FORMATS)}")
+    if scale is not None and not 0.0 < scale < math.inf:
+        raise MeshError(f"scale = {scale:g}: expected a positive number, the file's unit in m")
     size = path.stat().st_size
     if size > _MOST_BYTES:
         raise MeshError(f"{path}: {size / 1e6:.0f} MB: expected at most {_MOST_BYTES / 1e6:.0f} MB")

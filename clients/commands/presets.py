@@ -101,6 +101,8 @@ def _show(names: Sequence[str], presets: Presets, as_json: bool) -> None:
     known = {kind: presets.names(kind) for kind in KINDS}
     found = []
     for name in names:
+        if name in KINDS:
+            raise PresetError(f"{name}: expected names of presets, or kinds alone")
         kinds = [kind for kind in known if name in known[kind]]
         if not kinds:
             all_names = dict.fromkeys(each for kind in known for each in known[kind])

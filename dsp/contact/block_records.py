@@ -6,7 +6,7 @@ from ..native.jit import kernel
 from ..native.typed import Record, View, View2D
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, BEYOND, line_of
-from .block_sizes import FORCES, LINE, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
+from .block_sizes import FORCES, LINEAR, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 
 TOGETHER = 4
 """Contacts that are solved together, at most."""
@@ -133,8 +133,8 @@ def rows_of(block: Block) -> int:
 
 @kernel
 def rows_for(parts: int) -> int:
-    """Return the number of rows for so many parts of a sample, or for LINE."""
-    return 2 if parts == LINE else 5 * parts - 1
+    """Return the number of rows for so many parts of a sample, or for LINEAR."""
+    return 2 if parts == LINEAR else 5 * parts - 1
 
 
 @kernel

@@ -50,15 +50,6 @@ _ROWS = np.zeros((DEGREE + 1, _LAID))
 _ROWS[:, :TAPS] = _WEIGHTS
 
 
-@kernel
-def tap_weight(fraction: float, tap: int) -> float:
-    """Return the weight of a tap for a fraction of 0 to 1."""
-    f, total = fraction - 0.5, 0.0
-    for p in range(DEGREE, -1, -1):
-        total = total * f + _WEIGHTS[p, tap]
-    return total
-
-
 @simd_kernel
 def read_steady(window: View[float], fraction: float, weights: View[float], out: View[float], count: int) -> None:
     """Read `count` samples that lie a fraction after window[TAPS // 2 - 1], one after the other; `weights` has room for

@@ -5,8 +5,6 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View
 
-MOST_ORDER = 3
-
 
 @kernel
 def harmonics(gains: View[float], order: int, x: float, y: float, z: float) -> None:

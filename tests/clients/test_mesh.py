@@ -38,6 +38,13 @@ def test_a_mesh_of_an_unusual_size_is_asked_about_the_way_it_is_off(tmp_path, ca
     assert "expected 0.003 to 10 m; scale: " + said in told and ("reads mm" in told) == (size > 1)
 
 
+@pytest.mark.parametrize("scale", ["0", "-1", "inf"])
+def test_a_scale_that_is_none_is_named(tmp_path, capsys, scale):
+    file = written(forms.box(0.2, 0.1, 0.05), tmp_path / "box.ply")
+    assert main(["mesh", str(file), str(tmp_path), "--name", "a", "--material", "tin", "--scale", scale]) == 1
+    assert f"scale = {scale}: expected a positive number" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_a_mesh_becomes_an_object_with_a_report(tmp_path, capsys):
     file = written(forms.box(0.2, 0.03, 0.008), tmp_path / "bar.stl", 1e-3)

@@ -57,6 +57,7 @@ COMMANDS = [
     ("strike wood-block x.wav --position 2", "position = 2", "expected a number from 0 to 1"),
     ("strike wood-block x.wav y.wav", "y.wav: one argument too many", "usage: carom strike"),
     ("presets striker", "no preset 'striker'", "did you mean strikers?"),
+    ("presets objects cannon", "objects", "expected names of presets, or kinds alone"),
     ("presets cannon", "no preset 'cannon'", "or one of objects, strikers, surfaces, materials"),
     ("dataset wrlds x", "no recipe 'wrlds'", "did you mean worlds?"),
     ("presets stel", "no preset 'stel'", "did you mean steel?"),

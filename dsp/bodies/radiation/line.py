@@ -52,11 +52,6 @@ def added_of(aspect: float) -> float:
     return float(np.interp(aspect, _ASPECTS, _ADDED))
 
 
-def dipole_of(aspect: float) -> float:
-    """Return the dipole of a section of a thickness over its width, over that of a flat strip of its width."""
-    return added_of(aspect) + 4 * aspect / math.pi
-
-
 def rectangular(width: float, depth: Array) -> Outline:
     """Return the outline of a bar that moves across its width, `depth` (m) thick at places along it."""
     added = np.interp(depth / width, _ASPECTS, _ADDED) * math.pi * (width / 2) ** 2

@@ -2,7 +2,7 @@
 
 from ...contact.block_nodes import TILT, nodes_of
 from ...contact.block_records import rows_for
-from ...contact.block_sizes import LINE, MOST_PARTS
+from ...contact.block_sizes import LINEAR, MOST_PARTS
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import AHEAD, KEPT
@@ -34,8 +34,8 @@ def _tilted(begin: float, end: float) -> Row:
 
 
 _ROWS = [[course(1, 0.0, 1.0), at_time(1.0)], *(_rows_of(parts) for parts in range(1, MOST_PARTS + 1))]
-_OF_LINE, _OF_ONE, _OF_TWO, _OF_THREE = (filters_of(rows) for rows in _ROWS)
-_LINE, _ONE, _TWO, _THREE = (tuple(range(len(rows))) for rows in _ROWS)
+_OF_LINEAR, _OF_ONE, _OF_TWO, _OF_THREE = (filters_of(rows) for rows in _ROWS)
+_LINEAR, _ONE, _TWO, _THREE = (tuple(range(len(rows))) for rows in _ROWS)
 
 BENT = -1
 """Number in the place of a moment for a force that lasts."""
@@ -57,10 +57,10 @@ def clear_rows(state: State, parts: int) -> None:
 @noinline_kernel
 def lay_motion(parts: int, samples: int, modes: Modes, point: Point, room: View[float], rows: View[float]) -> float:
     """Add the motion of a point without a force over so many samples, a multiple of LANES, to `rows`, those of so many
-    parts of a sample, or of LINE, one row after the other; return where it is now (m). `room` has ROOM values
+    parts of a sample, or of LINEAR, one row after the other; return where it is now (m). `room` has ROOM values
     (resonator/rows.py)."""
-    if parts == LINE:
-        return lay_rows(modes, point, _LINE, _OF_LINE, samples, room, rows)
+    if parts == LINEAR:
+        return lay_rows(modes, point, _LINEAR, _OF_LINEAR, samples, room, rows)
     if parts == 1:
         return lay_rows(modes, point, _ONE, _OF_ONE, samples, room, rows)
     if parts == 2:

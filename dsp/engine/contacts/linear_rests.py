@@ -2,7 +2,7 @@
 the only contact of their objects in it."""
 
 from ...contact.block_records import Net
-from ...contact.block_sizes import LINE
+from ...contact.block_sizes import LINEAR
 from ...contact.linear import add_answers, begin_tables, end_tables, look_if_calm, moment_of, solve_linear
 from ...native.jit import kernel, noinline_kernel
 from ..bodies.objects import modes_of, point_of
@@ -26,17 +26,17 @@ def run_linear(state: State, net: Net) -> bool:
     if linear.settled != contact.settled or linear.load != contact.coupled.rest_force:
         begin_tables(linear, contact.coupled, contact.settled)
         for moment in range(2):
-            lay_answers(state, LINE, contact, contact, moment, QUANTUM)
+            lay_answers(state, LINEAR, contact, contact, moment, QUANTUM)
             add_answers(linear, contact.coupled, moment, state.scratch.rows)
         end_tables(linear, state.scratch.work)
     place = 0.0
-    clear_rows(state, LINE)
+    clear_rows(state, LINEAR)
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
             modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
-            place += lay_point(state, LINE, QUANTUM, modes, where)
+            place += lay_point(state, LINEAR, QUANTUM, modes, where)
     if not solve_linear(linear, contact.coupled, state.scratch.rows, place, 1.0 / contact.now.gain):
         linear.calm = 0
         return False

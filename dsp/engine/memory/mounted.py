@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from ...native.typed import Record, View, dtype_of
+from ...native.typed import Record, View
 from ...sizes import CAPACITY
 
 SENSORS = CAPACITY.sensors
@@ -19,6 +19,3 @@ class Mounted(Record):
     direction: Annotated[View[float], 3]  # in which it senses, of length 1; zeros: along the normal
     filter: Annotated[View[float], 5]  # of its resonance: b0, b1, b2, a1, a2
     scale: float  # of a sample, for each unit of what is sensed
-
-
-MOUNTED = dtype_of(Mounted)

@@ -229,9 +229,6 @@ class Heap(Record):
     point: Annotated[View[float], 3]
 
 
-HEAP = dtype_of(Heap)
-
-
 class State(Record):
     """The whole memory. `pair` numbers bodies; `normal` leads from the first of them to the second."""
 

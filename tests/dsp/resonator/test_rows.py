@@ -4,7 +4,7 @@ from numpy.polynomial import Legendre
 
 from carom.dsp.contact.block_nodes import TILT, nodes_of
 from carom.dsp.contact.block_records import ROWS
-from carom.dsp.contact.block_sizes import LINE
+from carom.dsp.contact.block_sizes import LINEAR
 from carom.dsp.engine.contacts.block_motion import lay_motion
 from carom.dsp.numerics.legendre import AHEAD, FINE
 from carom.dsp.resonator import bank, coefficients
@@ -23,7 +23,7 @@ def rows_of(motion, parts):
         course = (rate * Legendre.basis(degree, domain=[begin, end]).convert(domain=[0, 1])).integ(lbnd=begin)
         return course(end) / (end - begin)
 
-    if parts == LINE:
+    if parts == LINEAR:
         return [averaged(1, 0.0, 1.0), motion(1.0)]
     spans = [(part / parts, (part + 1) / parts) for part in range(parts)]
     rows = [motion(time) for time in nodes_of(parts)] + [TILT * averaged(1, *span) for span in spans]
@@ -32,7 +32,7 @@ def rows_of(motion, parts):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("parts", [LINE, 1, 2, 3])
+@pytest.mark.parametrize("parts", [LINEAR, 1, 2, 3])
 @pytest.mark.parametrize("loss, error", [(0.0, 1e-8), (0.03, 1e-8), (0.3, 1e-7), (2.5, 1e-6)])
 @pytest.mark.parametrize("highest, groups", [(0.9, 3), (2.6, 1), (2.6, 9), (HIGHEST, 2), (HIGHEST, 14)])
 def test_rows_are_the_motion_of_all_modes_however_fast_they_turn(highest, groups, loss, error, parts):

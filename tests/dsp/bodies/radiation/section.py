@@ -66,13 +66,18 @@ def _quarter(aspect: float, count: int) -> tuple[np.ndarray, ...]:
     return begin, across, length, np.stack([across[:, 1], -across[:, 0]], axis=1) / length[:, None]
 
 
+def dipole_of(aspect: float) -> float:
+    """Return the dipole of a section of a thickness over its width, over that of a flat strip of its width."""
+    return line.added_of(aspect) + 4 * aspect / np.pi
+
+
 def excess(x: float, aspect: float, turns: bool = False) -> float:
     """Return by how much (dB) the resistance is above that estimated of the dipole or the quadrupole of its section."""
     at = np.array([x])
     if turns:
         strength, flat = np.interp(aspect, twist.THICKNESS, twist.FLATNESS), twist.strip(at)
     else:
-        strength, flat = line.dipole_of(aspect), line._strip_resistance(at)
+        strength, flat = dipole_of(aspect), line._strip_resistance(at)
     known = flat[0] * (1 + (strength**2 - 1) / (1 + x * x) ** 2)
     return float(10 * np.log10(resistance(x, aspect, turns, 24 if aspect < 2 else 12) / known))
 

@@ -21,7 +21,7 @@ def test_a_sections_excess_is_as_the_table_has_it(aspect, at):
     row = thick.ASPECTS.index(aspect)
     fine = section.resistance(float(GRID[at]), aspect, count=36)
     known = line._strip_resistance(GRID[[at]])[0]
-    dipole = 1 + (line.dipole_of(aspect) ** 2 - 1) / (1 + GRID[at] ** 2) ** 2
+    dipole = 1 + (section.dipole_of(aspect) ** 2 - 1) / (1 + GRID[at] ** 2) ** 2
     assert 10 * np.log10(fine / known / dipole) == pytest.approx(thick.SWAYS[row][at], abs=0.05)
 
 
