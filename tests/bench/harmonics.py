@@ -3,10 +3,13 @@
 `python -m tests.bench.harmonics` takes the sampled instruments of the SoundFont that Debian's fluid-soundfont-gm
 installs: a cello's notes from its looped part on, and notes of bars within half an octave of the presets'. Of a cello,
 the power about each harmonic is fitted by a line over the octaves. Of a bar, it is the lowest partial's power against
-that of all higher ones, over the first 0.3 s, that the tube below decides; the mallet and where it falls do, too.
+that of all higher ones, over the first 0.3 s, or as much as there is of a recording, that the tube below decides; the
+mallet and where it falls do, too. How the lowest swells (`swell`) is the tube's alone.
 A bar of another note than the preset's is as much shorter as its frequency wants (it goes with 1/length^2), and is
 struck as far off its middle. Bars of further packages (`sources`) are measured where they are, and recordings of two
-instruments, half an octave apart at most, beside each other: who plays with which mallet differs there, too.
+instruments, half an octave apart at most, beside each other: who plays with which mallet differs there, too. Some notes
+of an instrument are one recording at two speeds (`alike`). Mallet and place are of one note then, so the one that is
+nearest to the preset's note counts.
 """
 
 from dataclasses import replace
@@ -40,7 +43,11 @@ NOTES = {"marimba-bar": 261.6, "vibraphone-bar": 174.6, "xylophone-bar": 523.3} 
 MALLETS = {"marimba-bar": ("yarn", "cord"), "vibraphone-bar": ("yarn", "cord"), "xylophone-bar": ("plastic", "wood")}
 PLACES = 0.5, 0.43, 0.36  # of the bars' lengths: their nodes lie at some 0.22
 WITHIN, APART = 4.0, 0.5  # dB; octaves between notes of recordings that are compared
+ALIKE = 0.8  # correlation of two notes of one recording; those of two instruments have 0.25 at most
+SPEEDS = np.linspace(0.995, 1.005, 41)  # by which notes are off their pitch
+POINTS, COMPARED = 64, 0.19  # for each period; s, of a note
 FIRST = 0.3  # s
+SWELLS = 0.02, 0.15  # s
 NEAR, ABOVE = 2 ** (1 / 6), 1.5  # ratios to the lowest partial
 
 
@@ -69,12 +76,28 @@ def fall(sound: Recording) -> tuple[float, float]:
     return lowest, float(np.polyfit(np.log2(harmonics), levels, 1)[0])
 
 
-def over_the_rest(sound: Recording, lowest: float) -> float:
-    """Return by how many dB a bar's lowest partial (Hz) exceeds all that is above it, in the first FIRST seconds."""
-    power, frequency = spectrum(from_onset(sound)[: round(FIRST * sound.rate)], sound.rate)
+def over_the_rest(sound: Recording, lowest: float, seconds: float = FIRST) -> float:
+    """Return by how many dB a bar's lowest partial (Hz) exceeds all that is above it, in the first seconds."""
+    power, frequency = spectrum(from_onset(sound)[: round(seconds * sound.rate)], sound.rate)
     ratio = frequency / lowest
     own = power[(ratio > 1 / NEAR) & (ratio < NEAR)].sum()
     return float(10 * np.log10(own / power[ratio > ABOVE].sum()))
+
+
+def lasting(sound: Recording) -> float:
+    """Return for how many seconds from its onset on a recording is looked at: tubes swell for longer than some last."""
+    return min(FIRST, len(from_onset(sound)) / sound.rate)
+
+
+def swell(sound: Recording, lowest: float) -> float:
+    """Return by how many dB a bar's lowest partial (Hz) is louder at the second time of SWELLS than at the first: what
+    its tube does, whatever strikes it where."""
+    piece = from_onset(sound)
+    frequency = np.fft.fftfreq(2 * len(piece), 1 / sound.rate) / lowest
+    heard = np.fft.fft(piece, 2 * len(piece)) * ((frequency > 1 / NEAR) & (frequency < NEAR))
+    level = np.abs(np.fft.ifft(heard)) ** 2
+    first, second = (level[round(at * sound.rate) :][: round(SWELLS[0] * sound.rate)].mean() for at in SWELLS)
+    return float(10 * np.log10(second / first))
 
 
 def spectrum(samples: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -95,14 +118,54 @@ def cello(font: SoundFont) -> None:
     print(f"  {'cello-string':18} {lowest:6.0f} Hz {slope:7.1f}   mean of the recordings {mean(slopes):.1f}")
 
 
+def by_periods(sound: Recording, lowest: float, speed: float = 1.0) -> np.ndarray:
+    """Return a note's samples at POINTS places of each period of its lowest partial, of which Hz are nearly known. They
+    are differentiated thrice, so that the upper partials count."""
+    piece = from_onset(sound)[: round(COMPARED * sound.rate)]
+    power = np.abs(np.fft.rfft(piece * np.hanning(len(piece)), 1 << 19)) ** 2
+    frequency = np.fft.rfftfreq(1 << 19, 1 / sound.rate)
+    found = frequency[np.argmax(power * (np.abs(np.log2(frequency.clip(1.0) / lowest)) < np.log2(NEAR)))]
+    periods = np.arange(len(piece)) * found * speed / sound.rate
+    return np.diff(np.interp(np.arange(int(periods[-1] * POINTS)) / POINTS, periods, piece), 3)
+
+
+def alike(one: Recording, other: Recording, lowest: tuple[float, float]) -> bool:
+    """True if two notes (Hz) are one recording that is played at two speeds."""
+    first = by_periods(one, lowest[0])
+    for second in (by_periods(other, lowest[1], speed) for speed in SPEEDS):
+        size = min(len(first), len(second))
+        pair = [np.fft.rfft(each[:size], 2 * size) for each in (first, second)]
+        energy = np.prod([each[:size] @ each[:size] for each in (first, second)])
+        if np.abs(np.fft.irfft(pair[0] * pair[1].conj())).max() > ALIKE * np.sqrt(energy):
+            return True
+    return False
+
+
 class Bar(NamedTuple):
     """A recorded bar: whose instrument it is, its lowest partial (Hz), and by how many dB that exceeds the rest in the
-    recording and in ours."""
+    recording and in ours; the recording."""
 
     instrument: str
     lowest: float
     real: float
     ours: float
+    sound: Recording | None = None
+
+
+def of_one_recording(bar: Bar, other: Bar) -> bool:
+    """True if two bars of an instrument are one recording at two speeds."""
+    if bar.instrument != other.instrument or bar.sound is None or other.sound is None:
+        return False
+    return alike(bar.sound, other.sound, (bar.lowest, other.lowest))
+
+
+def own(bars: list[Bar], note: float) -> list[Bar]:
+    """Return the bars that were recorded each by itself: of one recording the nearest to a preset's note (Hz)."""
+    kept: list[Bar] = []
+    for bar in sorted(bars, key=lambda each: abs(np.log2(each.lowest / note))):
+        if not any(of_one_recording(bar, each) for each in kept):
+            kept.append(bar)
+    return kept
 
 
 def shortened(preset: str, semitones: float) -> tuple[dict[str, float], float]:
@@ -113,10 +176,10 @@ def shortened(preset: str, semitones: float) -> tuple[dict[str, float], float]:
     return {"length": float(bar.geometry["length"]) / ratio}, 0.5 - (0.5 - bar.position) * ratio
 
 
-def played(preset: str, changes: dict[str, float], lowest: float) -> list[float]:
-    """Return the same of a preset's bar under each mallet at each place."""
+def played(preset: str, changes: dict[str, float], lowest: float, seconds: float) -> list[float]:
+    """Return `over_the_rest` of a preset's bar under each mallet at each place."""
     return [
-        over_the_rest(strike(preset, changes, FIRST + 0.1, striker=mallet, position=place), lowest)
+        over_the_rest(strike(preset, changes, FIRST + 0.1, striker=mallet, position=place), lowest, seconds)
         for mallet in MALLETS[preset]
         for place in PLACES
     ]
@@ -137,24 +200,30 @@ def bars(font: SoundFont) -> None:
     recorded: list[tuple[str, Font, Pair]] = [("FluidR3", font, pair) for pair in BARS]
     recorded += [each for each in further() if each[2][1] in NOTES]
     found: dict[str, list[Bar]] = {preset: [] for preset in NOTES}
-    print("dB of the lowest partial over all others               real    ours  ours less real  as it may be played")
+    head = "real    ours  ours less real  as it may be played  swell: real  ours"
+    print(f"dB of the lowest partial over all others               {head}")
     for instrument, source, (name, preset, changes) in recorded:
         sound = source.recording(name)
         semitones = changes.get("tune", 0.0)
         lowest = NOTES[preset] * 2 ** (semitones / 12)
         shorter, place = shortened(preset, semitones)
         pair = Recording(name, sound.unlooped, sound.rate), strike(preset, shorter, FIRST + 0.1, position=place)
-        real, ours = (over_the_rest(each, lowest) for each in pair)
-        others = played(preset, shorter, lowest)
-        found[preset].append(Bar(instrument, lowest, real, ours))
+        seconds = lasting(pair[0])
+        real, ours = (over_the_rest(each, lowest, seconds) for each in pair)
+        others = played(preset, shorter, lowest, seconds)
+        swells = [swell(each, lowest) for each in pair]
+        found[preset].append(Bar(instrument, lowest, real, ours, pair[0]))
         row = f"{real:7.1f} {ours:7.1f} {ours - real:10.1f} {min(others):14.1f} to {max(others):.1f}"
+        row += f" {swells[0]:12.1f} {swells[1]:6.1f}"
         print(f"  {instrument[:8]:8} {name:15} {preset:15} {lowest:6.0f} Hz {row}")
-    for preset, rows in found.items():
-        print(f"{preset}: {summary(rows)}")
-    everything = [bar for rows in found.values() for bar in rows]
-    alike, pairs = np.sum([agree(rows) for rows in found.values()], axis=0)
-    print(f"all: {near(everything)} of {len(everything)} within {WITHIN:.0f} dB; ", end="")
-    print(f"recordings of two instruments are for {alike} of {pairs} pairs")
+    for notes in (found, {preset: own(rows, NOTES[preset]) for preset, rows in found.items()}):
+        everything = [bar for rows in notes.values() for bar in rows]
+        print("all notes" if notes is found else "each recording once")
+        for preset, rows in notes.items():
+            print(f"  {preset}: {summary(rows)}")
+        together, pairs = np.sum([agree(rows) for rows in notes.values()], axis=0)
+        print(f"  all: {near(everything)} of {len(everything)} within {WITHIN:.0f} dB; ", end="")
+        print(f"recordings of two instruments are for {together} of {pairs} pairs")
 
 
 def near(rows: list[Bar]) -> int:
@@ -166,10 +235,11 @@ def summary(rows: list[Bar]) -> str:
     """Return what is to be said of a preset's bars."""
     real, ours = [bar.real for bar in rows], [bar.ours for bar in rows]
     apart = float(np.sqrt(np.mean(np.square(np.subtract(ours, real)))))
-    alike, pairs = agree(rows)
+    together, pairs = agree(rows)
     return (
         f"{near(rows)} of {len(rows)} within {WITHIN:.0f} dB, rms {apart:.1f} dB; recorded {min(real):.1f} to "
-        f"{max(real):.1f}, ours {min(ours):.1f} to {max(ours):.1f}; recordings of two instruments: {alike} of {pairs}"
+        f"{max(real):.1f}, ours {min(ours):.1f} to {max(ours):.1f}; "
+        f"recordings of two instruments: {together} of {pairs}"
     )
 
 

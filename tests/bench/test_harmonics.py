@@ -5,7 +5,7 @@ import pytest
 
 import carom
 
-from .harmonics import FIRST, Bar, agree, bowed, fall, near, over_the_rest, shortened
+from .harmonics import FIRST, SWELLS, Bar, agree, bowed, fall, lasting, near, over_the_rest, own, shortened, swell
 from .recordings import RATE
 from .soundfont import Recording
 
@@ -28,6 +28,17 @@ def test_a_bar_s_lowest_partial_is_weighed_against_the_rest():
     assert over_the_rest(Recording("", bar + late, RATE), 200.0) == pytest.approx(20 - 3.01, abs=0.1)
 
 
+def test_a_recording_that_ends_soon_is_weighed_against_as_much_of_ours():
+    """Ours and the recording are one bar, which swells while the rest fades; the recording ends after 0.2 s."""
+    swells = (1 - np.exp(-10 * TIME)) * np.cos(2 * np.pi * 200 * TIME)
+    bar = swells + np.exp(-10 * TIME) * np.cos(2 * np.pi * 800 * TIME)
+    ours, real = (Recording("", bar[:samples], RATE) for samples in (RATE, RATE // 5))
+    seconds = lasting(real)
+    assert seconds == pytest.approx(0.2, abs=1e-3)
+    assert over_the_rest(ours, 200.0, seconds) == pytest.approx(over_the_rest(real, 200.0, seconds), abs=0.1)
+    assert lasting(ours) == FIRST
+
+
 def test_recordings_of_two_instruments_are_compared_half_an_octave_apart_at_most():
     bars = [
         Bar("a", 200.0, 20.0, 23.0),
@@ -38,6 +49,26 @@ def test_recordings_of_two_instruments_are_compared_half_an_octave_apart_at_most
     assert agree(bars) == (2, 2)
     assert agree([*bars, Bar("c", 300.0, 15.0, 15.0)]) == (2, 4)
     assert near(bars) == 2
+
+
+def test_a_lowest_partial_s_swell_is_measured_without_the_rest():
+    bar = (1 - np.exp(-20 * TIME)) * np.cos(2 * np.pi * 200 * TIME) + np.exp(-9 * TIME) * np.cos(2 * np.pi * 800 * TIME)
+    levels = [(1 - np.exp(-20 * (at + SWELLS[0] / 2))) for at in SWELLS]
+    assert swell(Recording("", bar, RATE), 200.0) == pytest.approx(20 * np.log10(levels[1] / levels[0]), abs=0.5)
+
+
+def test_of_one_recording_at_two_speeds_the_nearest_to_the_presets_note_counts():
+    def note(lowest, ratio, fast):
+        time = TIME * fast
+        rest = np.exp(-30 * time) * np.cos(2 * np.pi * lowest / fast * ratio * time + ratio)
+        return Recording("", np.cos(2 * np.pi * lowest * TIME) + rest, RATE)
+
+    one, other, third = (
+        Bar("a", lowest, 0.0, 0.0, note(lowest, *how))
+        for lowest, *how in ((200.0, 3.93, 1.0), (280.0, 3.93, 1.4), (210.0, 4.41, 1.0))
+    )
+    assert own([other, third, one], 200.0) == [one, third]
+    assert own([one, other._replace(instrument="b")], 200.0) == [one, other._replace(instrument="b")]
 
 
 @pytest.mark.parametrize("preset", ["marimba-bar", "vibraphone-bar", "xylophone-bar"])
