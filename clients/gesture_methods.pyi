@@ -302,6 +302,7 @@ class ObjectKeys(TypedDict, total=False):
     tube_length: SupportsFloat
     tube_gap: SupportsFloat
     tube_detuning: SupportsFloat
+    tube_flow: SupportsFloat
     fan: SupportsFloat
     fan_depth: SupportsFloat
     cords: SupportsFloat

@@ -232,7 +232,7 @@ TUNING = (frozenset({"tension"}), frozenset({"fundamental"}))
 _RECTANGULAR = frozenset(
     (
         "width", "thickness", "undercut", "undercut_span", "across", "tilt", "tube_diameter", "tube_gap",
-        "tube_detuning", "cords",
+        "tube_detuning", "tube_flow", "cords",
     )
 )  # fmt: skip
 
@@ -256,6 +256,7 @@ SHAPES: Mapping[str, Shape] = {
             "tube_length": LENGTH,
             "tube_gap": Quantity(1e-3, 1, "m"),
             "tube_detuning": Quantity(-0.1, 0.1),
+            "tube_flow": Quantity(0, 100, "m/s"),
             "fan": Quantity(0, 20, "1/s"),
             "fan_depth": FRACTION,
             "cords": Quantity(0, 100, "kg/s"),

@@ -55,6 +55,7 @@ def bar(
     tube_length: float | None = None,
     tube_gap: float = GAP,
     tube_detuning: float = 0.0,
+    tube_flow: float = 0.0,
     fan: float = 0.0,
     fan_depth: float = FAN_DEPTH,
     cords: float = 0.0,
@@ -87,12 +88,11 @@ def bar(
         require_choice("board", board, tuple(BOARDS))
         if ends != "cantilever":
             raise ValueError(f"board = {board}, ends = {ends}: expected a cantilever, clamped in the board")
-    tube = (
-        None if tube_diameter is None else tube_of(tube_diameter, tube_length, tube_gap, fan, fan_depth, tube_detuning)
-    )
-    for name, under in (("tube_diameter", tube_diameter), ("cords", cords)):
-        if under and (ends != "free" or diameter is not None):
-            raise ValueError(f"{name} = {under}: expected a bar with width and thickness and free ends")
+    under = (tube_length, tube_gap, fan, fan_depth, tube_detuning, tube_flow)
+    tube = None if tube_diameter is None else tube_of(tube_diameter, *under)
+    for name, value in (("tube_diameter", tube_diameter), ("cords", cords)):
+        if value and (ends != "free" or diameter is not None):
+            raise ValueError(f"{name} = {value}: expected a bar with width and thickness and free ends")
     require_resistance(cords)
     if not 0 <= undercut < 1 or not 0 < undercut_span <= 1:
         raise ValueError(f"undercut = {undercut}, undercut_span = {undercut_span}: expected in [0, 1) and (0, 1]")
@@ -138,10 +138,10 @@ def bar(
 
 def tube_of(
     tube_diameter: float, tube_length: float | None = None, tube_gap: float = GAP, fan: float = 0.0,
-    fan_depth: float = FAN_DEPTH, tube_detuning: float = 0.0,
+    fan_depth: float = FAN_DEPTH, tube_detuning: float = 0.0, tube_flow: float = 0.0,
 ) -> Tube:  # fmt: skip
     """Return the tube that stands under a bar; arguments as of `bar`."""
-    return Tube(tube_diameter, tube_length, tube_gap, fan, fan_depth, tube_detuning)
+    return Tube(tube_diameter, tube_length, tube_gap, fan, fan_depth, tube_detuning, tube_flow)
 
 
 def over_tube(

@@ -40,7 +40,7 @@ _CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
 }  # fmt: skip
 """Shapes that are elastic bodies in air and no more, with what makes their clicks."""
 
-_UNDER = ("tube_diameter", "tube_length", "tube_gap", "tube_detuning", "fan", "fan_depth")
+_UNDER = ("tube_diameter", "tube_length", "tube_gap", "tube_detuning", "tube_flow", "fan", "fan_depth")
 """Arguments of a bar that say what stands under it, and changes its modes."""
 
 _ASIDE = ("felt", "stand", "board", "cords", *_UNDER)

@@ -6,6 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import carom
+from carom.dsp.bodies.air import DENSITY
 from carom.presets import Presets
 
 PRESETS = Presets()
@@ -94,3 +96,20 @@ def test_a_vibraphones_cords_take_from_its_upper_partials(ratio, t60, within):
     nearest = np.argmin(np.abs(modes.frequency / 174.6 - ratio))
     assert 1 / within < math.log(1000) / modes.decay[nearest] / t60 < within
     assert math.log(1000) / modes.decay[0] > 5
+
+
+@pytest.mark.parametrize("name", ["marimba-bar", "vibraphone-bar", "xylophone-bar"])
+def test_tubes_lose_by_vortices_as_after_their_bars_own_blow(name):
+    """A `tube_flow` is the amplitude at which a tube loses in all as much as it does while the air's velocity in the
+    mouth, as it is heard, rises and falls: losses go with its power 8/3."""
+    bar, rate, seconds = PRESETS.object(name), 48_000, 3
+    with carom.Scene(rate, limiter=False, calibrated=True) as scene:
+        scene.new("a", name).impact(bar.velocity, at=0.0)
+        spectrum = np.fft.fft(scene.render(float(seconds)).samples[:, 0], 2 * rate * seconds)
+    frequency = np.fft.fftfreq(spectrum.size, 1 / rate)
+    lowest = bar.modes(1_000.0).frequency[0]
+    spectrum[np.abs(frequency / lowest - 1) > 0.15] = 0
+    flow = 2 * np.abs(np.fft.ifft(spectrum))[: rate * seconds] * 4 * math.pi / (DENSITY * 2 * math.pi * lowest)
+    velocity = flow / (math.pi / 4 * bar.geometry["tube_diameter"] ** 2)
+    alike = ((velocity ** (8 / 3)).sum() / (velocity**2).sum()) ** 1.5
+    assert bar.geometry["tube_flow"] == pytest.approx(alike, rel=0.05)

@@ -104,6 +104,19 @@ def test_a_tubes_resonances_are_odd_quarter_waves_with_textbook_losses():
     assert tuned.resonances(300.0).frequency == pytest.approx([220.0], rel=1e-4)
 
 
+@pytest.mark.parametrize("flow", [0.3, 2.0])
+def test_vortices_at_the_mouth_take_their_power_from_the_air_in_the_tube(flow):
+    """The power that the edge's resistance takes, over twice the energy of the moving air."""
+    still, shedding = (Tube(0.05, 0.3, flow=each).resonances(300.0) for each in (0.0, flow))
+    length, area = 0.3 + 0.6133 * 0.025, math.pi * 0.025**2
+    around = math.pi * SPEED / (2 * length) * 0.025 / flow
+    power = 0.5 * area * DENSITY * SPEED * 0.6 * around ** (1 / 3) * flow / SPEED * flow**2
+    x = (np.arange(1000) + 0.5) / 1000 * length
+    energy = 0.5 * DENSITY * area * (flow * np.sin(np.pi * x / (2 * length))) ** 2
+    assert shedding.decay - still.decay == pytest.approx([power / (2 * energy.mean() * length)], rel=1e-6)
+    assert shedding.frequency == pytest.approx(still.frequency)
+
+
 @pytest.mark.parametrize(("column", "decay"), [((200.0, 7.0), 0.5), ((203.0, 2.0), 0.3), ((190.0, 20.0), 4.0)])
 def test_the_coupled_modes_are_those_of_the_equations_in_time(column, decay):
     """Weakly and strongly coupled, in tune and out of it; Dormand and Prince's method integrates the equations."""
@@ -205,6 +218,7 @@ def test_a_fan_beats_twice_a_turn_as_deep_as_it_closes():
         ({"tube_diameter": 0.04, "tube_gap": math.nan}, "tube_gap = nan"),
         ({"tube_diameter": 0.04, "fan_depth": 2.0}, "fan_depth = 2.0"),
         ({"tube_diameter": 0.04, "tube_detuning": 0.5}, "tube_detuning = 0.5"),
+        ({"tube_diameter": 0.04, "tube_flow": -1.0}, "tube_flow = -1.0"),
         ({"tube_diameter": 0.04, "ends": "cantilever"}, "tube_diameter = 0.04: expected a bar"),
     ],
 )
