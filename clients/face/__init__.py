@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from .scene import Object as Object
     from .scene import Scene as Scene
     from .server.bridge.blows import Hit as Hit
-    from .server.bridge.bodies import WorldError as WorldError
+    from .server.bridge.checks import WorldError as WorldError
     from .server.bridge.hearing import Hearing as Hearing
     from .server.bridge.hearing import Listener as Listener
     from .server.bridge.hearing import Microphone as Microphone
@@ -93,7 +93,7 @@ _HOMES = {
     "Sound": "sound",
     "Touch": "server.bridge.step",
     "World": "world",
-    "WorldError": "server.bridge.bodies",
+    "WorldError": "server.bridge.checks",
     "compare": "recordings",
     "fit": "recordings",
     "mesh": "meshes",

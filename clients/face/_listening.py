@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .dsp.engine.memory.commands import Command, Kind
-from .server.bridge.bodies import WorldError
+from .server.bridge.checks import WorldError
 from .server.bridge.hearing import Listener, Microphone
 from .server.bridge.simulation import Simulation
 from .server.bridge.step import rotation

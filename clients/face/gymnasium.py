@@ -25,7 +25,7 @@ from .clients.processors import processors
 from .dsp.runtime.batch import Batch
 from .mujoco import NO_STEPS, Bridge, bare
 from .server.bridge.blows import Hits
-from .server.bridge.bodies import WorldError
+from .server.bridge.checks import WorldError
 from .server.bridge.hearing import Hearing, microphones_of
 from .server.bridge.mujoco.stepping import forget, listen
 from .world import Blocks

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from .dsp.mesh.surface import Surface
 from .server.bridge.blows import Hit
-from .server.bridge.bodies import NoModel, WorldError
+from .server.bridge.bodies import NoModel
+from .server.bridge.checks import WorldError
 from .server.bridge.mujoco.arrays import ARRAYS
 from .server.bridge.mujoco.layout import memory_layout, mujoco_library
 from .server.bridge.mujoco.meshes import surface_of

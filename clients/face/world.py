@@ -30,7 +30,8 @@ from .dsp.runtime.batch import Batch
 from .dsp.wording import near
 from .scene import Scene
 from .server.bridge.blows import Counts, Hit
-from .server.bridge.bodies import ABOUT, Body, WorldError, require_number
+from .server.bridge.bodies import ABOUT, Body
+from .server.bridge.checks import WorldError, require_number
 from .server.bridge.gestures import template
 from .server.bridge.hearing import Hearing, Listener, Microphone, microphones_of
 from .server.bridge.requests import Lying, Request, Said, Slide, in_order

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -19,29 +18,17 @@ from ...dsp.schema import SETTINGS
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..new_object import NEW, NewObject
-from ..osc.arguments import Refused, require_name, shown
+from ..osc.arguments import require_name, shown
 from ..osc.wire import Argument, Message
 from ..osc.world_verbs import SIZES
-from .shapes import SHAPES, Ringing, Shape, Vector, numbers_of, shape_of, surface_shape
+from .checks import WorldError, array_of
+from .shapes import SHAPES, Ringing, Shape, Vector, shape_of, surface_shape
 from .tracking.state import OCTAVES
 
 _CALIBRATED = {"level": 0.0, "stereo_width": 0.0}
 _MOST = 1e30
 """Greatest density, mass and inertia; their reciprocals are needed, too."""
 _OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s
-
-
-class WorldError(Refused):
-    """Error of something that cannot be of a simulation.
-
-    The text names the body, the value and what was expected, and in a step which.
-    """
-
-
-def require_number(name: str, value: object, low: float, high: float, wanted: str) -> None:
-    """Raise WorldError, which says which number is wanted, for a value that is no finite number from low to high."""
-    if not (isinstance(value, Real) and math.isfinite(value) and low <= float(value) <= high):
-        raise WorldError(f"{name} = {f'{value:g}' if isinstance(value, float) else repr(value)}: expected {wanted}")
 
 
 @dataclass(frozen=True)
@@ -183,7 +170,7 @@ class BodyMaker:
     def _surface(self, name: str, size: Any, material: Material | None, wall: float | None) -> Shape:
         """Return the shape of a mesh, its vertices and faces in the axes of the body; with the object that rings as it
         does, if its material is given. It is made if it is not there yet. NoModel says why it can't be."""
-        points, faces = numbers_of("size", size[0], SIZES["mesh"]), np.asarray(size[1])
+        points, faces = array_of("size", size[0], SIZES["mesh"]), np.asarray(size[1])
         if not points.shape[1:] == faces.shape[1:] == (3,) or faces.dtype.kind not in "iu":
             given = f"{points.shape} and {faces.shape}, of {faces.dtype}"
             raise ValueError(f"size, of shapes {given}: expected {SIZES['mesh']}")
@@ -244,7 +231,7 @@ def _weighed(shape: Shape, material: Material, density: Any, mass: Any, inertia:
         x, y, z = shape.inertia
         return mass, (mass * x, mass * y, mass * z)
     wanted = "three moments, kg m^2"
-    moments = tuple(_positive("inertia", each) for each in np.ravel(numbers_of("inertia", inertia, wanted)))
+    moments = tuple(_positive("inertia", each) for each in np.ravel(array_of("inertia", inertia, wanted)))
     if len(moments) != 3:
         raise ValueError(f"inertia = {moments}: expected {wanted}")
     return mass, moments

@@ -22,7 +22,8 @@ from ...dsp.schema import MASS, MOST_BLOWS
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
-from .bodies import Body, WorldError
+from .bodies import Body
+from .checks import WorldError, require_number
 from .requests import Ending, Request, Steering, Swarm
 from .tracking.grains import LINGERS
 from .tracking.state import GRAINS, HEAPS
@@ -174,8 +175,7 @@ class Grains:
         if not given:
             raise WorldError(f"{where}: expected speed, impulse or energy")
         for key, value in (("count", count), ("position", place or 0.0), *given.items()):
-            if not 0.0 <= value < math.inf:
-                raise WorldError(f"{where}: {key} = {value}: expected a finite number that is not negative")
+            require_number(f"{where}: {key}", value, 0.0, math.inf, "a finite number that is not negative")
             if key != "position" and value and not _LEAST <= value <= _MOST:
                 raise WorldError(f"{where}: {key} = {value}: expected 0, or from {_LEAST:g} to {_MOST:g}")
         if not body.rings or not count or not all(given.values()):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...dsp.contact.accuracy import DEFAULT, LEVELS
 from ...dsp.wording import expected
-from .bodies import WorldError, require_number
+from .checks import WorldError, require_number
 from .shapes import Vector
 from .tracking.microphones import MICROPHONE_STATE
 

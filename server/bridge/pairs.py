@@ -11,7 +11,7 @@ from ...presets.supports import SUPPORTS
 from ..osc.arguments import check_number, shown
 from ..osc.wire import Argument
 from ..osc.world_verbs import PAIRED
-from .bodies import WorldError
+from .checks import WorldError
 
 SURFACES = {
     "aluminium": "steel", "bell-bronze": "steel", "brass": "steel", "ceramic": "tile", "glass": "glass",

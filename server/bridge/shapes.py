@@ -1,7 +1,6 @@
 """The shapes of bodies: their mass and inertia, and the object that rings as they do."""
 
 import math
-import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..osc.wire import Argument
 from ..osc.world_verbs import SIZES
+from .checks import array_of
 from .tracking.strips import BAR, DISC, PLATE, POINT, WALL, place_on, radius_at
 
 Vector = tuple[float, float, float]
@@ -70,7 +70,7 @@ def shape_of(name: str, size: ArrayLike, held: bool, wall: float | None = None) 
     hollow one's wall. ValueError says what is wrong."""
     if wall is not None:
         return _hollow(shape_of(name, size, held), wall)
-    numbers = numbers_of("size", size, SIZES[name])
+    numbers = array_of("size", size, SIZES[name])
     if name == "mesh":
         return _mesh(numbers, held)
     given = numbers.ravel()
@@ -81,14 +81,6 @@ def shape_of(name: str, size: ArrayLike, held: bool, wall: float | None = None) 
     if name in ("cylinder", "capsule"):
         return _cylinder(name, float(given[0]), float(given[1]), held)
     return _box(name, (float(given[0]), float(given[1]), float(given[2])), held)
-
-
-def numbers_of(name: str, value: ArrayLike, wanted: str) -> NDArray[np.float64]:
-    """Return an array of numbers; raise ValueError, which says what is wanted, for what is none."""
-    try:
-        return np.asarray(value, np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} = {reprlib.repr(value)}: expected {wanted}") from None
 
 
 def _can_be(lengths: NDArray[np.float64]) -> bool:

@@ -14,7 +14,8 @@ from ...presets import Presets
 from ..osc.arguments import shown
 from ..osc.wire import Argument
 from .blows import Counts, Hit, blows_of, hits_of
-from .bodies import Body, BodyMaker, Progress, WorldError, require_number
+from .bodies import Body, BodyMaker, Progress
+from .checks import WorldError, require_number
 from .gestures import Gestures, id_of, seed_of
 from .grains import Grains
 from .hearing import Hearing, begin_hearing

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.wording import expected
-from .bodies import WorldError
+from .checks import WorldError, array_of
 from .shapes import Vector
 from .tracking.state import POINTS, TOLD
 
@@ -130,7 +130,7 @@ def take_contacts(
         if name not in columns:
             target[...] = np.nan
             continue
-        given = _numbers(columns[name], f"{where}: contacts: {name}")
+        given = array_of(f"{where}: contacts: {name}", columns[name], "numbers")
         if given.shape != (count, *row):
             raise WorldError(f"{where}: contacts: {name}, of shape {given.shape}: expected {(count, *row)}")
         if name == "pair":
@@ -170,14 +170,6 @@ def _took(state: NDArray[np.void], touches: list[Touch], number: Callable[[str],
     for place, name in enumerate(Touch._fields[_FIRST_TOLD:], 6):
         record[name][:count] = rows[:, place]
     return True
-
-
-def _numbers(given: ArrayLike, what: str) -> NDArray[np.float64]:
-    """Return an array of numbers; raise WorldError if they are none."""
-    try:
-        return np.asarray(given, float)
-    except (TypeError, ValueError):
-        raise WorldError(f"{what} = {given!r}: expected numbers") from None
 
 
 def _check_pairs(pairs: NDArray[np.float64], names: Sequence[str], where: str) -> None:

@@ -10,7 +10,8 @@ from ..osc.arguments import shown
 from ..osc.patterns import match
 from ..osc.wire import Argument
 from ..osc.world_verbs import BODY, TOUCHED
-from .bodies import Body, BodyMaker, WorldError
+from .bodies import Body, BodyMaker
+from .checks import WorldError
 from .hearing import Hearing, Microphone
 from .requests import Request
 from .simulation import Simulation

@@ -8,7 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from ..bodies import WorldError
+from ..checks import WorldError
 
 _LOOKED = 64  # words of a struct that are looked at together
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ....dsp.wording import expected
 from ....presets import Presets
-from ..bodies import WorldError
+from ..checks import WorldError
 from ..shapes import Vector
 
 _SHAPES = {

@@ -12,7 +12,7 @@ from typing import Any
 
 import mujoco
 
-from ..bodies import WorldError
+from ..checks import WorldError
 
 Listener = Callable[[Callable[[], None], int], None]
 """Takes so many steps, by a function that takes one."""

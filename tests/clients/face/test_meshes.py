@@ -13,7 +13,8 @@ from carom.dsp.bodies.curved import EDGE_RADIUS
 from carom.dsp.bodies.material import ROUNDNESS
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.surface import Surface
-from carom.server.bridge.bodies import NoModel, WorldError
+from carom.server.bridge.bodies import NoModel
+from carom.server.bridge.checks import WorldError
 from carom.server.telling import mode_levels
 
 pytestmark = pytest.mark.slow

@@ -1,0 +1,31 @@
+"""Checks of what is told of a simulation, and the error that they raise."""
+
+import math
+import reprlib
+from numbers import Real
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..osc.arguments import Refused
+
+
+class WorldError(Refused):
+    """Error of something that cannot be of a simulation.
+
+    The text names the body, the value and what was expected, and in a step which.
+    """
+
+
+def require_number(name: str, value: object, low: float, high: float, wanted: str) -> None:
+    """Raise WorldError, which says which number is wanted, for a value that is no finite number from low to high."""
+    if not (isinstance(value, Real) and math.isfinite(value) and low <= float(value) <= high):
+        raise WorldError(f"{name} = {f'{value:g}' if isinstance(value, float) else repr(value)}: expected {wanted}")
+
+
+def array_of(name: str, value: ArrayLike, wanted: str) -> NDArray[np.float64]:
+    """Return an array of numbers; raise WorldError, which says what is wanted, for what is none."""
+    try:
+        return np.asarray(value, np.float64)
+    except (TypeError, ValueError):
+        raise WorldError(f"{name} = {reprlib.repr(value)}: expected {wanted}") from None
