@@ -38,11 +38,11 @@ def write_report(made: Made, name: str, out: Path) -> Path:
         "spectra agree: a played preset is judged by its log-spectral distance.",
         *made.notes,
     ]
-    table = _table(strongest(fit), fit.rate)
+    table = _table(strongest(fit))
     return write_page(out / f"{name}.html", f"{name}: recording and preset", compared(made), lines, table)
 
 
-def _table(modes: Sequence[Strongest], rate: float) -> str:
+def _table(modes: Sequence[Strongest]) -> str:
     """Return the strongest modes, as HTML."""
     loudest = max(each.amplitude for each in modes)
     figures = [

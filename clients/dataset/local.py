@@ -50,7 +50,7 @@ def by_processes(
     workers = min(workers, len(shards))
     with futures.ProcessPoolExecutor(workers, context, _begin, (stop, plan, out)) as pool:
         try:
-            objects = shared_objects(plan.recipe, Presets(plan.folders))
+            objects = shared_objects(plan.recipe)
             modes: dict[Hashable, Modes] = {}
             for made in _each(pool, _make_modes, objects, interrupted):
                 modes.update(made)

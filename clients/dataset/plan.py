@@ -53,7 +53,7 @@ def planned(recipe: Recipe, folders: Sequence[Path]) -> Plan:
     """Return the plan of a recipe, with modes that many items share."""
     plan = outlined(recipe, folders)
     presets = Presets(plan.folders)
-    for message in shared_objects(recipe, presets):
+    for message in shared_objects(recipe):
         make_modes(recipe, message, presets)
     return replace(plan, modes=tuple(kept()))
 
@@ -81,7 +81,7 @@ def make(plan: Plan, shard: int, worker: str, go_on: Callable[[], object] = lamb
         return Made(shard, packed(plan.recipe, clips), rows_file(plan.recipe, shard, clips))
 
 
-def shared_objects(recipe: Recipe, presets: Presets) -> list[Message]:
+def shared_objects(recipe: Recipe) -> list[Message]:
     """Return the messages that make all objects that there can be, of other modes each, if they are few."""
     found: list[Message] = []
     for section in OBJECTS:

@@ -31,7 +31,7 @@ from .dsp.wording import near
 from .scene import Scene
 from .server.bridge.blows import Counts, Hit
 from .server.bridge.bodies import ABOUT, Body
-from .server.bridge.checks import WorldError, require_number
+from .server.bridge.checks import WorldError, require_kind, require_number
 from .server.bridge.gestures import template
 from .server.bridge.hearing import Hearing, Listener, Microphone, microphones_of
 from .server.bridge.requests import Lying, Request, Said, Slide, in_order
@@ -101,11 +101,9 @@ class World(Grained, Closing):
         if (stems or contacts) and not keep:
             raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
         require_number("rate", rate, math.ulp(0.0), math.inf, "a positive number of Hz")
-        for name, given, kind in (("hearing", hearing, Hearing), ("listener", listener, Listener)):
-            if not (given is None or isinstance(given, kind)):
-                raise WorldError(f"{name} = {given!r}: expected a carom.{kind.__name__}")
-        if not (client is None or isinstance(client, Client)):
-            raise WorldError(f"client = {client!r}: expected a carom.Client")
+        require_kind("hearing", hearing, Hearing)
+        require_kind("listener", listener, Listener)
+        require_kind("client", client, Client)
         if listener is not None:
             microphones = (Microphone(listener.position, on=listener.on),)
             hearing = replace(hearing, microphones=microphones) if hearing else None

@@ -2,10 +2,9 @@
 
 A grain of mass m meets the object at v by the contact law: its pulse is that of contact/closed_form.py. Sizes between
 two sieves are spread evenly by ratios, s = exp(V (2 u - 1)): mass goes as s^3, stiffness as the root of s (Hertz).
-Speeds are those at which a gas of grains meets a wall, v = v_rms sqrt(-ln u), or with another root than the square one
-of Weibull's distribution; grains that fall from h on what is uneven
-meet it at v = sqrt(2 g h u), as many at each share u of their energy along its normal. Energies follow a power law E^-b
-between two ends, by inverse transform.
+Speeds are those at which a gas of grains meets a wall, v = v_rms sqrt(-ln u), or of Weibull's distribution: with
+another root than the square one. Grains that fall from h on what is uneven meet it at v = sqrt(2 g h u), as many at
+each share u of their energy along its normal. Energies follow a power law E^-b between two ends, by inverse transform.
 
 Drops have diameters of Marshall and Palmer's exponential distribution (J. Meteorology 5, 1948) above half a millimetre,
 and the speeds at which they fall, v = 9.65 - 10.3 exp(-600 D) m/s (Atlas, Srivastava and Sekhon, Reviews of Geophysics

@@ -23,6 +23,12 @@ def require_number(name: str, value: object, low: float, high: float, wanted: st
         raise WorldError(f"{name} = {f'{value:g}' if isinstance(value, float) else repr(value)}: expected {wanted}")
 
 
+def require_kind(name: str, value: object, kind: type) -> None:
+    """Raise WorldError for a value that is neither None nor of a kind, one of those of carom."""
+    if not (value is None or isinstance(value, kind)):
+        raise WorldError(f"{name} = {value!r}: expected a carom.{kind.__name__}")
+
+
 def array_of(name: str, value: ArrayLike, wanted: str) -> NDArray[np.float64]:
     """Return an array of numbers; raise WorldError, which says what is wanted, for what is none."""
     try:

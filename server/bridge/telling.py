@@ -153,7 +153,7 @@ def _find_blows(link: Telling, state: State, microphones: MicrophoneState) -> in
         if link.arrays != 0:
             arrays: Arrays = carray(pointer_to(link.arrays), (1,), ARRAYS)[0]
             if arrays.mechanism.jacobian != 0:
-                ask_mechanism(arrays, state, state.blows[n])
+                ask_mechanism(arrays, state.blows[n])
     share_blows(state)
     for n in range(state.struck):
         weigh_blow(state, microphones, state.blows[n])

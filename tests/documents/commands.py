@@ -42,7 +42,8 @@ def _told(parser: argparse.ArgumentParser) -> list[argparse.Action]:
 
 def _signature(action: argparse.Action) -> str:
     choices = "|".join(map(str, action.choices)) if action.choices else ""
-    value = str(action.metavar or choices or action.dest.upper())
+    named = action.metavar or choices or action.dest.upper()
+    value = named if isinstance(named, str) else " ".join(named)
     if not action.option_strings:
         return f"`{value}`"
     if action.nargs == 0:

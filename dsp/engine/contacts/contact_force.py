@@ -190,7 +190,7 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
     else:
         begin, end = contact.start + contact.fraction, math.inf
         if contact.solver == SAMPLING:
-            lasts = _advance_sampled(state, contact, age)
+            lasts = _advance_sampled(state, contact)
         else:
             lasts = _advance_closed(state, contact, age)
             end = begin + contact.pulse.duration
@@ -329,7 +329,7 @@ def find_static(state: State, contact: Contact, side: int, obj: Object, count: i
 
 
 @kernel
-def _advance_sampled(state: State, contact: Contact, age: float) -> bool:
+def _advance_sampled(state: State, contact: Contact) -> bool:
     """Advance a sampled method by a sample: the moments of its steps, each held for the step."""
     sampled = contact.sampled
     for n in range(MOMENTS):

@@ -67,7 +67,7 @@ def _gather(state: State, first: int, count: int) -> None:
     while member < group.size:
         for i in range(count):
             free = group.size < GROUP and candidates[i] >= 0
-            if free and _see_each_other(state, state.contacts[group.member[member]], state.contacts[candidates[i]]):
+            if free and _see_each_other(state.contacts[group.member[member]], state.contacts[candidates[i]]):
                 _join(group, candidates, i)
         member += 1
 
@@ -93,7 +93,7 @@ def _sort(group: CoupledGroup) -> None:
 
 
 @kernel
-def _see_each_other(state: State, contact: Contact, other: Contact) -> bool:
+def _see_each_other(contact: Contact, other: Contact) -> bool:
     """True if two contacts touch the same object, and neither holds its force."""
     if contact.coupled.tolerance == HELD or other.coupled.tolerance == HELD:
         return False

@@ -8,7 +8,7 @@ import numpy as np
 from ....dsp.native.jit import carray, kernel, noinline_kernel
 from ....dsp.native.pointers import load_address, load_double, pointer_to
 from ....dsp.native.typed import View, View2D
-from ..tracking.state import Blow, State
+from ..tracking.state import Blow
 from .arrays import Arrays, find_soft
 from .functions import call_jacobian, call_solve
 from .soft import rebound_of
@@ -17,7 +17,7 @@ _DOUBLE = 8  # bytes
 
 
 @noinline_kernel
-def ask_mechanism(arrays: Arrays, state: State, blow: Blow) -> None:
+def ask_mechanism(arrays: Arrays, blow: Blow) -> None:
     """Say a blow's effective mass, if the mechanism gives way, and its restitution."""
     mechanism = arrays.mechanism
     count = mechanism.velocities

@@ -178,6 +178,7 @@ def test_grains_that_cannot_be_are_refused():
         (("rice", "floor", 3), {}, "expected speed, impulse or energy"),
         (("rice", "floor", -3), {"speed": 1.0}, "count = -3"),
         (("rice", "floor", 3), {"energy": math.nan}, "energy = nan"),
+        (("rice", "floor", "3"), {"speed": 1.0}, "count = '3': expected a finite number"),
         (("rice", "floor", 1e300), {"speed": 1.0}, r"count = 1e\+300: expected 0, or from 1e-12 to 1e\+12"),
         (("rice", "floor", 3), {"impulse": 5e-324, "energy": 1.0}, "impulse = 5e-324: expected 0, or from"),
     ):
