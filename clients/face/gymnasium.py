@@ -285,6 +285,7 @@ class _Sound:
                 step()
             return
         self._settle()
+        self.bridge.restart_if_set_back()  # an environment may reset its data within a step
         tell, simulation = self.bridge.tell, self.bridge.world.simulation
         for _ in range(count):
             step()

@@ -276,8 +276,7 @@ class Bridge(Closing):
 
     def _take(self, step: Callable[[], None], count: int) -> None:
         """Take so many steps, and tell each."""
-        if self._data.time - self._behind < self.world.time:
-            self.restart()
+        self.restart_if_set_back()
         for _ in range(count):
             step()
             if self.tell():
@@ -295,6 +294,11 @@ class Bridge(Closing):
         """Close the World, unless it was given."""
         if not self._lent:
             self.world.close()
+
+    def restart_if_set_back(self) -> None:
+        """Begin anew, as `restart` does, if the time of `data` was set back since the last step."""
+        if self._data.time - self._behind < self.world.time:
+            self.restart()
 
     def restart(self) -> None:
         """Begin anew where `data` is now, in silence; to be called after MuJoCo's data was reset."""

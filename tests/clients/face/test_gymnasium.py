@@ -108,6 +108,29 @@ def test_it_hears_an_environment_however_that_takes_its_steps():
         np.testing.assert_array_equal(sounds[0], sound)
 
 
+@pytest.mark.parametrize("vector", [False, True])
+def test_an_environment_that_resets_its_data_in_a_step_is_heard_again(vector):
+    """A ball falls and lands in 8 actions, twice."""
+    taken = []
+
+    def fall(model, data):
+        mujoco.mj_step(model, data, 10)
+        taken.append(data.time)
+        if len(taken) == 8:
+            mujoco.mj_resetData(model, data)
+
+    env = Simulated(fall)
+    if vector:
+        env = VectorAddAudioObservation(gymnasium.vector.SyncVectorEnv([lambda inner=env: inner]), **HEARING)
+    else:
+        env = AddAudioObservation(env, **HEARING)
+    env.reset()
+    taken.clear()
+    hits = [env.step(np.zeros((1, 1) if vector else 1))[-1]["hits"] for _ in range(17)]
+    assert [n for n, found in enumerate(hits) if len(found[0] if vector else found)] == [4, 13]
+    env.close()
+
+
 def test_steps_that_cannot_be_heard_are_an_error():
     env = AddAudioObservation(Simulated(lambda model, data: own_step(model, data, 10)), **HEARING)
     env.reset()
