@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "19"
+EDITION = "20"
 """Edition of the computation: tables of another one are made anew."""
 
 _BLOCKS = ("box", "cylinder")

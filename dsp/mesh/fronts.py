@@ -18,6 +18,10 @@ MOST_NUMBERS = 150_000_000
 """Numbers of a factor at most: 1.2 GB."""
 
 
+_LONGER = 0.4  # of the longest side: sides that are cut
+_ASIDE = 0.1  # of the elements: how far from the middle a cut may lie
+
+
 class Elements(NamedTuple):
     """Finite elements: nodes (e, a) of each, their middles (e, 3), unknowns for each node, and nodes in all."""
 
@@ -100,9 +104,7 @@ class Factor:
         if leaf:
             nodes, seen = np.unique(self._elements.nodes[which], return_counts=True)
         else:
-            middles = self._elements.middles[which]
-            order = np.argsort(middles[:, np.argmax(np.ptp(middles, axis=0))], kind="stable")
-            halves = [self._plan(which[each]) for each in np.split(order, [len(order) // 2])]
+            halves = [self._plan(half) for half in self._halves(which)]
             both, count = (np.concatenate(each) for each in zip(*halves, strict=True))
             nodes, number = np.unique(both, return_inverse=True)
             seen = np.bincount(number.ravel(), count).astype(np.int64)
@@ -116,6 +118,15 @@ class Factor:
         if self.numbers > self._most:
             raise MeshError(f"too large: expected a factor of at most {self._most:,} numbers; simplify the mesh")
         return nodes[~done], seen[~done]
+
+    def _halves(self, which: Indices) -> list[Indices]:
+        """Return some elements in two parts that share few nodes: cut across a longer side, near the middle."""
+        middles, nodes = self._elements.middles[which], self._elements.nodes[which]
+        number = np.unique(nodes, return_inverse=True)[1].reshape(nodes.shape)
+        sides = np.ptp(middles, axis=0)
+        cuts = [_cut(number, middles[:, axis]) for axis in np.flatnonzero(sides > _LONGER * sides.max())]
+        order, cut, _ = min(cuts, key=lambda each: each[2])
+        return np.split(which[order], [cut])
 
     def _summed(self, which: Indices, matrices: Array) -> _Rest:
         """Return the sum of some elements."""
@@ -169,3 +180,19 @@ class Factor:
         d = self._elements.unknowns
         unknowns: Indices = (nodes[:, None] * d + np.arange(d)).ravel()
         return unknowns
+
+
+def _cut(nodes: Indices, along: Array) -> tuple[Indices, int, int]:
+    """Return elements with nodes (e, a) in the order in which they lie along an axis, where to cut them, and how many
+    nodes both parts share then."""
+    count = len(nodes)
+    order = np.argsort(along, kind="stable")
+    each, at = nodes[order].ravel(), np.repeat(np.arange(count), nodes.shape[1])
+    first, last = np.zeros((2, nodes.max() + 1), np.int64)
+    first[each[::-1]], last[each] = at[::-1], at
+    met, left = (np.bincount(seen + 1, minlength=count + 1) for seen in (first, last))
+    shared = np.cumsum(met - left)  # by how many elements come before the cut
+    aside = np.arange(int(_ASIDE * count) + 1)
+    cuts = count // 2 + np.stack([aside, -aside], axis=1).ravel()  # the nearest to the middle first
+    cut = int(cuts[np.argmin(shared[cuts])])
+    return order, cut, int(shared[cut])

@@ -12,17 +12,23 @@ from .surface import MeshError
 
 Apply = Callable[[Array], Array]
 
+RESIDUAL = 1e-4
+"""The residual of a vector at most, beside its eigenvalue times it."""
+
 _BLOCK = 16
-_RESIDUAL = 1e-4
 _MOST_STEPS = 60
-_STEPS = 2  # from modes that are near
+_UNSETTLED = f"modes did not settle in {_MOST_STEPS} steps: expected a body without slivers"
+_CHANGE = 2e-3  # of an eigenvalue by a step from vectors that are near: then they are near enough
 _ROOM = 10  # blocks of vectors beyond those wanted, at first
 
 
-def lowest(solve: Apply, mass: Apply, size: int, shift: float, count: int) -> tuple[Array, Array]:
+def lowest(
+    solve: Apply, mass: Apply, size: int, shift: float, count: int, residual: float = RESIDUAL
+) -> tuple[Array, Array]:
     """Return the lowest eigenvalues (count,) and vectors (size, count) of unit modal mass, ascending.
 
-    solve: applies (K + shift M)^-1, mass: M, each to (size, k). MeshError if they don't settle.
+    solve: applies (K + shift M)^-1, mass: M, each to (size, k). residual: of a vector at most. MeshError if they don't
+    settle.
     """
     count = min(count, size - _BLOCK)
     ahead = solve(mass(np.random.default_rng(0).standard_normal((size, _BLOCK))))
@@ -54,22 +60,26 @@ def lowest(solve: Apply, mass: Apply, size: int, shift: float, count: int) -> tu
         rest = ahead - vectors @ column
         last = inner[-block:]
         error = np.sqrt(np.maximum(np.einsum("ij,ik,kj->j", last, rest.T @ mass(rest), last), 0)) / inverse
-        if error.max() < _RESIDUAL:
+        if error.max() < residual:
             return 1 / inverse - shift, vectors @ inner
-    raise MeshError(f"modes did not settle in {_MOST_STEPS} steps: expected a body without slivers")
+    raise MeshError(_UNSETTLED)
 
 
 def followed(solve: Apply, mass: Apply, shift: float, start: Array, count: int) -> tuple[Array, Array]:
     """Return the lowest eigenvalues (count,) and vectors (size, count) as `lowest` does, by vectors (size, m) that are
     near them, some more than are wanted: steps of subspace iteration (K.-J. Bathe, E. Wilson, Int. J. Numer. Methods
-    Eng. 6, 1973)."""
-    vectors, heavy, inverse = start, mass(start), np.zeros(0)
-    for _ in range(_STEPS):
+    Eng. 6, 1973) until one changes little. What is left is less than a step changes."""
+    vectors = start
+    for _ in range(_MOST_STEPS):
+        heavy = mass(vectors)
         ahead = solve(heavy)
-        again = mass(ahead)
-        inverse, turn = _pencil(ahead.T @ again, ahead.T @ heavy)
-        vectors, heavy = ahead @ turn, again @ turn
-    return 1 / inverse[:count] - shift, vectors[:, :count]
+        stiff = ahead.T @ heavy
+        before, _ = _pencil(stiff, vectors.T @ heavy)
+        found, turn = _pencil(ahead.T @ mass(ahead), stiff)
+        vectors = ahead @ turn
+        if np.abs(before / found - 1)[:count].max() < _CHANGE:
+            return 1 / found[:count] - shift, vectors[:, :count]
+    raise MeshError(_UNSETTLED)
 
 
 def _orthonormal(block: Array, mass: Apply) -> tuple[Array, Array]:

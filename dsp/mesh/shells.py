@@ -14,16 +14,17 @@ from .cleaning import edges_of
 from .creases import held
 from .fronts import Elements, Factor
 from .grading import changes
-from .lanczos import followed, lowest
+from .lanczos import RESIDUAL, followed, lowest
 from .rounding import quartered
-from .surface import Indices, Surface, faces_of
+from .surface import Surface, faces_of
 
 _STRETCH = 1.5  # Felippa's alpha_b
 _DRILL = ((1, 2, 1, 0, 1, -1, -1, -1, -2), (-2, -1, -1, 1, 1, 2, -1, 0, 1), (1, -1, 0, -1, -2, -1, 2, 1, 1))
 _LUMPED = 0.57  # of the mass: at the corners, which lowers; the rest raises. Plates want 0.5, cans 0.8
 _LEAF = 64
 _UNKNOWNS = 6  # of a corner
-_SPARE = 16  # modes beyond those wanted, of a shell that leads to a finer one
+_SPARE = 10  # modes beyond those wanted, of a shell that leads to a finer one
+_LEADS = 3e-2  # of a vector: the residual of those
 _SHIFT = 0.1  # of a wave's frequency along the body, times the wall over its length
 
 
@@ -52,28 +53,33 @@ class Solution(NamedTuple):
 
 
 class _System(NamedTuple):
-    """The equations of a shell: its surface, the factor of its stiffness and `shift` (1/s^2) times its mass, its mass
-    as a sparse matrix and in kg."""
+    """The equations of a shell: its surface, the factor of its stiffness and `shift` (1/s^2) times its mass, the mass
+    (kg) between the displacements of its P points, sparse, and their moments of inertia (P,) in kg m^2."""
 
     surface: Surface
     factor: Factor
-    weight: Any
+    moved: Any
+    turned: Array
     shift: float
-    mass: float
 
     def weigh(self, x: Array) -> Array:
         """Return the mass times vectors (unknowns, n)."""
-        return np.asarray(self.weight @ x)
+        each = x.reshape(len(self.turned), _UNKNOWNS, -1)
+        found = np.empty(each.shape)
+        found[:, :3] = (self.moved @ each[:, :3].reshape(len(each), -1)).reshape(len(each), 3, -1)
+        np.multiply(self.turned[:, None, None], each[:, 3:], out=found[:, 3:])
+        return found.reshape(x.shape)
 
-    def lowest(self, count: int) -> tuple[Array, Array]:
+    def lowest(self, count: int, residual: float = RESIDUAL) -> tuple[Array, Array]:
         """Return the lowest eigenvalues (count,) in 1/s^2 and vectors (unknowns, count)."""
-        return lowest(self.factor.solve, self.weigh, self.weight.shape[0], self.shift, count)
+        return lowest(self.factor.solve, self.weigh, _UNKNOWNS * len(self.turned), self.shift, count, residual)
 
     def solution(self, values: Array, vectors: Array, wall: float, material: Material) -> Solution:
         """Return the modes of eigenvalues (n,) and vectors (unknowns, n)."""
         shapes = vectors.reshape(len(self.surface.points), _UNKNOWNS, -1)[:, :3]
         turns = np.sqrt(np.maximum(values, 0))
-        return Solution(turns / (2 * np.pi), shapes, self.surface, self.mass, _sheared(turns, wall, material))
+        sheared = _sheared(turns, wall, material)
+        return Solution(turns / (2 * np.pi), shapes, self.surface, float(self.moved.sum()), sheared)
 
 
 def solve_twice(surface: Surface, wall: float, material: Material, count: int) -> Solution:
@@ -81,7 +87,7 @@ def solve_twice(surface: Surface, wall: float, material: Material, count: int) -
     quarters: errors go with the square of the sides, so that the two tell the rest. The triangles' modes lead to those
     of the quarters."""
     system, finer = (_system(each, wall, material) for each in (surface, quartered(surface)))
-    values, vectors = system.lowest(count + _SPARE)
+    values, vectors = system.lowest(count + _SPARE, _LEADS)
     start = _between(surface, vectors)
     coarse = system.solution(values, vectors, wall, material)
     values, vectors = followed(finer.factor.solve, finer.weigh, finer.shift, start, count)
@@ -113,15 +119,22 @@ def solve(surface: Surface, wall: float, material: Material, count: int) -> Solu
 
 def _system(surface: Surface, wall: float, material: Material) -> _System:
     """Return the equations of a shell."""
-    stiffness, mass, total = matrices(surface, wall, material)
-    corners = surface.points[surface.faces]
-    elements = Elements(surface.faces, corners.mean(axis=1), _UNKNOWNS, len(surface.points))
+    from scipy.sparse import csr_array
+
     length = float(np.ptp(surface.points, axis=0).max())
     speed = np.sqrt(material.youngs_modulus / material.density)
     shift = float((2 * np.pi * _SHIFT * speed * wall / length**2) ** 2)
-    factor = Factor(elements, stiffness + shift * mass, _LEAF)
-    unknowns = (surface.faces[:, :, None] * _UNKNOWNS + np.arange(_UNKNOWNS)).reshape(len(surface.faces), -1)
-    return _System(surface, factor, _summed(unknowns, mass, _UNKNOWNS * len(surface.points)), shift, total)
+    total, (moved, turned) = stiffness(surface, wall, material), masses(surface, wall, material)
+    for axis in range(3):
+        total[:, axis::_UNKNOWNS, axis::_UNKNOWNS] += shift * moved
+    for unknown in np.arange(3 * _UNKNOWNS).reshape(3, _UNKNOWNS)[:, 3:].ravel():
+        total[:, unknown, unknown] += shift * turned
+    faces, count = surface.faces, len(surface.points)
+    elements = Elements(faces, surface.points[faces].mean(axis=1), _UNKNOWNS, count)
+    rows, columns = (np.broadcast_to(each, moved.shape).ravel() for each in (faces[:, :, None], faces[:, None]))
+    between = csr_array((moved.ravel(), (rows, columns)), shape=(count, count))
+    at_points = np.asarray(np.bincount(faces.ravel(), np.repeat(turned, 3), count), np.float64)
+    return _System(surface, Factor(elements, total, _LEAF), between, at_points, shift)
 
 
 def _sheared(turns: Array, wall: float, material: Material) -> Array:
@@ -133,18 +146,16 @@ def _sheared(turns: Array, wall: float, material: Material) -> Array:
     return found
 
 
-def _summed(unknowns: Indices, each: Array, size: int) -> Any:
-    """Return the sparse sum (size, size) of the triangles' matrices (e, 18, 18)."""
-    from scipy.sparse import csr_array
+def masses(surface: Surface, wall: float, material: Material) -> tuple[Array, Array]:
+    """Return the mass (e, 3, 3) of triangles between the displacements of their corners, in kg, and their moment of
+    inertia (e,) at each corner, in kg m^2."""
+    shares = (1 - _LUMPED) * (np.ones((3, 3)) + np.eye(3)) / 12 + _LUMPED * np.eye(3) / 3
+    each = material.density * wall * faces_of(surface).areas
+    return each[:, None, None] * shares, each * wall**2 / 36
 
-    rows = np.repeat(unknowns, 18, axis=1).ravel()
-    columns = np.tile(unknowns, (1, 18)).ravel()
-    return csr_array((each.ravel(), (rows, columns)), shape=(size, size))
 
-
-def matrices(surface: Surface, wall: float, material: Material) -> tuple[Array, Array, float]:
-    """Return the stiffness and the mass (e, 18, 18) of each triangle, in three displacements and three turns a corner,
-    and the mass of all (kg)."""
+def stiffness(surface: Surface, wall: float, material: Material) -> Array:
+    """Return the stiffness (e, 18, 18) of triangles, in three displacements and three turns a corner."""
     corners = surface.points[surface.faces]
     along = corners[:, 1] - corners[:, 0]
     normal = np.cross(along, corners[:, 2] - corners[:, 0])
@@ -165,14 +176,7 @@ def matrices(surface: Surface, wall: float, material: Material) -> tuple[Array, 
                 own[:, :, row, :, column] += part[:, :, p, :, q]
     turn = np.zeros((count, 6, 6))
     turn[:, :3, :3] = turn[:, 3:, 3:] = axes
-    stiffness = np.einsum("epi,eapbq,eqj->eaibj", turn, own, turn, optimize=True).reshape(count, 18, 18)
-    each = material.density * wall * twice / 2
-    mass = np.zeros((count, 3, 6, 3, 6))
-    shares = (1 - _LUMPED) * (np.ones((3, 3)) + np.eye(3)) / 12 + _LUMPED * np.eye(3) / 3
-    for axis in range(3):
-        mass[:, :, axis, :, axis] = each[:, None, None] * shares
-        mass[:, :, 3 + axis, :, 3 + axis] = (each * wall**2 / 36)[:, None, None] * np.eye(3)
-    return stiffness, mass.reshape(count, 18, 18), float(each.sum())
+    return np.asarray(np.einsum("epi,eapbq,eqj->eaibj", turn, own, turn, optimize=True).reshape(count, 18, 18))
 
 
 def _rigidity(surface: Surface, wall: float, plane: Array, axes: Array) -> Array:

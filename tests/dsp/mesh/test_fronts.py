@@ -45,3 +45,23 @@ def test_a_system_that_is_not_positive_says_where():
     matrices[20] -= 100 * np.eye(6)
     with pytest.raises(MeshError, match=r"too thin for its cells: give its wall .* or it is loose"):
         Factor(elements, matrices, 3)
+
+
+def test_parts_of_a_tube_share_the_ring_between_two_rows():
+    """A tube of 11 rows of squares in halves, each row's in a random order: one ring of 12 nodes is shared, not two."""
+    around, rows = 12, 11
+    row, place = (each.ravel() for each in np.meshgrid(np.arange(rows), np.arange(around), indexing="ij"))
+    beside = (place + 1) % around
+    nodes = np.stack([row * around + place, row * around + beside], axis=1)
+    nodes = np.concatenate([np.c_[nodes, nodes[:, ::-1] + around][:, which] for which in ([0, 1, 2], [0, 2, 3])])
+    turn = 2 * np.pi * np.arange(around) / around
+    places = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)[None] + np.arange(rows + 1)[:, None, None] * [
+        0,
+        0,
+        1,
+    ]
+    middles = places.reshape(-1, 3)[nodes].mean(axis=1)
+    shuffled = np.random.default_rng(1).permutation(len(nodes))
+    elements = Elements(nodes[shuffled], middles[shuffled], 1, around * (rows + 1))
+    matrices = np.eye(3) + np.ones((len(nodes), 3, 3))
+    assert Factor(elements, matrices, len(nodes) // 2 + 1)._fronts[-1].diagonal.shape == (around, around)

@@ -24,7 +24,8 @@ def square(count, side):
 
 def test_a_triangle_moves_rigidly_without_force():
     corners = np.random.default_rng(2).standard_normal((3, 3))
-    stiffness, mass, total = shells.matrices(Surface(corners, np.array([[0, 1, 2]])), 0.01, METAL)
+    triangle = Surface(corners, np.array([[0, 1, 2]]))
+    stiffness = shells.stiffness(triangle, 0.01, METAL)
     moves = np.zeros((6, 3, 6))
     for axis in range(3):
         moves[axis, :, axis] = 1
@@ -34,8 +35,10 @@ def test_a_triangle_moves_rigidly_without_force():
     flat = moves.reshape(6, 18)
     assert np.abs(stiffness[0] @ flat.T).max() < 1e-9 * np.abs(stiffness).max()
     assert np.linalg.matrix_rank(stiffness[0], tol=1e-9 * np.abs(stiffness).max()) == 12
-    for axis in range(3):
-        assert flat[axis] @ mass[0] @ flat[axis] == pytest.approx(total)
+    moved, turned = shells.masses(triangle, 0.01, METAL)
+    mass = METAL.density * 0.01 * np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0])) / 2
+    assert moved.sum() == pytest.approx(mass)
+    assert turned == pytest.approx([mass * 0.01**2 / 36])
 
 
 def test_a_free_square_plate_has_leissas_frequencies():
@@ -104,10 +107,12 @@ def test_two_sizes_of_triangles_tell_the_rest():
     assert np.abs(plain / known - 1).max() > 2e-3
 
 
-def test_triangles_modes_lead_to_those_of_their_quarters_in_two_steps():
-    plate, wall = square(10, 0.2), 0.001
+@pytest.mark.parametrize(("count", "steps"), [(14, 1), (8, 2)])
+def test_triangles_modes_lead_to_those_of_their_quarters(count, steps):
+    """One step leaves a thousandth where triangles are small beside the waves; where they aren't another follows."""
+    plate, wall = square(count, 0.2), 0.001
     system, finer = (shells._system(each, wall, METAL) for each in (plate, quartered(plate)))
-    start = shells._between(plate, system.lowest(46)[1])
+    start = shells._between(plate, system.lowest(40, shells._LEADS)[1])
     solved = []
 
     def solve(right):
@@ -116,9 +121,9 @@ def test_triangles_modes_lead_to_those_of_their_quarters_in_two_steps():
 
     values, vectors = followed(solve, finer.weigh, finer.shift, start, 30)
     known = shells.solve(quartered(plate), wall, METAL, 30)
-    assert finer.solution(values, vectors, wall, METAL).frequency[6:] == pytest.approx(known.frequency[6:], rel=1e-5)
+    assert finer.solution(values, vectors, wall, METAL).frequency[6:] == pytest.approx(known.frequency[6:], rel=1e-3)
     assert vectors.T @ finer.weigh(vectors) == pytest.approx(np.eye(30), abs=1e-9)
-    assert solved == [46, 46]
+    assert solved == steps * [40]
 
 
 def test_a_middle_of_a_side_moves_as_a_bent_beam_does():
