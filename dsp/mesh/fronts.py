@@ -124,7 +124,7 @@ class Factor:
         middles, nodes = self._elements.middles[which], self._elements.nodes[which]
         number = np.unique(nodes, return_inverse=True)[1].reshape(nodes.shape)
         sides = np.ptp(middles, axis=0)
-        cuts = [_cut(number, middles[:, axis]) for axis in np.flatnonzero(sides > _LONGER * sides.max())]
+        cuts = [_cut(number, middles[:, axis]) for axis in np.flatnonzero(sides >= _LONGER * sides.max())]
         order, cut, _ = min(cuts, key=lambda each: each[2])
         return np.split(which[order], [cut])
 

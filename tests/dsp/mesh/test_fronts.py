@@ -16,10 +16,12 @@ def chain(rng, count=40, unknowns=2):
     return Elements(nodes, middles, unknowns, count + 2), roots @ roots.transpose(0, 2, 1)
 
 
-@pytest.mark.parametrize("leaf", [1, 3, 100])
-def test_a_factor_solves_what_the_whole_matrix_does(leaf):
+@pytest.mark.parametrize(("leaf", "spread"), [(1, 1), (3, 1), (100, 1), (1, 0)])
+def test_a_factor_solves_what_the_whole_matrix_does(leaf, spread):
+    """Elements all at one place, too: pieces of one cell."""
     rng = np.random.default_rng(3)
     elements, matrices = chain(rng)
+    elements = elements._replace(middles=spread * elements.middles)
     rows = (elements.nodes[:, :, None] * 2 + np.arange(2)).reshape(len(matrices), -1)
     whole = np.zeros((2 * elements.size,) * 2)
     for own, each in zip(rows, matrices, strict=True):
