@@ -430,7 +430,7 @@ def _of_cell(places: Array, weights: Array, side: float, degree: int, material: 
 
 
 def _is_bent(weights: Array, normals: Array) -> bool:
-    """Return whether sheets meet at an angle in a cell, by the normals (n, 3) at its points."""
+    """True if sheets meet at an angle in a cell, by the normals (n, 3) at its points."""
     first = np.linalg.eigh(np.einsum("p,pi,pj->ij", weights, normals, normals))[1][:, 2]
     return bool(weights[(normals @ first) ** 2 < 0.5].sum() > _BENT * weights.sum())
 

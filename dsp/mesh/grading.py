@@ -66,8 +66,8 @@ def _hollow(places: Array, normals: Array, grid: Grid) -> Indices:
 
 
 def _look(at: Array, look: Array) -> tuple[bool, bool]:
-    """Return whether some of the places (n, 3) of a cube look at each other by their normals as at an inner edge, and
-    whether some do across a narrow gap."""
+    """Return two flags: that some of the places (n, 3) of a cube look at each other by their normals as at an inner
+    edge, and that some do across a narrow gap."""
     ahead = look @ at.T - np.einsum("ij,ij->i", look, at)[:, None]
     cosine, near = look @ look.T, np.minimum(ahead, ahead.T)
     edge = (near > _FRONT) & (cosine < _APART) & (cosine > _FACING)

@@ -176,7 +176,7 @@ def _hits_in(body: Surface, grid: Grid, along: tuple[int, int], columns: Flags) 
 
 
 def _any_within(flags: Flags, low: Indices, past: Indices) -> Flags:
-    """Return whether any of the flags (rows, columns) is set from low (n, 2) up to past (n, 2)."""
+    """True if any of the flags (rows, columns) is set from low (n, 2) up to past (n, 2)."""
     sums = np.zeros((flags.shape[0] + 1, flags.shape[1] + 1), np.int64)
     sums[1:, 1:] = flags.cumsum(axis=0).cumsum(axis=1)
     (i, j), (k, m) = low.T, past.T

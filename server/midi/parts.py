@@ -16,11 +16,11 @@ class Part:
     high: float
 
     def holds(self, channel: int, note: float) -> bool:
-        """Return whether a note of a channel belongs to it."""
+        """True if a note of a channel belongs to it."""
         return self.channel in (0, channel) and self.low <= note <= self.high
 
     def covers(self, other: "Part") -> bool:
-        """Return whether all notes of another part of the same channel belong to it."""
+        """True if all notes of another part of the same channel belong to it."""
         return self.channel == other.channel and self.low <= other.low and other.high <= self.high
 
 
