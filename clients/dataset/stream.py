@@ -54,8 +54,8 @@ def render_many(
     PresetError names what the recipe cannot have, ItemError an item that cannot be.
     """
     plan, folders = checked(recipe, presets)
-    if workers < 1:
-        raise ValueError(f"workers = {workers}: expected a whole number from 1")
+    if not hasattr(workers, "__index__") or workers < 1:
+        raise ValueError(f"workers = {workers!r}: expected a whole number from 1")
     chosen = iter(valid(plan, range(plan.count) if numbers is None else numbers))
     return _by_processes(plan, folders, chosen, workers) if workers > 1 else rows(plan, folders, chosen)
 
@@ -92,6 +92,8 @@ def _plain(value: Any) -> Any:
 
 def valid(recipe: Recipe, numbers: Iterable[int]) -> Iterator[int]:
     """Yield numbers of items. ValueError for what is none."""
+    if not isinstance(numbers, Iterable):
+        raise ValueError(f"numbers = {numbers!r}: expected several whole numbers, such as range(3)")
     for each in numbers:
         if isinstance(each, bool) or not hasattr(each, "__index__") or not 0 <= each < recipe.count:
             raise ValueError(f"numbers: {shown(each)}: expected whole numbers from 0 to {recipe.count - 1}")

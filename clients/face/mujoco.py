@@ -103,6 +103,9 @@ class Bridge(Closing):
     ) -> None:
         if restitution not in ("simulator", "materials"):
             raise WorldError(f"restitution = {restitution}: expected simulator or materials")
+        for name, given in (("materials", materials), ("bodies", bodies), ("sensors", sensors), ("grains", grains)):
+            if not (given is None or isinstance(given, Mapping)):
+                raise WorldError(f"{name} = {given!r}: expected a mapping from names")
         model, data = bare(model, mujoco.MjModel), bare(data, mujoco.MjData)
         if (data.geom_xpos.shape[0], len(data.qvel)) != (model.ngeom, model.nv):
             raise WorldError("data: expected that of the model")

@@ -59,6 +59,10 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered():
         carom.render_many({**BLOWS, "seed": object()})
     with pytest.raises(ValueError, match="workers = 0: expected a whole number from 1"):
         carom.render_many("bars", workers=0)
+    with pytest.raises(ValueError, match="workers = '2': expected a whole number from 1"):
+        carom.render_many("bars", workers="2")
+    with pytest.raises(ValueError, match="numbers = 3: expected several whole numbers"):
+        next(carom.render_many("bars", 3))
     for bad in (40, -1, 1.5, True):
         with pytest.raises(ValueError, match="expected whole numbers from 0 to 39"):
             next(carom.render_many("bars", [bad]))

@@ -448,6 +448,9 @@ def test_names_of_a_model_are_made_unique_and_unknown_ones_are_errors():
     assert bridge.world.bodies == ("ball", "ball_geom0", "table")
     made = {body.name: body.material.name for body in bridge.world.simulation.bodies}
     assert made == {"ball": "wood", "ball_geom0": "wood", "table": "steel"}
+    for name in ("materials", "bodies", "sensors", "grains"):
+        with pytest.raises(carom.WorldError, match=f"{name} = 'wood': expected a mapping from names"):
+            carom.mujoco.Bridge(model, mujoco.MjData(model), **{name: "wood"})
     with pytest.raises(carom.WorldError, match="materials: tabel: did you mean table"):
         carom.mujoco.Bridge(model, mujoco.MjData(model), materials={"tabel": "steel"})
     with pytest.raises(carom.WorldError, match="bodies: bal: did you mean ball"):
