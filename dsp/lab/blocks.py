@@ -11,7 +11,6 @@ from ..contact.block import begin_block, end_block, step_blocks
 from ..contact.block_records import ROWS, Block, Net, moments_of
 from ..contact.block_sizes import MOMENTS_AHEAD
 from ..contact.block_tables import feel, settle_tables, take_answers, take_rows
-from ..contact.collocation import elastic
 from ..contact.coupled import ContactLaw, begin_coupled, respond_with
 from ..contact.coupled_records import COUPLED_GROUP, Coupled
 from ..engine.contacts.block_motion import lay_motion
@@ -20,7 +19,7 @@ from ..native.typed import View, dtype_of
 from ..numerics.legendre import AHEAD, KEPT
 from ..resonator.bank import Modes, Point, inject_fine, inject_kept, observe, receptance
 from ..resonator.sizes import ROOM_FOR_ROWS
-from .coupled import MEMBER, NOT_KEPT, Bank, Case, Run, bank_of, motion_and_energy, restart, ring_on, step_alone
+from .coupled import MEMBER, NOT_KEPT, Bank, Case, Run, bank_of, keep_sample, restart, ring_on, step_alone
 
 _TOLERANCE = 1e-3  # of samples that no block follows
 
@@ -93,13 +92,7 @@ def _simulate(solved, bank, room, case, parts, samples, times, out):
                 inject_fine(modes, point, bank.moments)
             ring_on(modes)
             if t < len(out):
-                velocity, energy = motion_and_energy(bank)
-                out[t, 0] = velocity
-                out[t, 1] = contact.v
-                out[t, 2] = max(contact.motion[0], 0.0)
-                energy += 0.5 * m * contact.v * contact.v - push * contact.position
-                out[t, 3] = energy + elastic(contact.motion[0], k, a)
-                out[t, 4] = contact.contacts
+                keep_sample(out[t], bank, contact)
 
 
 def _simulation(case: Case, parts: int) -> tuple[NDArray[np.void], Callable[..., None]]:

@@ -206,6 +206,17 @@ def step_alone(contacts: Items[Member], group: CoupledGroup, seen: View[float], 
         moments[n] = group.moments[0, n]
 
 
+@kernel
+def keep_sample(row: View[float], bank: Bank, contact: Coupled) -> None:
+    """Put a sample of a Run into its row: velocities (m/s), compression (m), energy (J), contacts begun."""
+    velocity, energy = motion_and_energy(bank)
+    row[0], row[1] = velocity, contact.v
+    row[2] = max(contact.motion[0], 0.0)
+    energy += 0.5 * contact.m * contact.v * contact.v - contact.push * contact.position
+    row[3] = energy + elastic(contact.motion[0], contact.k, contact.a)
+    row[4] = contact.contacts
+
+
 @njit(error_model="numpy")
 def _simulate(contacts, group, bank, case, samples, times, out):
     modes, point, work, seen, moments = bank.modes, bank.point, bank.work, bank.seen, bank.moments
@@ -223,13 +234,7 @@ def _simulate(contacts, group, bank, case, samples, times, out):
             inject_fine(modes, point, moments)
             ring_on(modes)
             if t < len(out):
-                velocity, energy = motion_and_energy(bank)
-                out[t, 0] = velocity
-                out[t, 1] = contact.v
-                out[t, 2] = max(contact.motion[0], 0.0)
-                energy += 0.5 * m * contact.v * contact.v - push * contact.position
-                out[t, 3] = energy + elastic(contact.motion[0], k, a)
-                out[t, 4] = contact.contacts
+                keep_sample(out[t], bank, contact)
 
 
 def _simulation(case: Case, tolerance: float, contacts: NDArray[np.void]) -> Callable[..., None]:
