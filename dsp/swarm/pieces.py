@@ -80,6 +80,17 @@ def landing_of(swarm: Swarm, p: int) -> tuple[float, float, float]:
 
 
 @kernel
+def flow_of(swarm: Swarm) -> float:
+    """Return how many kilograms a second land: each rim flies for 2 v/g."""
+    total = 0.0
+    for p in range(swarm.pieces):
+        if swarm.next_of[p] < math.inf:
+            v, mass, _ = landing_of(swarm, p)
+            total += mass * 0.5 * STANDARD_GRAVITY / max(v, SLOWEST)
+    return total
+
+
+@kernel
 def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
     """Advance a piece of which a rim lands, with a restitution, to the next landing of a rim, if any."""
     v, mass, flat = landing_of(swarm, p)

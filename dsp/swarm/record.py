@@ -198,7 +198,7 @@ class Blows(Record):
     light: Annotated[View[float], BATCH]  # ln of m/k
     loss: Annotated[View[float], BATCH]  # w/(1 + w)
     width: Annotated[View[float], BATCH]  # ln of the rms width (s)
-    heard: Annotated[View[float], BATCH]  # of a drop: its share by its distance
+    heard: Annotated[View[float], BATCH]  # of a drop: its share by its distance; of a piece: its momentum in m v
     alike: Annotated[View[float], BATCH]  # of the momentum, moves a piece's modes as its blows on the floor do
     shorter: Annotated[View[float], BATCH]  # by so much ln of the width is less then
     ratio: Annotated[View[float], BATCH]  # of the mass that the object leaves it

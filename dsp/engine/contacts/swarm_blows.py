@@ -18,6 +18,7 @@ from ...swarm.pieces import (
     bend_piece,
     bent_by_crack,
     bounce_piece,
+    flow_of,
     landing_of,
     number_of,
     piece_beside,
@@ -39,6 +40,7 @@ AT_ONCE = 4.0
 _OFTEN = 100.0  # such contacts of a swarm a second
 _RISE, _BELOW = 0.2, 2.0  # of ln of the momentum that such a blow must have, at each; so far below the last at least
 _AWAITED = 0.005  # s from the beginning of such a blow: one that flies off then touches no more
+_SOONEST = 1e-4  # s: from a landing of a piece to its next, as a stream's share has it
 _MOST = 16_384  # blows of a swarm in a quantum
 _EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's
 _IMPACT = NUMBERS["impact"]
@@ -58,9 +60,14 @@ def lay_drawn(state: State, contact: Contact, swarm: Swarm, until: float) -> Non
 
 @noinline_kernel
 def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
-    """Lay the blows of pieces that land up to a time (s from the beginning); where all lie still, the swarm is over."""
+    """Lay the blows of pieces that land up to a time (s from the beginning); where all lie still, the swarm is over.
+
+    A piece and what it falls on change their momenta by the same: what yields, or what a piece that rings touches, has
+    less of it than a wall under a rigid piece. A rim that would go on downwards pushes what yields, unheard, and stays.
+    Landings that follow one another soon, of one piece or of all, are a stream: the sound of each is fainter.
+    """
     table, blows = state.pulses.tables[swarm.table], state.scratch.batch
-    left = False
+    left, often = False, flow_of(swarm) / swarm.m
     blows.count = 0
     for p in range(swarm.pieces):
         for _ in range(BOUNCES):
@@ -77,12 +84,16 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
             blows.alike[n], blows.shorter[n], bounces = bend_piece(swarm, p, mass, width, flat, given)
             blows.time[n], blows.number[n], blows.v[n], blows.mass[n] = swarm.next_of[p], number, v, mass
             blows.place[n] = int(uniform(swarm, number, PLACE) * swarm.places)
-            blows.loss[n], blows.width[n], blows.rate[n] = loss, width, 0.0
+            blows.loss[n], blows.width[n] = loss, width
+            blows.heard[n] = 1.0 + bounces
+            blows.alike[n] *= given / blows.heard[n]
+            ratio, _, _ = _yielded(swarm, blows, n, 0.0)  # the same bits at any rate, whatever falls beside it
+            bounce_piece(swarm, p, max(blows.heard[n] * ratio - 1.0, 0.0))
+            blows.rate[n] = often + mass / swarm.m / max(swarm.next_of[p] - blows.time[n], _SOONEST)
             blows.count += 1
             if blows.count == BATCH:
                 _lay_blows(state, contact, swarm, blows)
                 blows.count = 0
-            bounce_piece(swarm, p, bounces)
         left = left or swarm.next_of[p] < math.inf
     if blows.count > 0:
         _lay_blows(state, contact, swarm, blows)
@@ -130,6 +141,16 @@ def _flow_beside(state: State, swarm: Swarm) -> float:
 
 
 @kernel
+def _yielded(swarm: Swarm, blows: Blows, n: int, flow: float) -> tuple[float, float, float]:
+    """Return what `yielding` does of a blow, in a stream of a flow (kg/s) as the stream's share has it."""
+    if swarm.places == 0:
+        return 1.0, blows.width[n], 0.0
+    where = blows.place[n]
+    ratio, width, asked = yielding(swarm, where, blows.mass[n], blows.width[n])
+    return ratio / (1.0 + ratio * flow * swarm.slow[where]), width, asked
+
+
+@kernel
 def _weigh_blow(
     state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, stream: tuple[float, float]
 ) -> None:
@@ -137,11 +158,7 @@ def _weigh_blow(
     is 0 where it becomes a contact of its own. stream: kg, and kg/s of other swarms: the mean mass, and what they
     bring, as the stream's share has them."""
     table, mass, v, loss = state.pulses.tables[swarm.table], blows.mass[n], blows.v[n], blows.loss[n]
-    ratio, width, asked = 1.0, blows.width[n], 0.0
-    if swarm.places > 0:
-        ratio, width, asked = yielding(swarm, blows.place[n], mass, width)
-        flow = stream[0] * blows.rate[n] + stream[1]
-        ratio = ratio / (1.0 + ratio * flow * swarm.slow[blows.place[n]])
+    ratio, width, asked = _yielded(swarm, blows, n, stream[0] * blows.rate[n] + stream[1])
     width += swarm.log_rate
     blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
     swarm.energy += 0.5 * mass * v * v
@@ -150,7 +167,7 @@ def _weigh_blow(
         blows.momentum[n] = 0.0
         return
     state.stats.impacts += 1
-    blows.momentum[n] = known_of(table.momentum, loss) * ratio * mass * v
+    blows.momentum[n] = (blows.heard[n] if swarm.pieces > 0 else known_of(table.momentum, loss)) * ratio * mass * v
     if swarm.law == DROPS:
         blows.momentum[n] *= blows.heard[n]
     if width > _WIDEST:  # as much power at frequencies above the longer pulse's, and less below
