@@ -199,6 +199,7 @@ class ShatterKeys(Keys, total=False):
     gain: SupportsFloat
     pieces: SupportsFloat
     height: SupportsFloat
+    steepness: SupportsFloat
     spread: SupportsFloat
     seed: SupportsFloat
     onto: str

@@ -383,8 +383,7 @@ POUR = Gesture(
     "pour", "pours many of the striker on it, until it is stopped: rice, gravel, coins",
     RATE._replace(help="of grains, on average"),
     (
-        HEIGHT._replace(help="from which they fall", default=0.2, useful=(0.02, 2.0), steerable=True
-        ),
+        HEIGHT._replace(help="from which they fall", default=0.2, useful=(0.02, 2.0), steerable=True),
         VARIETY,
         SPREAD._replace(default=0.3),
         SEED,
@@ -415,6 +414,7 @@ SHATTER = Gesture(
     (
         Parameter("pieces", 1, MOST_PIECES, "", "into which it breaks", default=60.0, whole=True),
         HEIGHT._replace(help="up to which the pieces are as it breaks, each at its own", default=0.0),
+        Parameter("steepness", 1.01, 3.0, "", "b, where as many pieces have a mass m as m^-b", default=1.35),
         SPREAD,
         SEED,
     ),

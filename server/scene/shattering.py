@@ -34,6 +34,7 @@ def shatter(to: ObjectCall) -> None:
         "whole": to.obj.modes.mass,
         "pieces": values.number("pieces"),
         "height": values.number(HEIGHT.name),
+        "steepness": values.number("steepness"),
         "position": values.numbers.get("position", 0.5),
         "spread": values.number("spread"),
         "gain": GAIN.in_engine(values.number("gain")),

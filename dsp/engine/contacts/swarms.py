@@ -19,7 +19,7 @@ from ...schema_records import Steered
 from ...swarm.blows import NARROWEST, ROLL_OFF, mean_mass
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import find_force, find_moments, move_on
-from ...swarm.pieces import CRACK, CRACKING, CRACKS, JUNCTIONS, STRONGEST, break_up
+from ...swarm.pieces import CRACK, CRACKING, JUNCTIONS, STRONGEST, break_up, spent_by_cracks
 from ...swarm.record import BACK, BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
 from ...swarm.ringing import bent_by
 from ...swarm.times import add_knot, drop_knots, on_lattice, seed_swarm
@@ -110,14 +110,14 @@ def _break(state: State, contact: Contact, event: Event) -> None:
     """Begin the cracks of what breaks, or the fall of its pieces."""
     values, swarm = event.values, state.swarms[contact.swarm]
     usual = contact.m / contact.trait.meets
-    break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height, usual)
+    break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height, usual, values.steepness)
     swarm.smallest += math.log(contact.trait.meets) / 3.0
     swarm.sized = int(contact.sound >= 0)
     if values.stage > 0.0:
         swarm.places = swarm.places if values.stage == 1.0 else 0
         return
     swarm.pieces, swarm.cracked = 0, swarm.pieces
-    swarm.store = CRACKS * 0.5 * values.whole * values.velocity * values.velocity
+    swarm.store = spent_by_cracks(swarm, values.whole, values.velocity)
     swarm.m *= CRACK
     contact.until = contact.gone_at = contact.origin + CRACKING * state.rate
     contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 2.0
