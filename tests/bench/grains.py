@@ -29,10 +29,6 @@ from .soundfont import SoundFont
 
 RATE, SECONDS = 48_000, 2.0
 SEEDS = range(1, 13)
-FLOOR = "ceramic-tile length 2 width 1.98 thickness 0.15 material granite"
-"""Tiles are laid in mortar on a slab: together they are as heavy, and are not heard."""
-TABLE = "wood-board length 1.4 width 0.8 thickness 0.025"
-"""The top of a table for six."""
 ROOM = "0 /listener 0 0 0.5\n0 /room 5 4 2.5 x -2.5 y -2 t60 0.3\n"
 """A room to record in, 1 m from it: EBU Tech 3276 (1998, as recalled) has a T60 of 0.2 to 0.4 s."""
 PLACES = "0 /object/a/place 0.8 0.3 0.05\n0 /object/b/place 0.8 0.3 0\n"
@@ -45,9 +41,9 @@ SCORES = {
         "0 /object/a/shatter 2 height 0.15 onto b seed {}"
         for name, what in (("glass", "wine-glass"), ("goblet", "goblet"), ("bottle", "bottle"))
         for place, before, below, there in (
-            ("", "", FLOOR, ""),
-            (" in a room", ROOM, FLOOR, PLACES),
-            (" on a table", ROOM, TABLE, PLACES),
+            ("", "", "tiled-floor", ""),
+            (" in a room", ROOM, "tiled-floor", PLACES),
+            (" on a table", ROOM, "table-top", PLACES),
         )
     },
     "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {}",
