@@ -260,6 +260,8 @@ class Simulation:
     def pair(self, a: str, b: str, **keys: Argument) -> None:
         """Say how the contact of two bodies differs from that of their materials: keys of `pairs.KEYS`."""
         first, second = sorted((self.number(a), self.number(b)))
+        if first == second:
+            raise WorldError(f"pair {a}, {b}: expected two bodies")
         pair = self._pairs[first, second] = pair_of(self._presets, a, b, keys)
         soft = SOFT.index(pair.support) if pair.support else -1
         self.state["support"][0, first, second] = soft + 1

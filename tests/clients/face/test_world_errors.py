@@ -69,6 +69,7 @@ WRONG = {
     "body a: mass = -1: expected a number from 1e-30 to 1e+30": lambda w: w.body("a", "sphere", 0.1, "steel", mass=-1),
     "body a: most_mods = 3: did you mean most_modes?": lambda w: w.body("a", "sphere", 0.1, "steel", most_mods=3),
     "pair floor, ball: no surface 'wod': did you mean wood?": lambda w: w.pair("floor", "ball", surface="wod"),
+    "pair ball, ball: expected two bodies": lambda w: w.pair("ball", "ball"),
     "pair floor, ball: frction = 1": lambda w: w.pair("floor", "ball", frction=1),
 }  # fmt: skip
 
