@@ -30,7 +30,7 @@ from ..native.jit import kernel
 from ..native.typed import Items, View
 from .block_forces import find_forces
 from .block_nodes import AT, FORCE_MOMENTS, SHARES, TIMES_OF_ONE, TIMES_OF_THREE, TIMES_OF_TWO
-from .block_records import Block, Net, forces_of, motion_of, ratio_of, rows_of
+from .block_records import Block, Net, forces_of, motion_of, rows_of, weigh_all
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
 from .collocation import raised
 from .coupled_records import Coupled, Member
@@ -97,6 +97,8 @@ def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, size: i
 
     False, and nothing done, where the energy of one would grow: then the block ends before that sample.
     """
+    if size > 1:
+        weigh_all(net, size)
     if blocks[net.block[0]].parts == 1:
         return _step(contacts, blocks, net, size, n, TIMES_OF_ONE)
     if blocks[net.block[0]].parts == 2:
@@ -231,7 +233,7 @@ def _keep_at_rest(blocks: Items[Block], net: Net) -> None:
         for j in range(net.size):
             tables, other = block.tables[j], blocks[net.block[j]]
             if other.leaves == 1:
-                force = (ratio_of(net, i, j) if i != j else 1.0) * other.last[forces_of(other) - 1]
+                force = (net.ratio[i, j] if i != j else 1.0) * other.last[forces_of(other) - 1]
                 for k in range(MOTIONS):
                     block.free[k] += force * tables.missed[k]
                     block.seen[k] += force * tables.missed[k]
@@ -257,7 +259,7 @@ def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times:
     for j in range(net.size):
         if j != i:
             forces, rest = blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
-            _take(block.tables[j].give, forces, rest, ratio_of(net, i, j), block.seen, len(times))
+            _take(block.tables[j].give, forces, rest, net.ratio[i, j], block.seen, len(times))
 
 
 @kernel
@@ -286,7 +288,7 @@ def _account(
         travel = block.travel[moment]
         for j in range(size):
             own, f, rest = block.tables[j], blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
-            ratio = ratio_of(net, i, j) if i != j else 1.0
+            ratio = net.ratio[i, j] if i != j else 1.0
             for p in range(forces):
                 travel -= own.travel[moment * FORCES + p] * ratio * (f[p] - rest)
         if moment == 0:

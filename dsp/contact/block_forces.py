@@ -10,7 +10,7 @@ import numpy as np
 
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import Items
-from .block_records import Block, Net, Tables, ratio_of
+from .block_records import Block, Net, Tables
 from .block_sizes import FORCES, MOTIONS, NODES_PER_PART
 from .collocation import eliminate, raised
 from .coupled_records import Coupled, Member
@@ -90,7 +90,7 @@ def _see_before(contacts: Items[Member], blocks: Items[Block], net: Net, i: int,
             give, force = block.tables[j].give, blocks[net.block[j]].force
             ratio, rest = 1.0, 0.0
             if i != j:
-                ratio, rest = ratio_of(net, i, j), contacts[net.contact[j]].coupled.rest_force
+                ratio, rest = net.ratio[i, j], contacts[net.contact[j]].coupled.rest_force
             for p in range(first + NODES_PER_PART):
                 excess = ratio * ((force[p] if p < first else 0.0) - rest)
                 x -= excess * give[p * MOTIONS + k]
@@ -106,7 +106,7 @@ def _motion(blocks: Items[Block], net: Net, i: int, size: int, first: int, k: in
     x, v = blocks[net.block[i]].seen[k], blocks[net.block[i]].seen[FORCES + k]
     for j in range(size):
         give, force = blocks[net.block[i]].tables[j].give, blocks[net.block[j]].force
-        ratio = ratio_of(net, i, j) if i != j else 1.0
+        ratio = net.ratio[i, j] if i != j else 1.0
         for p in range(first, first + NODES_PER_PART):
             x -= ratio * force[p] * give[p * MOTIONS + k]
             v -= ratio * force[p] * give[p * MOTIONS + FORCES + k]
@@ -122,7 +122,7 @@ def _linearise(contact: Coupled, blocks: Items[Block], net: Net, i: int, size: i
         x, v = _motion(blocks, net, i, size, first, k)
         force, stiffness, damping = law_at(contact, x, rate * v)
         for j in range(size):
-            give, ratio = block.tables[j].give, ratio_of(net, i, j) if i != j else 1.0
+            give, ratio = block.tables[j].give, net.ratio[i, j] if i != j else 1.0
             for b in range(NODES_PER_PART):
                 p = (first + b) * MOTIONS
                 taken = stiffness * give[p + k] + rate * damping * give[p + FORCES + k]

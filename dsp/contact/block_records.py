@@ -11,6 +11,9 @@ from .block_sizes import FORCES, LINEAR, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NOD
 TOGETHER = 4
 """Contacts that are solved together, at most."""
 
+DELAYED = 4
+"""Samples whose forces later ones feel together; a power of two."""
+
 ROWS = 5 * MOST_PARTS - 1
 """Rows of the free motion, at most. The displacement at each node; of each part the tilt of its rate's line of least
 squares (block_nodes.TILT); the displacement between parts; the means of P_2 and so on, as far as moments are felt,
@@ -71,6 +74,8 @@ class Net(Record):
     object: Annotated[View[int], TOGETHER + 1]  # slots of those that they touch
     gain: Annotated[View[float], TOGETHER]  # factor on the force that the object gets, and
     share: Annotated[View[float], TOGETHER]  # another one, in this sample
+    # Of several, the factor on what the force of the second one does to the point of the first one, in this sample
+    ratio: Annotated[View2D[float], TOGETHER, TOGETHER]
     # Newton's equations for all forces in a part of a sample, and in the last column what they leave
     linear: Annotated[View2D[float], TOGETHER * NODES_PER_PART, TOGETHER * NODES_PER_PART + 1]
 
@@ -117,6 +122,8 @@ class Block(Record):
     seen: Annotated[View[float], MOTIONS]  # and with those of the others,
     v: Annotated[View[float], FORCES]  # m per sample
     moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F, as far as the object gets it, and of friction beside it
+    # Of the samples since all those to come felt one, as many as go together: two moments of each
+    recent: Annotated[View[float], 2 * DELAYED]
 
 
 @kernel
@@ -150,6 +157,8 @@ def moments_of(block: Block) -> int:
 
 
 @kernel
-def ratio_of(net: Net, i: int, j: int) -> float:
-    """Return the factor on what the force of contact j does to the point of another, i."""
-    return net.gain[j] * net.share[j] / net.gain[i]
+def weigh_all(net: Net, size: int) -> None:
+    """Set the factors on what the forces of contacts of a net, of a size, do to each other's points."""
+    for i in range(size):
+        for j in range(size):
+            net.ratio[i, j] = net.gain[j] * net.share[j] / net.gain[i]

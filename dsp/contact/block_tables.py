@@ -3,9 +3,9 @@
 from ..native.jit import kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import AHEAD, FINE
-from ..numerics.sums import AT_ONCE, add_tables, line_of
+from ..numerics.sums import AT_ONCE, add_delayed, add_few, add_tables, line_of
 from .block_nodes import AT, RATES, SHARES, TO_NODES, TRAVELS
-from .block_records import Block, Net, Tables, forces_of, moments_of, motion_of, rows_of
+from .block_records import DELAYED, Block, Net, Tables, forces_of, moments_of, motion_of, rows_of
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
 from .power_series import POWERS
 
@@ -145,12 +145,26 @@ def _values_for(block: Block, samples: int) -> int:
 @kernel
 def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
     """Add what the forces of sample n do to the rows of the samples after it in the block, of all contacts of a net of
-    a size."""
+    a size.
+
+    Of one part, only the next samples feel it at once: what DELAYED samples do to all that come after them is added
+    together.
+    """
+    for j in range(size):
+        block, k = blocks[net.block[j]], 2 * ((n - 1) & (DELAYED - 1))
+        block.recent[k], block.recent[k + 1] = block.moments[0], block.moments[1]
     for i in range(size):
         for j in range(size):
             ratio = net.gain[j] / net.gain[i] if i != j else 1.0
             left = net.stop - net.begin - 1 - n
-            _feel(blocks[net.block[i]], blocks[net.block[i]].tables[j], blocks[net.block[j]].moments, n, left, ratio)
+            block, other = blocks[net.block[i]], blocks[net.block[j]]
+            if block.parts > 1:
+                _feel(block, block.tables[j], other.moments, n, left, ratio)
+            elif n & (DELAYED - 1) == 0 and n > 0:
+                _feel_delayed(block, block.tables[j], other.recent, n, left, ratio)
+            else:
+                near = left if n == 0 else min(left, DELAYED - (n & (DELAYED - 1)))
+                _feel_next(block, block.tables[j], other.moments, n, near, ratio)
 
 
 @kernel
@@ -158,11 +172,27 @@ def _feel(block: Block, tables: Tables, moments: View[float], n: int, left: int,
     """Add what a share of one force does to the rows of one contact, of which so many samples are left."""
     count, first, later, rows = rows_of(block), line_of(tables.later), tables.later, motion_of(block)
     begin, values = (n + 2) * count, left * count
-    m0, m1 = share * moments[0], share * moments[1]
-    if block.parts == 1:
-        odd = n & 1  # then it begins amid a line
-        add_tables(rows, begin - odd * _OF_ONE, later, first + odd * _ODD, (m0, m1), values + odd * _OF_ONE)
-    elif block.parts == 2:
-        add_tables(rows, begin, later, first, (m0, m1, share * moments[2]), values)
+    m0, m1, m2 = share * moments[0], share * moments[1], share * moments[2]
+    if block.parts == 2:
+        add_tables(rows, begin, later, first, (m0, m1, m2), values)
     else:
-        add_tables(rows, begin, later, first, (m0, m1, share * moments[2], share * moments[3]), values)
+        add_tables(rows, begin, later, first, (m0, m1, m2, share * moments[3]), values)
+
+
+@kernel
+def _feel_next(block: Block, tables: Tables, moments: View[float], n: int, near: int, share: float) -> None:
+    """Add it to the rows of so many samples of one part."""
+    odd = n & 1  # then it begins amid a line
+    first, begin = line_of(tables.later) + odd * _ODD, (n + 2 - odd) * _OF_ONE
+    factors = share * moments[0], share * moments[1]
+    add_few(motion_of(block), begin, tables.later, first, factors, (near + odd) * _OF_ONE)
+
+
+@kernel
+def _feel_delayed(block: Block, tables: Tables, recent: View[float], n: int, left: int, share: float) -> None:
+    """Add what a share of the last forces, of as many samples as go together, does to those that are left."""
+    first = line_of(tables.later)
+    last, third = (share * recent[6], share * recent[7]), (share * recent[4], share * recent[5])
+    second, oldest = (share * recent[2], share * recent[3]), (share * recent[0], share * recent[1])
+    begin, factors = (n + 2) * _OF_ONE, last + third + second + oldest
+    add_delayed(motion_of(block), begin, tables.later, first, first + _ODD, factors, left * _OF_ONE)

@@ -14,6 +14,7 @@ BEYOND = _LINES * AT_ONCE
 """Values, at most, that `add_tables` reads and writes beyond those that are asked for."""
 
 _REASSOCIATE = ("contract", "reassoc", "nsz")
+_CONTRACT = ("contract",)
 
 
 def _pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
@@ -34,6 +35,13 @@ def line_of(typingctx: object, array: View[float]) -> Lowered[int]:
     return types.intp(array), codegen
 
 
+def _spread(builder: Any, factor: Any) -> Any:
+    vector = ir.Constant(ir.VectorType(ir.DoubleType(), AT_ONCE), ir.Undefined)
+    for lane in range(AT_ONCE):
+        vector = builder.insert_element(vector, factor, ir.IntType(32)(lane))
+    return vector
+
+
 @intrinsic
 def add_tables(
     typingctx: object, sums: View[float], begin: int, tables: View[float], first: int, factors: tuple[float, ...],
@@ -43,19 +51,28 @@ def add_tables(
 
     From tables[first] on lie AT_ONCE values of each table, then the next of each.
     """
+    return _add_tables((sums, types.intp, tables, types.intp, factors, types.intp), _LINES)
+
+
+@intrinsic
+def add_few(
+    typingctx: object, sums: View[float], begin: int, tables: View[float], first: int, factors: tuple[float, ...],
+    count: int,
+) -> Lowered[None]:  # fmt: skip
+    """Do what `add_tables` does, for each i below `count`, and for less than AT_ONCE more."""
+    return _add_tables((sums, types.intp, tables, types.intp, factors, types.intp), 1)
+
+
+def _add_tables(arguments: tuple[Any, ...], lines: int) -> Lowered[None]:
+    """Return the signature and code of `add_tables` for so many lines at a time."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         sums, begin, tables, first, factors, count = args
-        whole, vector = ir.IntType(64), ir.VectorType(ir.DoubleType(), AT_ONCE)
-        spread = []
-        for factor in cgutils.unpack_tuple(builder, factors):
-            each = ir.Constant(vector, ir.Undefined)
-            for lane in range(AT_ONCE):
-                each = builder.insert_element(each, factor, ir.IntType(32)(lane))
-            spread.append(each)
-        with cgutils.for_range_slice(builder, whole(0), count, whole(BEYOND)) as (i, _):
+        whole = ir.IntType(64)
+        spread = [_spread(builder, factor) for factor in cgutils.unpack_tuple(builder, factors)]
+        with cgutils.for_range_slice(builder, whole(0), count, whole(lines * AT_ONCE)) as (i, _):
             added = []
-            for line in range(_LINES):
+            for line in range(lines):
                 at = builder.add(builder.add(begin, i), whole(line * AT_ONCE))
                 place = _pointer(context, builder, signature.args[0], sums, at)
                 total = builder.load(place, align=8)
@@ -70,7 +87,48 @@ def add_tables(
                 builder.store(total, place, align=8)
         return context.get_dummy_value()
 
-    return types.void(sums, types.intp, tables, types.intp, factors, types.intp), codegen
+    return types.void(*arguments), codegen
+
+
+@intrinsic
+def add_delayed(
+    typingctx: object, sums: View[float], begin: int, tables: View[float], even: int, odd: int,
+    factors: tuple[float, ...], count: int,
+) -> Lowered[None]:  # fmt: skip
+    """Add what four samples do to those after them to sums[begin + i] for each i below `count`, and for less than
+    BEYOND more.
+
+    Two factors of each sample are in `factors`, from the last sample on. What they are of lies from tables[even] on as
+    in `add_tables`, two samples in AT_ONCE values; from tables[odd] on once more, a sample later.
+    """
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        whole = ir.IntType(64)
+        spread = [_spread(builder, factor) for factor in cgutils.unpack_tuple(builder, args[5])]
+        with cgutils.for_range_slice(builder, whole(0), args[6], whole(2 * AT_ONCE)) as (i, _):
+            tables = [builder.add(each, builder.mul(i, whole(2))) for each in args[3:5]]
+
+            def line(number: int) -> list[list[Any]]:
+                at = [[builder.add(first, whole((2 * number + k) * AT_ONCE)) for k in range(2)] for first in tables]
+                places = [[_pointer(context, builder, signature.args[2], args[2], each) for each in row] for row in at]
+                return [[builder.load(each, align=8) for each in row] for row in places]
+
+            lines, added = [line(number) for number in range(4)], []
+            for n in range(2):
+                at = builder.add(builder.add(args[1], i), whole(n * AT_ONCE))
+                place = _pointer(context, builder, signature.args[0], args[0], at)
+                total = builder.load(place, align=8)
+                for sample in (3, 2, 1, 0):
+                    for k in range(2):
+                        values = lines[n + (sample + 1) // 2][sample % 2][k]
+                        product = builder.fmul(spread[2 * sample + k], values, flags=_CONTRACT)
+                        total = builder.fadd(total, product, flags=_CONTRACT)
+                added.append((total, place))
+            for total, place in added:
+                builder.store(total, place, align=8)
+        return context.get_dummy_value()
+
+    return types.void(sums, types.intp, tables, types.intp, types.intp, factors, types.intp), codegen
 
 
 @intrinsic
@@ -86,12 +144,6 @@ def add_powers(
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         vector = ir.VectorType(ir.DoubleType(), AT_ONCE)
 
-        def spread(factor: Any) -> Any:
-            each = ir.Constant(vector, ir.Undefined)
-            for lane in range(AT_ONCE):
-                each = builder.insert_element(each, factor, ir.IntType(32)(lane))
-            return each
-
         def table(n: int) -> Any:
             place = _pointer(context, builder, signature.args[1], args[1], ir.IntType(64)(n * AT_ONCE))
             return builder.load(place, align=8)
@@ -106,8 +158,8 @@ def add_powers(
         begin, slope = cgutils.unpack_tuple(builder, args[3])
         term, factors = ir.Constant(vector, None), cgutils.unpack_tuple(builder, args[2])
         for n, factor in enumerate(factors):
-            term = plus(term, times(spread(factor), table(n)))
-        x = plus(spread(begin), times(spread(slope), table(len(factors))))
+            term = plus(term, times(_spread(builder, factor), table(n)))
+        x = plus(_spread(builder, begin), times(_spread(builder, slope), table(len(factors))))
         held = cgutils.alloca_once_value(builder, term)
         with cgutils.for_range(builder, args[4]) as loop:
             term = total = builder.load(held)
@@ -131,37 +183,42 @@ def put_convolved(
     typingctx: object, sums: View[float], causes: View[float], answers: View[float], frames: int
 ) -> Lowered[None]:  # fmt: skip
     """Set sums[k frames + n] = sum_i sum_(m <= n) answers_ki[n - m] causes[i frames + m] for k and i of 0 and 1, and n
-    below `frames`, a multiple of AT_ONCE.
+    below `frames`, a multiple of BEYOND.
 
     answers_ki[n] lies at answers[(2 k + i) (frames + AT_ONCE) + AT_ONCE + n], behind AT_ONCE zeros.
     """
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         sums, causes, answers, frames = args
-        whole, vector = ir.IntType(64), ir.VectorType(ir.DoubleType(), AT_ONCE)
+        whole, zero = ir.IntType(64), ir.Constant(ir.VectorType(ir.DoubleType(), AT_ONCE), None)
         data = context.make_array(signature.args[1])(context, builder, causes).data
         step = builder.add(frames, whole(AT_ONCE))
-        with cgutils.for_range_slice(builder, whole(0), frames, whole(AT_ONCE)) as (first, _):
-            totals = [cgutils.alloca_once_value(builder, ir.Constant(vector, None)) for _ in range(4)]
-            for total in totals:
-                builder.store(ir.Constant(vector, None), total)
-            last = builder.add(first, whole(AT_ONCE))
-            with cgutils.for_range_slice(builder, whole(0), last, whole(1)) as (m, _):
-                lag = builder.sub(last, m)
-                for i in range(2):
-                    cause = builder.load(builder.gep(data, [builder.add(m, builder.mul(frames, whole(i)))]))
-                    spread = ir.Constant(vector, ir.Undefined)
-                    for lane in range(AT_ONCE):
-                        spread = builder.insert_element(spread, cause, ir.IntType(32)(lane))
-                    for k in range(2):
-                        at, total = builder.add(lag, builder.mul(step, whole(2 * k + i))), totals[2 * k + i]
-                        values = builder.load(_pointer(context, builder, signature.args[2], answers, at), align=8)
-                        product = builder.fmul(spread, values, flags=_REASSOCIATE)
-                        builder.store(builder.fadd(builder.load(total), product, flags=_REASSOCIATE), total)
-            for k in range(2):
-                at = builder.add(first, builder.mul(frames, whole(k)))
-                both = builder.fadd(builder.load(totals[2 * k]), builder.load(totals[2 * k + 1]), flags=_REASSOCIATE)
-                builder.store(both, _pointer(context, builder, signature.args[0], sums, at), align=8)
+        with cgutils.for_range_slice(builder, whole(0), frames, whole(_LINES * AT_ONCE)) as (first, _):
+            totals = [[cgutils.alloca_once(builder, zero.type) for _ in range(2)] for _ in range(_LINES)]
+            for line in totals:
+                for total in line:
+                    builder.store(zero, total)
+            # Lines take the same answers from causes that lie as far before them. The first ones lack some.
+            for lacking in range(_LINES - 1, -1, -1):
+                begin = whole(-lacking * AT_ONCE)
+                end = builder.add(begin if lacking > 0 else first, whole(AT_ONCE))
+                with cgutils.for_range_slice(builder, begin, end, whole(1)) as (m, _):
+                    lag = builder.add(builder.sub(first, m), whole(AT_ONCE))
+                    for i in range(2):
+                        at = [builder.add(lag, builder.mul(step, whole(2 * k + i))) for k in range(2)]
+                        places = [_pointer(context, builder, signature.args[2], answers, each) for each in at]
+                        values = [builder.load(each, align=8) for each in places]
+                        for n in range(lacking, _LINES):
+                            place = builder.add(builder.add(m, whole(n * AT_ONCE)), builder.mul(frames, whole(i)))
+                            cause = _spread(builder, builder.load(builder.gep(data, [place])))
+                            for each, total in zip(values, totals[n], strict=True):
+                                product = builder.fmul(cause, each, flags=_CONTRACT)
+                                builder.store(builder.fadd(builder.load(total), product, flags=_CONTRACT), total)
+            for n, line in enumerate(totals):
+                for k, total in enumerate(line):
+                    at = builder.add(builder.add(first, whole(n * AT_ONCE)), builder.mul(frames, whole(k)))
+                    place = _pointer(context, builder, signature.args[0], sums, at)
+                    builder.store(builder.load(total), place, align=8)
         return context.get_dummy_value()
 
     return types.void(sums, causes, answers, types.intp), codegen

@@ -3,27 +3,37 @@
 import numpy as np
 import pytest
 
-from carom.dsp.numerics.sums import AT_ONCE, BEYOND, add_powers, add_tables, line_of, put_convolved
+from carom.dsp.numerics.sums import (
+    AT_ONCE,
+    BEYOND,
+    add_delayed,
+    add_few,
+    add_powers,
+    add_tables,
+    line_of,
+    put_convolved,
+)
 
 pytestmark = pytest.mark.slow  # numba compiles the loops around the intrinsics
 
 
-def _compiled():
+def _compiled(adding):
     from numba import njit
 
     @njit
     def add(sums, begin, tables, m0, m1, count):
         first = line_of(tables)
-        add_tables(sums, begin, tables, first, (m0, m1), count)
+        adding(sums, begin, tables, first, (m0, m1), count)
         return first
 
     return add
 
 
-def test_tables_are_added_as_numpy_does():
-    random, add = np.random.default_rng(1), _compiled()
+@pytest.mark.parametrize("adding, beyond", [(add_tables, BEYOND), (add_few, AT_ONCE)])
+def test_tables_are_added_as_numpy_does(adding, beyond):
+    random, add = np.random.default_rng(1), _compiled(adding)
     for count in (5, 8, 19, 40):
-        padded = -(-count // BEYOND) * BEYOND
+        padded = -(-count // beyond) * beyond
         room, sums = np.zeros(2 * padded + AT_ONCE + 1)[1:], random.normal(size=3 + padded)
         first = add(sums.copy(), 3, room, 0.0, 0.0, count)
         assert 0 <= first < AT_ONCE and (room.ctypes.data + 8 * first) % 64 == 0
@@ -35,11 +45,31 @@ def test_tables_are_added_as_numpy_does():
         np.testing.assert_allclose(sums[: 3 + count], expected[: 3 + count], atol=1e-15)
 
 
+def test_samples_are_felt_together_as_one_by_one():
+    from numba import njit
+
+    add = njit(lambda sums, begin, tables, even, odd, m, n: add_delayed(sums, begin, tables, even, odd, m, n))
+    random = np.random.default_rng(1)
+    answers = random.normal(size=(2, 40, AT_ONCE // 2))  # of each moment, by samples after its own
+    later = np.zeros((2, 2, 40, AT_ONCE // 2))  # once more, a sample later
+    later[0], later[1, :, 1:] = answers, answers[:, :-1]
+    tables = later.reshape(2, 2, -1, AT_ONCE).swapaxes(1, 2).ravel()
+    odd = tables.size // 2
+    moments = [(0.3, -0.4), (0.7, -0.2), (0.5, 0.9), (0.7, 0.2)]  # of samples 1 to 4
+    sums = random.normal(size=60 * AT_ONCE // 2)
+    expected, half = sums.copy(), AT_ONCE // 2
+    for n, pair in enumerate(moments):
+        for lag in range(4 - n, 24):
+            expected[(n + lag) * half :][:half] += pair[0] * answers[0, lag - 1] + pair[1] * answers[1, lag - 1]
+    add(sums, 4 * half, tables, 0, odd, sum(moments[::-1], ()), 20 * half)
+    np.testing.assert_allclose(sums[: 24 * half], expected[: 24 * half], atol=1e-14)
+
+
 def test_answers_are_two_by_two_convolutions():
     from numba import njit
 
     random, answer = np.random.default_rng(1), njit(lambda a, b, c, n: put_convolved(a, b, c, n))
-    frames = 5 * AT_ONCE
+    frames = 2 * BEYOND
     causes, answers = random.normal(size=2 * frames), np.zeros((4, frames + AT_ONCE))
     answers[:, AT_ONCE:] = random.normal(size=(4, frames))
     sums = np.full(2 * frames, np.nan)
