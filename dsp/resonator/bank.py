@@ -20,7 +20,7 @@ from typing import Annotated, NamedTuple
 
 from ..native.jit import kernel, simd_kernel
 from ..native.typed import Record, View, View2D, View3D, dtype_of
-from ..numerics.legendre import FINE
+from ..numerics.legendre import FINE, KEPT
 from .simd import HALF, LANES, STRETCH, add_product, dot, put_product, put_projections
 from .simd_ring import (
     ANSWERS,
@@ -100,6 +100,7 @@ class Drive(NamedTuple):
 _ONES = (1.0,) * LANES
 _ONE = (1.0,)
 _LINE, _ALL = (0, 1), (0, 1, 2, 3)  # moments of a force that is a line over each sample, and of any other
+_SIDES, _NEITHER = (0, 1), ()  # on which modes are heard
 _FLAT = 1e-300  # keeps quotients of modes finite that are at rest for good
 _FASTEST = 1e30  # of a mode's turn in a sample: keeps products with modes at rest finite
 
@@ -197,38 +198,52 @@ def ring_driven(
 
 @simd_kernel
 def ring_under(
-    modes: Modes, point: Point, moments: View2D[float], begin: int, work: View[float], out: View2D[float], start: int,
-    stop: int,
+    modes: Modes, heard: int, shape: View[float], stride: int, drive: Drive, work: View[float], out: View2D[float],
+    span: tuple[int, int],
 ) -> None:  # fmt: skip
-    """Ring modes from frame `start` to `stop`, a multiple of STRETCH later, under a force that stays at a point.
+    """Ring modes over a span, from a frame to another a multiple of STRETCH later, under forces that stay at their
+    points.
 
-    Its moments are moments[begin + frame], (frames, KEPT) in N s. The sound is added to out[0], out[1]. `work`
-    (float64) has AT_ONCE ANSWERS + 2 LANES (stop - start) values.
+    shape, stride: as in Point. The sound is added to out[0], out[1]: modes from number `heard` on, a multiple of LANES,
+    have none that counts, and are left out where that is less work. `work` (float64) has AT_ONCE ANSWERS values for
+    each force, and for each frame 2 LANES and KEPT for each force.
     """
-    frames, size = stop - start, len(modes.y1)
-    for i in range(2 * frames * LANES):
-        work[AT_ONCE * ANSWERS + i] = 0.0
+    start, frames, size, count = span[0], span[1] - span[0], len(modes.y1), drive.active
+    sounds = count * AT_ONCE * ANSWERS
+    told = sounds + 2 * frames * LANES
+    for i in range(sounds, told):
+        work[i] = 0.0
     bends = 0.0
-    for n in range(begin + start, begin + stop):
-        bends += abs(moments[n, 2]) + abs(moments[n, 3])
+    for j in range(count):
+        moments = drive.feeds[drive.drivers[j].feed, drive.begin + start :]
+        for n in range(frames):
+            for k in range(KEPT):
+                work[told + (j * frames + n) * KEPT + k] = moments[n, k]
+            bends += abs(moments[n, 2]) + abs(moments[n, 3])
     first = 0
     while first < size:
-        count = AT_ONCE if bends == 0.0 and first < size - LANES else 1
-        for g in range(count):
-            _put_answers(modes, point, work, g * ANSWERS, first + g * LANES)
-        if count == AT_ONCE:
-            ring_answering(modes, (first, first + LANES), work, moments, begin + start, frames, _LINE)
+        groups = AT_ONCE if bends == 0.0 and first < size - LANES else 1
+        for j in range(count):
+            for g in range(groups):
+                _put_answers(modes, shape, stride, drive.drivers[j], work, j * AT_ONCE + g, first + g * LANES)
+        if groups == AT_ONCE and first >= heard:
+            ring_answering(modes, (first, first + LANES), work, count, frames, _LINE, _NEITHER)
+        elif groups == AT_ONCE:
+            ring_answering(modes, (first, first + LANES), work, count, frames, _LINE, _SIDES)
         else:
-            ring_answering(modes, (first,), work, moments, begin + start, frames, _ALL)
-        first += count * LANES
-    add_totals(out, start, work, AT_ONCE * ANSWERS, frames)
+            ring_answering(modes, (first,), work, count, frames, _ALL, _SIDES)
+        first += groups * LANES
+    add_totals(out, start, work, sounds, frames)
 
 
 @simd_kernel
-def _put_answers(modes: Modes, point: Point, work: View[float], at: int, first: int) -> None:
-    """Write what a force does to LANES modes from `first` on into `work`, from a place on."""
-    phi = dot(point.shape, point.row * point.stride + first, point.stride, _four(point.weights))
-    put_answers(work, at, phi, modes.response, first // LANES * RESPONSES, (modes.a1, modes.a2), first)
+def _put_answers(
+    modes: Modes, shape: View[float], stride: int, driver: Driver, work: View[float], number: int, first: int
+) -> None:
+    """Write what a force does to LANES modes from `first` on into `work`, as the answers of a number."""
+    phi = dot(shape, driver.row * stride + first, stride, _four(driver.weights))
+    row = first // LANES * RESPONSES
+    put_answers(work, number * ANSWERS, phi, modes.response, row, (modes.a1, modes.a2), first)
 
 
 @simd_kernel

@@ -180,33 +180,56 @@ def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
 
 
 def _sum_of(builder: Any, total: Any, answers: list[Any], moments: list[Any]) -> Any:
-    """Add answers times moments to a total, if there is one, in their order."""
+    """Add answers times moments to a total, in their order."""
     for each, moment in zip(answers, moments, strict=True):
-        total = (
-            _fused(builder, each, moment, total) if total is not None else builder.fmul(each, moment, flags=_CONTRACT)
-        )
+        total = _fused(builder, each, moment, total)
     return total
+
+
+def _answer(builder: Any, pushed: list[Any], answers: list[list[Any]], known: list[list[Any]]) -> None:
+    """Add what a force's moments do in each sample of a stretch, and to the last one as modes keep it."""
+    for t in range(STRETCH):
+        total = _sum_of(builder, builder.load(pushed[t]), answers[0], known[t])
+        total = _sum_of(builder, total, answers[1], known[t - 1]) if t > 0 else total
+        builder.store(total, pushed[t])
+    builder.store(_sum_of(builder, builder.load(pushed[-1]), answers[2], known[-1]), pushed[-1])
+
+
+def _go_on(builder: Any, groups: list[Any], pushes: list[Any], sides: list[Any]) -> None:
+    """Bring groups of modes to the next sample, and add its sums where they are heard."""
+    sounds = [builder.load(each, align=8) for each in sides]
+    for ((last, before), (p, q, balance), _), pushed in zip(groups, pushes, strict=True):
+        u, v = builder.load(last), builder.load(before)
+        # All else is known before the last sample is.
+        y = _fused(builder, p, u, _fused(builder, q, v, pushed))
+        builder.store(y, last)
+        builder.store(u, before)
+        if sounds:
+            sounds = [builder.fadd(sounds[0], y, flags=_CONTRACT), _fused(builder, balance, y, sounds[1])]
+    for sound, side in zip(sounds, sides, strict=True):
+        builder.store(sound, side, align=8)
 
 
 @intrinsic
 def ring_answering(
-    typingctx: object, modes: tuple[View[float], ...], firsts: tuple[int, ...], work: View[float],
-    moments: View2D[float], begin: int, frames: int, kept: tuple[int, ...],
+    typingctx: object, modes: tuple[View[float], ...], firsts: tuple[int, ...], work: View[float], count: int,
+    frames: int, kept: tuple[int, ...], heard: tuple[int, ...],
 ) -> Lowered[None]:  # fmt: skip
-    """Ring groups of LANES modes, from `firsts` on, under the force that `put_answers` wrote to `work`, one group's
-    answers after the other's, for `frames` samples, a multiple of STRETCH.
+    """Ring groups of LANES modes, from `firsts` on, for `frames` samples, a multiple of STRETCH, under so many forces.
 
-    Its moments are in moments[begin + t], (frames, KEPT), of which as many count as `kept` has numbers. For each lane
-    i, y and balance y are added to work[AT_ONCE ANSWERS + 2 t LANES + i] and work[AT_ONCE ANSWERS + (2 t + 1) LANES +
-    i].
+    In `work` lie the answers that `put_answers` wrote, of the first force those of AT_ONCE groups, then of the next
+    one; then, from S on, y and balance y of all modes: for each lane i they are added to work[S + 2 t LANES + i] and
+    work[S + (2 t + 1) LANES + i], unless `heard` is empty: nobody hears them. Then the forces' moments (frames, KEPT),
+    of which as many count as `kept` has numbers.
     """
 
     def codegen(context, builder, signature, args):
         arrays, array = cgutils.unpack_tuple(builder, args[0]), signature.args[0][0]
-        work, moments, begin, frames = args[2:6]
-        counted = len(signature.args[6])
-        forces = context.make_array(signature.args[3])(context, builder, moments).data
-        start = builder.mul(begin, int64(KEPT))
+        work, count, frames = args[2:5]
+        counted, zero = len(signature.args[5]), ir.Constant(vector_type(), None)
+        data = context.make_array(signature.args[2])(context, builder, work).data
+        heard_from = builder.mul(count, int64(AT_ONCE * ANSWERS))
+        told_from = builder.add(heard_from, builder.mul(frames, int64(2 * LANES)))
 
         def at_work(at):
             return pointer_to(context, builder, signature.args[2], work, at)
@@ -217,42 +240,33 @@ def ring_answering(
             u, v, *fixed = (builder.load(each, align=8) for each in places)
             groups.append(([cgutils.alloca_once_value(builder, each) for each in (u, v)], fixed, places))
         with cgutils.for_range_slice(builder, int64(0), frames, int64(STRETCH)) as (n, _):
-            answers = []
-            for g in range(len(groups)):
-                at = [[g * ANSWERS + (s * KEPT + k) * LANES for k in range(counted)] for s in range(3)]
-                answers.append([[builder.load(at_work(int64(each)), align=8) for each in row] for row in at])
-            known, here = [], builder.add(start, builder.mul(n, int64(KEPT)))
+            pushes = [[cgutils.alloca_once(builder, vector_type()) for _ in range(STRETCH + 1)] for _ in groups]
+            for pushed in pushes:
+                for each in pushed:
+                    builder.store(zero, each)
+            with cgutils.for_range(builder, count) as force:
+                here = builder.add(builder.mul(force.index, frames), n)
+                here = builder.add(told_from, builder.mul(here, int64(KEPT)))
+                at = [[builder.add(here, int64(t * KEPT + k)) for k in range(counted)] for t in range(STRETCH)]
+                told = [[builder.load(builder.gep(data, [i])) for i in row] for row in at]
+                known = [[vector_of(builder, [each] * LANES) for each in row] for row in told]
+                begin = builder.mul(force.index, int64(AT_ONCE * ANSWERS))
+                for g, pushed in enumerate(pushes):
+                    rows = [[g * ANSWERS + (s * KEPT + k) * LANES for k in range(counted)] for s in range(3)]
+                    places = [[at_work(builder.add(begin, int64(i))) for i in row] for row in rows]
+                    _answer(builder, pushed, [[builder.load(each, align=8) for each in row] for row in places], known)
             for t in range(STRETCH):
-                at = [builder.add(here, int64(t * KEPT + k)) for k in range(counted)]
-                known.append([vector_of(builder, [builder.load(builder.gep(forces, [each]))] * LANES) for each in at])
-            states = [[builder.load(each) for each in kept] for kept, *_ in groups]
-            for t in range(STRETCH):
-                at = builder.add(builder.mul(n, int64(2 * LANES)), int64(AT_ONCE * ANSWERS + 2 * t * LANES))
-                left, right = at_work(at), at_work(builder.add(at, int64(LANES)))
-                sounds = [builder.load(each, align=8) for each in (left, right)]
-                for g, (_, (p, q, balance), _) in enumerate(groups):
-                    u, v = states[g]
-                    pushed = _sum_of(builder, None, answers[g][0], known[t])
-                    pushed = _sum_of(builder, pushed, answers[g][1], known[t - 1]) if t > 0 else pushed
-                    # All else is known before the last sample is.
-                    u, v = _fused(builder, p, u, _fused(builder, q, v, pushed)), u
-                    states[g] = [u, v]
-                    sounds[0] = builder.fadd(sounds[0], u, flags=_CONTRACT)
-                    sounds[1] = _fused(builder, balance, u, sounds[1])
-                builder.store(sounds[0], left, align=8)
-                builder.store(sounds[1], right, align=8)
-            for g, (kept, *_) in enumerate(groups):
-                u, v = states[g]
-                builder.store(u, kept[0])
-                builder.store(
-                    builder.fadd(v, _sum_of(builder, None, answers[g][2], known[-1]), flags=_CONTRACT), kept[1]
-                )
+                at = builder.add(heard_from, builder.add(builder.mul(n, int64(2 * LANES)), int64(2 * t * LANES)))
+                sides = [at_work(at), at_work(builder.add(at, int64(LANES)))] if len(signature.args[6]) > 0 else []
+                _go_on(builder, groups, [builder.load(pushed[t]) for pushed in pushes], sides)
+            for ((_, v), *_), pushed in zip(groups, pushes, strict=True):
+                builder.store(builder.fadd(builder.load(v), builder.load(pushed[-1]), flags=_CONTRACT), v)
         for kept, _, places in groups:
             for each, place in zip(kept, places, strict=False):
                 builder.store(builder.load(each), place, align=8)
         return context.get_dummy_value()
 
-    return types.void(modes, firsts, work, moments, types.intp, types.intp, kept), codegen
+    return types.void(modes, firsts, work, types.intp, types.intp, kept, heard), codegen
 
 
 @intrinsic

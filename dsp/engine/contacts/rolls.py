@@ -5,6 +5,7 @@ resonator/fed.py); a click's modes, which answer in another way, get its moments
 much later. A roll that feels all modes is computed with them instead (coupled_rolls.py).
 """
 
+from ...contact.block_records import TOGETHER
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View, View2D
 from ...numerics.legendre import KEPT
@@ -154,10 +155,13 @@ def _place_blows(state: State, count: int, frame: int, end: int) -> int:
 
 
 @kernel
-def _stays(driver: Driver) -> bool:
-    """True if a driver stays at its place."""
-    drift = driver.drift
-    return drift[0] == drift[1] == drift[2] == drift[3] == 0.0
+def _stay(state: State, count: int) -> bool:
+    """True if so many drivers stay at their places."""
+    stay = True
+    for j in range(count):
+        drift = state.scratch.drivers[j].drift
+        stay = stay and drift[0] == drift[1] == drift[2] == drift[3] == 0.0
+    return stay
 
 
 @kernel
@@ -196,15 +200,14 @@ def _ring_driven(
     scratch, shape = state.scratch, shapes_of(state, obj)
     modes = modes_of(state, obj, first, last)
     here = shape[first:]
-    if count == 1 and _stays(scratch.drivers[0]):
-        driver, stop = scratch.drivers[0], end - (end - frame) % STRETCH
-        where = Point(here, obj.size, driver.row, driver.weights)
-        ring_under(modes, where, state.feeds[driver.feed], BEHIND, scratch.work, voice, frame, stop)
+    drive = Drive(scratch.drivers, count, state.feeds, BEHIND)
+    if count <= TOGETHER and _stay(state, count):
+        stop = end - (end - frame) % STRETCH
+        ring_under(modes, obj.unheard - first, here, obj.size, drive, scratch.work, voice, (frame, stop))
         frame = stop
     while frame < end:
         frames = STRETCH if end - frame >= STRETCH else 1
         if frames == STRETCH:
-            drive = Drive(scratch.drivers, count, state.feeds, BEHIND)
             ring_driven(modes, here, obj.size, drive, scratch.work, voice, frame)
         else:
             for j in range(count):

@@ -171,23 +171,34 @@ def test_stretches_under_forces_are_blows_and_ringing():
 
 
 @pytest.mark.slow
-def test_ringing_under_a_force_that_stays_is_blows_and_ringing():
+@pytest.mark.parametrize("forces", [1, 3])
+@pytest.mark.parametrize("line", [False, True])
+def test_ringing_under_forces_that_stay_is_blows_and_ringing(forces, line):
     random = np.random.default_rng(5)
-    count = 3 * LANES
+    count, heard = 5 * LANES, 2 * LANES
     modes = bank.Modes(*np.zeros((5, count)), np.zeros(count // LANES * bank.RESPONSES))
     for i in range(count):
         coefficients.set_mode(modes, i, 50.0 + 900.0 * i, 5.0, 48_000.0, random.uniform(-2, 2))
     modes.balance[:], modes.y1[:], modes.y2[:] = random.uniform(-1, 1, (3, count))
-    point = bank.Point(random.normal(size=9 * count).astype(np.float32), count, 4, random.normal(size=4))
-    moments = random.normal(size=(5 + 64, KEPT))
+    shape = random.normal(size=9 * count).astype(np.float32)
+    drivers = np.zeros(4, bank.DRIVER)
+    drivers["feed"], drivers["row"], drivers["weights"] = [2, 0, 1, 0], [5, 0, 3, 1], random.normal(size=(4, 4))
+    feeds = random.normal(size=(3, 5 + 64, KEPT))
+    feeds[..., 2:] *= not line
     one, other = (bank.Modes(*(table.copy() for table in modes)) for _ in range(2))
-    expected, out = np.zeros((2, 64)), np.ones((2, 64))
+    expected, sounds, out = np.zeros((2, 64)), np.zeros((2, 64)), np.ones((2, 64))
     for frame in range(3, 59):
-        bank.inject_kept(one, point, moments[5 + frame])
+        for feed, row, weights, _ in drivers[:forces]:
+            bank.inject_kept(one, bank.Point(shape, count, row, weights), feeds[feed, 5 + frame])
         bank.ring(one, expected, frame, frame + 1)
-    bank.ring_under(other, point, moments, 5, np.full(2_000, math.nan), out, 3, 59)
+        # Two groups at a time are left out under forces that are lines.
+        silent = 2 * LANES if line else 0
+        left_out = one.y1[heard : heard + silent]
+        sounds[:, frame] = left_out.sum(), one.balance[heard : heard + silent] @ left_out
+    drive, work = bank.Drive(drivers, forces, feeds, 5), np.full(3_000, math.nan)
+    bank.ring_under(other, heard, shape, count, drive, work, out, (3, 59))
     scale = np.abs(expected).max()
-    np.testing.assert_allclose(out[:, 3:59] - 1.0, expected[:, 3:59], atol=1e-13 * scale)
+    np.testing.assert_allclose(out[:, 3:59] - 1.0, (expected - sounds)[:, 3:59], atol=1e-13 * scale)
     np.testing.assert_allclose(other.y1, one.y1, atol=1e-13 * scale)
     np.testing.assert_allclose(other.y2, one.y2, atol=1e-13 * scale)
 

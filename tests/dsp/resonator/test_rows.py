@@ -8,10 +8,11 @@ from carom.dsp.contact.block_sizes import LINEAR
 from carom.dsp.engine.contacts.block_motion import lay_motion
 from carom.dsp.numerics.legendre import AHEAD, FINE
 from carom.dsp.resonator import bank, coefficients
+from carom.dsp.resonator.mode import APART
 from carom.dsp.resonator.simd import LANES
 from carom.dsp.resonator.sizes import ROOM_FOR_ROWS
 
-HIGHEST = 2.0 * np.pi
+HIGHEST = (2.0 - APART) * np.pi
 """A mode's turn in a sample up to which the series that rows are held against is exact enough."""
 
 
