@@ -287,6 +287,9 @@ def of_points(
     volumes = np.bincount(cells, weights, grid.size)
     full = np.concatenate([each.full for each in inside])
     numbers = np.sort(np.r_[np.flatnonzero(volumes > _LEAST_FILLED * grid.sides**3), full])
+    if not len(numbers):
+        side = f"{1e3 * grid.sides.max():.3g} mm"
+        raise MeshError(f"walls too thin for cells of {side}: expected thicker ones, or their wall (m), of a sheet")
     mesh = mesh_of(pieces, degree, numbers)
     points = Points(places[order], weights[order], cells[order], of[order], normals[order], through[order])
     laws: list[_Law | None] = [_WHERE_BENT] * len(mesh.cells)

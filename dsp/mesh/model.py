@@ -40,7 +40,7 @@ _PER_POINT = 16  # samples
 _DIGITS = 12  # to which proportions are alike
 _MOST_UNITS = 16
 _TRIANGLES, _FINE_TRIANGLES = (500, 2600), (1250, 8000)  # of a shell, about: for quarters, and without
-_QUARTERS, _FINE_QUARTERS = 13_000, 30_000  # at most
+_QUARTERS, _FINE_QUARTERS = 40_000, 40_000  # at most
 _MOST_TRIANGLES = 20_000
 
 Say = Callable[[str, float], object]

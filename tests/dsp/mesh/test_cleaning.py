@@ -87,6 +87,15 @@ def test_two_skins_without_a_thickness_between_are_no_body():
         cleaned(*flat)
 
 
+def test_walls_thinner_than_any_cell_feels_are_said():
+    """A cup that is pressed flat, to a thousandth: no cell of the grid is filled by a thousandth."""
+    metal = Material("metal", 7850.0, 200e9, 0.29, 1.0, 0.0)
+    cup = forms.lathe(np.array([[0, 0], [0.04, 0], [0.04, 0.09], [0.036, 0.09], [0.036, 0.005], [0, 0.005]]), 32)
+    pressed = cup.points * [1e-3, 1, 1]
+    with pytest.raises(MeshError, match=r"walls too thin for cells of \d.* mm: expected thicker ones, or their wall"):
+        model_of(pressed, cup.faces, metal, Wanted())
+
+
 def test_forms_are_closed_and_point_outward():
     bodies = {
         "lathe": forms.lathe(np.array([[0, 0], [0.03, 0], [0.04, 0.1], [0, 0.1]]), 24),

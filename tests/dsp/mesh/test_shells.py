@@ -6,7 +6,7 @@ import pytest
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms, shells
 from carom.dsp.mesh.lanczos import followed
-from carom.dsp.mesh.model import Wanted, model_of
+from carom.dsp.mesh.model import Wanted, _triangles, model_of
 from carom.dsp.mesh.refining import refined
 from carom.dsp.mesh.rounding import quartered
 from carom.dsp.mesh.surface import MeshError, Surface
@@ -124,6 +124,14 @@ def test_triangles_modes_lead_to_those_of_their_quarters(count, steps):
     assert finer.solution(values, vectors, wall, METAL).frequency[6:] == pytest.approx(known.frequency[6:], rel=1e-3)
     assert vectors.T @ finer.weigh(vectors) == pytest.approx(np.eye(30), abs=1e-9)
     assert solved == steps * [40]
+
+
+@pytest.mark.parametrize("fine", [False, True])
+def test_triangles_as_many_as_time_allows_are_solved_for_with_their_quarters(fine):
+    """A can of 3,400 triangles is up to 1.6 % too high without, by 0.9 % in the median."""
+    assert _triangles(square(41, 0.2), fine)[1]
+    assert _triangles(square(70, 0.2), fine)[1]
+    assert not _triangles(square(71, 0.2), fine)[1]
 
 
 def test_a_middle_of_a_side_moves_as_a_bent_beam_does():
