@@ -217,9 +217,10 @@ def ring_under(
     for j in range(count):
         moments = drive.feeds[drive.drivers[j].feed, drive.begin + start :]
         for n in range(frames):
+            bends += abs(moments[n, 2]) + abs(moments[n, 3])
+        for n in range(frames):
             for k in range(KEPT):
                 work[told + (j * frames + n) * KEPT + k] = moments[n, k]
-            bends += abs(moments[n, 2]) + abs(moments[n, 3])
     first = 0
     while first < size:
         groups = AT_ONCE if bends == 0.0 and first < size - LANES else 1

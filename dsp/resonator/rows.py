@@ -22,7 +22,7 @@ import numpy as np
 from numpy.polynomial import Legendre, legendre
 from numpy.typing import NDArray
 
-from ..native.jit import kernel, simd_kernel
+from ..native.jit import kernel, noinline_kernel, simd_kernel
 from ..native.typed import View
 from ..numerics.checks import Array
 from ..numerics.legendre import AHEAD, FINE
@@ -140,6 +140,7 @@ _BEGIN = tuple(FINE * sum(_POINTS[:kind]) for kind in range(len(_POINTS)))
 _KINDS = tuple(zip(_TURNS, _BEHIND, _TAKEN, strict=True))
 _ALL = math.inf, 1, 2  # now and in the samples to come
 _FACTORS = MOST_POINTS * WIDE * LANES
+_LEAST = 1e-300  # keeps quotients finite of modes that move nothing
 _ASIDE = _FACTORS + 4 * MOST_POINTS * LANES
 _SUMS = _ASIDE + LANES  # places in the room
 
@@ -212,3 +213,27 @@ def _put(
     put_product(room, _ASIDE, scale, dot(modes.a2, first, 0, (1.0,)))
     # As `observe` does: by the state a sample later and the one before that.
     put_factors(room, begin, (scale, dot(room, _ASIDE, 0, (1.0,))), modes.response, group, rows, weights)
+    _put_on_ends(room, begin, len(rows), modes, first)
+
+
+@noinline_kernel
+def _put_on_ends(room: View[float], begin: int, rows: int, modes: Modes, first: int) -> None:
+    """Bring factors of LANES modes on their states to those on their displacements at both ends of a sample, for all
+    rows but the last, which is the sample's end.
+
+    With s' = p s + q s_, where a sample's end has a s' + b s, its beginning has (b s' + c s)/q, c = a q - b p. The
+    determinant a c - b^2 is -|a l + b|^2, with l what a mode does in a sample. What is left of the equations is solved
+    once more: so a slow mode's points err no more than by its states.
+    """
+    end = begin + 2 * (rows - 1) * LANES
+    for r in range(rows - 1):
+        for i in range(LANES):
+            at, p, q = begin + 2 * r * LANES + i, modes.a1[first + i], modes.a2[first + i]
+            a, b = room[end + i], room[end + LANES + i]
+            c = a * q - b * p
+            inverse = 1.0 / (a * c - b * b - _LEAST)
+            x, y = room[at], room[at + LANES]
+            u, v = (x * c - y * b) * inverse, (y * a - x * b) * inverse
+            x, y = x - (u * a + v * b), y - (u * b + v * c)
+            room[at] = u + (x * c - y * b) * inverse
+            room[at + LANES] = (v + (y * a - x * b) * inverse) * q

@@ -13,7 +13,6 @@ MOST_POINTS = 8
 WIDE = AHEAD + 2 * LANES
 """Samples for which it is summed, at most: some before and behind those that rows are found for."""
 
-_LEAST = 1e-300  # keeps quotients finite
 _GONE = 1e-13  # of -a2: what is left of a mode after a sample whose samples before are not looked for
 
 
@@ -81,8 +80,8 @@ def add_courses(
     of which lies so many behind now: each mode in a lane of its own.
 
     modes: their y1, y2, a1 and a2. In `room` lie the lanes of each point of the first sample, then those of the next
-    one, and so on; from MOST_POINTS WIDE LANES on the factors, as `put_factors` has them, one group's
-    after the other's. The last point, a sample's end, rings as modes do; the others follow from it and the one before.
+    one, and so on; from MOST_POINTS WIDE LANES on the factors, one group's after the other's: of the last point, a
+    sample's end, as `put_factors` has them, of the others on that end and the one before.
     """
 
     def codegen(context, builder, signature, args):
@@ -100,7 +99,7 @@ def add_courses(
             begin = MOST_POINTS * WIDE * LANES + 2 * count * g * LANES
             factors = [builder.load(place(int64(begin + i * LANES)), align=8) for i in range(2 * count)]
             motion = _begin(builder, (y1, y2), (p, q), factors[-2:], args[5])
-            groups.append((p, q, _by_ends(builder, (p, q), factors), motion))
+            groups.append((p, q, factors, motion))
         stop = builder.mul(args[4], int64(count * LANES))
         with cgutils.for_range_slice(builder, int64(0), stop, int64(count * LANES)) as (n, _):
             values = [[builder.load(each) for each in motion] for *_, motion in groups]
@@ -135,37 +134,6 @@ def _begin(builder: Any, state: tuple[Any, Any], turns: tuple[Any, Any], factors
     for each, (x, y) in zip(motion, ((coming, begun), (begun, last)), strict=True):
         builder.store(_plus(builder, _times(builder, a, x), _times(builder, b, y)), each)
     return motion
-
-
-def _by_ends(builder: Any, turns: tuple[Any, Any], factors: list[Any]) -> list[Any]:
-    """Return the factors on a group's displacements at both ends of a sample for all points but the last, by those on
-    its states there.
-
-    With s' = p s + q s_, where a sample's end has a s' + b s, its beginning has (b s' + c s)/q, c = a q - b p. The
-    determinant a c - b^2 is -|a l + b|^2, with l what a mode does in a sample. What is left of the equations is solved
-    once more: so a slow mode's points err no more than by its states.
-    """
-    p, q = turns
-    a, b = factors[-2:]
-    c = _less(builder, (a, q), (b, p))
-    least = vector_of(builder, [ir.Constant(ir.DoubleType(), -_LEAST)] * LANES)  # of a mode that moves nothing
-    whole = builder.fadd(_less(builder, (a, c), (b, b)), least)
-    made = []
-    for x, y in zip(factors[:-2:2], factors[1:-2:2], strict=True):
-        ends = [ir.Constant(x.type, None)] * 2
-        for _ in range(2):
-            left = [
-                builder.fsub(each, builder.fadd(builder.fmul(ends[0], u), builder.fmul(ends[1], v)))
-                for each, (u, v) in zip((x, y), ((a, b), (b, c)), strict=True)
-            ]
-            found = _less(builder, (left[0], c), (left[1], b)), _less(builder, (left[1], a), (left[0], b))
-            ends = [builder.fadd(end, builder.fdiv(each, whole)) for end, each in zip(ends, found, strict=True)]
-        made += [ends[0], _times(builder, ends[1], q)]
-    return made
-
-
-def _less(builder: Any, first: tuple[Any, Any], second: tuple[Any, Any]) -> Any:
-    return builder.fsub(builder.fmul(*first), builder.fmul(*second))
 
 
 def _turn_back(builder: Any, motion: list[Any], turns: tuple[Any, Any], samples: Any) -> None:

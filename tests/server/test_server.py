@@ -46,7 +46,7 @@ def test_manners(server: Running):
         for address, reason in (("/nothing", "no such address"), ("/object/a/press", "force is missing")):
             with pytest.raises(CommandError, match=reason):
                 client.ask(address)
-        with pytest.raises(CommandError, match=r"id = 0\.5"):
+        with pytest.raises(CommandError, match=r"id = '0\.5'"):
             client.ask("/sync", "0.5")
 
 

@@ -164,7 +164,7 @@ def test_a_slide_that_finds_no_room_begins_once_there_is_some():
     ("gestures", -1, "0 or more"), ("blows", -3, "0 or more"),
 ])  # fmt: skip
 def test_what_cannot_be_heard_is_refused(key, value, expected):
-    with pytest.raises(carom.WorldError, match=f"{key} = {value}: expected {expected}"):
+    with pytest.raises(carom.WorldError, match=f"{key} = {value:g}: expected {expected}"):
         carom.Hearing(**{key: value})
 
 
