@@ -29,7 +29,7 @@ from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import line_of
 from .bank import MOBILITY, PACE, RESPONSES, Modes, Point
 from .simd import LANES, dot, put_product
-from .simd_rows import MOST_POINTS, WIDE, add_courses, add_filtered, put_factors, put_lanes
+from .simd_rows import MOST_POINTS, WIDE, add_courses, add_filtered, put_factors, put_lanes, put_on_ends
 
 _SERIES = [Legendre.basis(k, domain=[0, 1]) for k in range(FINE)]
 _POINTS = (1, 2, 4, 8)  # in a sample, for modes of each kind
@@ -140,7 +140,6 @@ _BEGIN = tuple(FINE * sum(_POINTS[:kind]) for kind in range(len(_POINTS)))
 _KINDS = tuple(zip(_TURNS, _BEHIND, _TAKEN, strict=True))
 _ALL = math.inf, 1, 2  # now and in the samples to come
 _FACTORS = MOST_POINTS * WIDE * LANES
-_LEAST = 1e-300  # keeps quotients finite of modes that move nothing
 _ASIDE = _FACTORS + 4 * MOST_POINTS * LANES
 _SUMS = _ASIDE + LANES  # places in the room
 
@@ -218,22 +217,5 @@ def _put(
 
 @noinline_kernel
 def _put_on_ends(room: View[float], begin: int, rows: int, modes: Modes, first: int) -> None:
-    """Bring factors of LANES modes on their states to those on their displacements at both ends of a sample, for all
-    rows but the last, which is the sample's end.
-
-    With s' = p s + q s_, where a sample's end has a s' + b s, its beginning has (b s' + c s)/q, c = a q - b p. The
-    determinant a c - b^2 is -|a l + b|^2, with l what a mode does in a sample. What is left of the equations is solved
-    once more: so a slow mode's points err no more than by its states.
-    """
-    end = begin + 2 * (rows - 1) * LANES
-    for r in range(rows - 1):
-        for i in range(LANES):
-            at, p, q = begin + 2 * r * LANES + i, modes.a1[first + i], modes.a2[first + i]
-            a, b = room[end + i], room[end + LANES + i]
-            c = a * q - b * p
-            inverse = 1.0 / (a * c - b * b - _LEAST)
-            x, y = room[at], room[at + LANES]
-            u, v = (x * c - y * b) * inverse, (y * a - x * b) * inverse
-            x, y = x - (u * a + v * b), y - (u * b + v * c)
-            room[at] = u + (x * c - y * b) * inverse
-            room[at + LANES] = (v + (y * a - x * b) * inverse) * q
+    """Bring factors of LANES modes on their states to those on their displacements at both ends of a sample."""
+    put_on_ends(room, begin, rows, (modes.a1, modes.a2), first)

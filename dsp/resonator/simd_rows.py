@@ -13,6 +13,7 @@ MOST_POINTS = 8
 WIDE = AHEAD + 2 * LANES
 """Samples for which it is summed, at most: some before and behind those that rows are found for."""
 
+_LEAST = 1e-300  # keeps quotients finite of modes that move nothing
 _GONE = 1e-13  # of -a2: what is left of a mode after a sample whose samples before are not looked for
 
 
@@ -69,6 +70,58 @@ def put_factors(
         return context.get_dummy_value()
 
     return types.void(room, types.intp, scales, table, types.intp, rows, weights), codegen
+
+
+@intrinsic
+def put_on_ends(
+    typingctx: object, room: View[float], begin: int, rows: int, turns: tuple[View[float], ...], first: int
+) -> Lowered[None]:
+    """Bring factors of LANES modes from `first` on, as `put_factors` wrote them to `room` from a place on, to those on
+    their displacements at both ends of a sample, for all rows but the last, which is the sample's end.
+
+    turns: a1 and a2 of all modes. With s' = p s + q s_, where a sample's end has a s' + b s, its beginning has
+    (b s' + c s)/q, c = a q - b p. The determinant a c - b^2 is -|a l + b|^2, with l what a mode does in a sample. What
+    is left of the equations is solved once more: so a slow mode's points err no more than by its states.
+    """
+
+    def codegen(context, builder, signature, args):
+        def pair(at):
+            ends = at, builder.add(at, int64(LANES))
+            return [pointer_to(context, builder, signature.args[0], args[0], each) for each in ends]
+
+        p, q = (
+            builder.load(pointer_to(context, builder, kind, array, args[4]), align=8)
+            for kind, array in zip(signature.args[3], cgutils.unpack_tuple(builder, args[3]), strict=True)
+        )
+        others = builder.sub(args[2], int64(1))
+        last = pair(builder.add(args[1], builder.mul(others, int64(2 * LANES))))
+        a, b = (builder.load(each, align=8) for each in last)
+        one, least = (vector_of(builder, [ir.Constant(ir.DoubleType(), each)] * LANES) for each in (1.0, _LEAST))
+        c = _less(builder, (a, q), (b, p))
+        inverse = builder.fdiv(one, builder.fsub(_less(builder, (a, c), (b, b)), least))
+
+        def solved(x, y):
+            found = _less(builder, (x, c), (y, b)), _less(builder, (y, a), (x, b))
+            return [builder.fmul(each, inverse) for each in found]
+
+        with cgutils.for_range(builder, others) as row:
+            places = pair(builder.add(args[1], builder.mul(row.index, int64(2 * LANES))))
+            x, y = (builder.load(each, align=8) for each in places)
+            u, v = solved(x, y)
+            left = [
+                builder.fsub(each, builder.fadd(builder.fmul(u, s), builder.fmul(v, t)))
+                for each, (s, t) in zip((x, y), ((a, b), (b, c)), strict=True)
+            ]
+            ends = [builder.fadd(end, more) for end, more in zip((u, v), solved(*left), strict=True)]
+            for value, at in zip((ends[0], builder.fmul(ends[1], q)), places, strict=True):
+                builder.store(value, at, align=8)
+        return context.get_dummy_value()
+
+    return types.void(room, types.intp, types.intp, turns, types.intp), codegen
+
+
+def _less(builder: Any, first: tuple[Any, Any], second: tuple[Any, Any]) -> Any:
+    return builder.fsub(builder.fmul(*first), builder.fmul(*second))
 
 
 @intrinsic
