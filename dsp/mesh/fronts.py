@@ -17,7 +17,6 @@ from .surface import Indices, MeshError
 MOST_NUMBERS = 150_000_000
 """Numbers of a factor at most: 1.2 GB."""
 
-
 _LONGER = 0.4  # of the longest side: sides that are cut
 _ASIDE = 0.1  # of the elements: how far from the middle a cut may lie
 

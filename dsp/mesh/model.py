@@ -40,7 +40,7 @@ _PER_POINT = 16  # samples
 _DIGITS = 12  # to which proportions are alike
 _MOST_UNITS = 16
 _TRIANGLES, _FINE_TRIANGLES = (500, 2600), (1250, 8000)  # of a shell, about: for quarters, and without
-_QUARTERS, _FINE_QUARTERS = 40_000, 40_000  # at most
+_QUARTERS = 40_000  # at most
 _MOST_TRIANGLES = 20_000
 
 Say = Callable[[str, float], object]
@@ -269,9 +269,9 @@ def _triangles(surface: Surface, fine: bool) -> tuple[Surface, bool]:
     fit = refined(surface, _TRIANGLES[0], _MOST_TRIANGLES)
     few, many = _FINE_TRIANGLES if fine else _TRIANGLES
     if fine:
-        again = 16 * len(fit.faces) <= _FINE_QUARTERS
+        again = 16 * len(fit.faces) <= _QUARTERS
         fit = quartered(fit) if again else refined(surface, few, _MOST_TRIANGLES)
-    if 4 * len(fit.faces) <= (_FINE_QUARTERS if fine else _QUARTERS):
+    if 4 * len(fit.faces) <= _QUARTERS:
         return fit, True
     return refined(surface, many, _MOST_TRIANGLES), False
 
