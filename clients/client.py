@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
+from ..dsp.calls import said_by_all
 from ..server.closing import Closing
 from ..server.osc import wire
 from .actions import Actions, CommandError, key_pairs, message_of
@@ -25,6 +26,7 @@ KEPT = 1_000
 """Replies of each kind that a client keeps until they are asked for."""
 
 
+@said_by_all
 class Client(Actions, Closing):
     """A connection to one server: UDP, or TCP, which loses nothing.
 

@@ -10,12 +10,14 @@ by one number a frame instead, as `dsp.resonator.fed` says. A click is a mode, o
 (`dsp.resonator.click` says how and why).
 """
 
+import reprlib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.calls import ArgumentError, said
 from ..dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ..dsp.errors import CaromError, require_scipy
 from ..dsp.numerics.legendre import KEPT
@@ -27,6 +29,7 @@ Array = NDArray[Any]
 Row = Mapping[str, Any]
 
 _PATH = 3 + TRACED_MOMENTS  # columns of a path: place, gain, place of friction and its moments
+_COLUMNS = "frames", "rate", "exposure", "objects", "contacts", "linear"  # of a row, of which it is rebuilt
 _ROWS = 4  # of shapes, between which a cubic goes
 
 
@@ -34,13 +37,15 @@ class NotLinear(CaromError, ValueError):
     """A clip whose truth does not say its sound, as an object of it is not linear; the text names it."""
 
 
+@said
 def rebuild(row: Row) -> NDArray[np.float64]:
     """Return the sound of a clip in Pa, (frames, channels), from its row of a data set's table.
 
     NotLinear where an object glides in pitch, was retuned meanwhile, faded in a panic, was heard from a place in space,
-    was touched off its strike path, or was freed and forgotten (`linear` is false). MissingLibrary where there is no
-    scipy.
+    was touched off its strike path, or was freed and forgotten (`linear` is false). ArgumentError for what is no row.
+    MissingLibrary where there is no scipy.
     """
+    _require_row(row)
     require_scipy("to rebuild a clip", "dataset")
     frames, rate = int(row["frames"]), float(row["rate"])
     channels = len(row["exposure"])
@@ -64,6 +69,18 @@ def rebuild(row: Row) -> NDArray[np.float64]:
     if not row["linear"]:
         raise NotLinear("an object was freed before the clip's end, and is not told; expected objects that stay")
     return sound
+
+
+def _require_row(row: Row) -> None:
+    """Raise ArgumentError for what has not the columns of a row."""
+    for name in _COLUMNS:
+        try:
+            row[name]
+        except (TypeError, LookupError):
+            raise ArgumentError(
+                f"row = {reprlib.repr(row)}: it has no {name!r}; expected a row of a data set's table, which has "
+                f"{', '.join(_COLUMNS)}"
+            ) from None
 
 
 class _Forces:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from operator import index
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple, SupportsIndex
@@ -47,6 +48,14 @@ _BUDGET = "/budget"
 _PEAK = Parameter("normalize", -100.0, 0.0, "dBFS")
 
 
+def _is_rate(value: SupportsIndex) -> bool:
+    """True for a whole number of Hz that there may be."""
+    try:
+        return LOWEST_RATE <= index(value) <= HIGHEST_RATE
+    except TypeError:  # of an array, too
+        return False
+
+
 @dataclass(frozen=True)
 class Options:
     """Options of a render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
@@ -74,7 +83,7 @@ class Options:
     budget: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.rate, SupportsIndex) or not LOWEST_RATE <= int(self.rate) <= HIGHEST_RATE:
+        if not _is_rate(self.rate):
             raise RenderError(f"rate = {self.rate}: expected {LOWEST_RATE} to {HIGHEST_RATE} Hz, a whole number")
         if not 1 <= self.block <= 1 << 20:
             raise RenderError(f"block = {self.block}: expected 1 to {1 << 20} frames")

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ...dsp.calls import ArgumentError, said
 from ...dsp.numerics.blas import on_one_thread
 from ...presets import PresetError
 from ...presets.values import shown
@@ -35,6 +36,7 @@ _AT_ONCE = 8  # items that a process is given
 _AHEAD = 3  # times as many for each process as it has at once
 
 
+@said
 def render_many(
     recipe: Given,
     numbers: Iterable[int] | None = None,
@@ -72,6 +74,8 @@ def checked(recipe: Given, presets: Folders) -> tuple[Recipe, tuple[str, ...]]:
 def recipe_from(given: Given, folders: tuple[Path, ...] = ()) -> Recipe:
     """Return a recipe from a name, a file, or a dictionary. PresetError or FileNotFoundError say what is wrong."""
     if not isinstance(given, Mapping):
+        if not isinstance(given, str | PathLike):
+            raise ArgumentError(f"recipe = {given!r}: expected the name of a recipe, a file, or a dictionary")
         return read(find(str(given), folders))
     data = _plain(given)
     count = None if "count" in data or data.get("design") == "grid" else MOST

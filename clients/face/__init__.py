@@ -23,7 +23,8 @@ items of a recipe without files, and `carom.torch` gives them to PyTorch.
 
 Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). A call that cannot be carried out raises an
 error that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError,
-RenderError, PresetError, ItemError (an item of a recipe) or NotLinear elsewhere. All are CaromErrors.
+RenderError, PresetError, ItemError (an item of a recipe) or NotLinear elsewhere. All are CaromErrors. One that names an
+argument which a call does not take, or lacks, is a TypeError, too.
 
 Nothing is loaded before it is asked for. The first sound of a checkout compiles the engine.
 """

@@ -3,10 +3,12 @@
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
 
+from .dsp.calls import said_by_all
 from .scene import Scene
 from .server.bridge.simulation import Simulation
 
 
+@said_by_all
 class Grained:
     """Something that hears grains, of a simulation."""
 

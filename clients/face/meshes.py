@@ -1,12 +1,14 @@
 """Objects from meshes."""
 
 from collections.abc import Mapping
+from dataclasses import fields
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from .clients.meshes import Asked, MadeMesh, make
 from .clients.performer import Folders
+from .dsp.calls import path_of, refuse_unknown, said
 from .presets import Presets
 
 File = str | PathLike[str]
@@ -14,6 +16,7 @@ REST = "*"
 """The name of all parts of which none else is said."""
 
 
+@said
 def mesh(
     file: File,
     out: File,
@@ -39,10 +42,12 @@ def mesh(
     Return `table` (frequency (n,) in Hz, shapes (P, 3, n) in kg^-1/2 at points (P, 3) in m, resistance (n,) in 1/s),
     `files` and `notes`. MeshError, PresetError or OSError say what cannot be.
     """
+    known = (each.name for each in fields(Asked) if each.name not in ("name", "material", "parts"))
+    refuse_unknown("mesh", asked, known)
     library = presets if isinstance(presets, Presets) else Presets(presets)
     main, parts = _divided(material)
     wanted = Asked(name, main, parts=parts, **asked)
-    made = make(Path(file), Path(out), wanted, library)
+    made = make(path_of("file", file, "a mesh file"), path_of("out", out, "a folder"), wanted, library)
     if report:
         from .clients.mesh_report import write_mesh_report
 

@@ -1,6 +1,7 @@
 """Objects from recordings, and sounds beside each other."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -8,12 +9,14 @@ from typing import Any
 from .clients.comparison import compare as _compare
 from .clients.fitting import Made, Wanted, make
 from .clients.performer import Folders
+from .dsp.calls import ArgumentError, path_of, refuse_unknown, said
 from .dsp.fitting.distance import Distance
 from .presets import Presets
 
 File = str | PathLike[str]
 
 
+@said
 def fit(
     recordings: File | Iterable[File],
     out: File,
@@ -36,14 +39,18 @@ def fit(
     Return `fit` (frequency (n,) in Hz, decay (n,) in 1/s, residual in dB of each take), `files`, `notes`, and `sound`,
     the default strike. RecordingError, FitError, PresetError or OSError say what cannot be.
     """
+    refuse_unknown("fit", known, (each.name for each in fields(Wanted) if each.name != "name"))
+    if not isinstance(recordings, str | PathLike | Iterable):
+        raise ArgumentError(f"recordings = {recordings!r}: expected sound files, or a folder of them")
     paths = [recordings] if isinstance(recordings, str | PathLike) else list(recordings)
+    files = [path_of("recordings", each, "sound files, or a folder of them") for each in paths]
     for key in ("positions", "strikers"):
         if isinstance(known.get(key), Sequence) and not isinstance(known[key], str):
             known[key] = tuple(known[key])
     if "force" in known and known["force"] is not None:
-        known["force"] = Path(known["force"])
+        known["force"] = path_of("force", known["force"], "a sound file")
     library = presets if isinstance(presets, Presets) else Presets(presets)
-    made = make([Path(each) for each in paths], Path(out), Wanted(name, **known), library)
+    made = make(files, path_of("out", out, "a folder"), Wanted(name, **known), library)
     if report:
         from .clients.fit_report import write_report
 
@@ -51,10 +58,12 @@ def fit(
     return made
 
 
+@said
 def compare(a: File, b: File) -> Distance:
     """Measure how far apart two sound files are, as `carom compare` does.
 
     Return the residual and the log-spectral distance (dB), third octaves (Hz, dB, dB), and decays by octave (Hz, s, s).
     RecordingError or OSError say what cannot be read.
     """
-    return _compare(Path(a), Path(b))[0]
+    wanted = "a sound file, such as Sound.save writes"
+    return _compare(path_of("a", a, wanted), path_of("b", b, wanted))[0]

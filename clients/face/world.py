@@ -24,6 +24,7 @@ from .clients.client import Client
 from .clients.commands.progress import shown_mesh
 from .clients.performer import Folders, Performer, chosen
 from .dsp.bodies.material import CONTACT_RADIUS
+from .dsp.calls import said_by_all
 from .dsp.engine.memory.state import QUANTUM
 from .dsp.resonator.bank import top_of
 from .dsp.runtime.batch import Batch
@@ -57,6 +58,7 @@ _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 
 
+@said_by_all
 class World(Grained, Closing):
     """The sound of a simulation, computed in step with it, or played on a server.
 
@@ -259,8 +261,7 @@ class World(Grained, Closing):
         the body's strike path; or place: x y z (m) in the axes of the body, of which the nearest point of its surface
         is taken where it is a mesh, else of that path. It senses along the normal, and on a mesh along `direction`,
         x y z, where that is given. keys: that, preset, quantity, resonance, damping, full, as `Scene.sensor` has them.
-        `sensed` has its signal.
-        WorldError for a body that is not there or is silent, or a value that cannot be.
+        `sensed` has its signal. WorldError for a body that is not there or is silent, or a value that cannot be.
         """
         number = self.simulation.number(body)
         its = self.simulation.bodies[number]
