@@ -119,9 +119,7 @@ def make(recordings: Sequence[Path], out: Path, wanted: Wanted, presets: Presets
     FitError, RecordingError, PresetError or OSError say what cannot be.
     """
     presets = presets or Presets()
-    if out.exists() and not out.is_dir():
-        raise FitError(f"{out}: expected a folder for presets")
-    read_in = [read(path) for path in found(list(recordings))]
+    read_in = readable(recordings, out)
     takes, notes = _takes(read_in, wanted)
     known = {name: presets.striker(name) for name in wanted.strikers if name in presets.names("strikers")}
     blows: list[Blow | None] = [None] * len(takes)
@@ -145,6 +143,13 @@ def make(recordings: Sequence[Path], out: Path, wanted: Wanted, presets: Presets
     if wanted.full_scale is not None:
         notes += said.too_loud(louder, wanted.mass, wanted.velocity)
     return Made(found_in, tuple(takes), tuple(files), (*notes, *licence), sound)
+
+
+def readable(recordings: Sequence[Path], out: Path) -> list[Recording]:
+    """Return recordings, to be fitted into a folder. Errors are those of `make` about files: no engine is needed."""
+    if out.exists() and not out.is_dir():
+        raise FitError(f"{out}: expected a folder for presets")
+    return [read(path) for path in found(list(recordings))]
 
 
 def _takes(recordings: Sequence[Recording], wanted: Wanted) -> tuple[list[Take], list[str]]:

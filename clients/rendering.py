@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 from ..presets import Presets
 from ..server.files.whole import RenderError
 from ..server.options import OVER_BUDGET
+from ..server.osc.score import Line
 from ..server.provenance import logged_otherwise
-from ..server.render import Options, render
+from ..server.render import Options, render, require_objects
 from .errors import KINDS, is_expected, plain
-from .plot import plotter
-from .streams import STREAM, read_score, score_name, score_path, sound_file
+from .plot import plotter, require_picture
+from .streams import STREAM, read_score, require_out, score_name, score_path, sound_file
 
 if TYPE_CHECKING:
     from multiprocessing.synchronize import Event
@@ -102,9 +103,23 @@ def _require_different(made: Sequence[Task]) -> None:
         before[task.out] = task.score
 
 
-def render_task(task: Task, options: Options, presets: Presets, progress: Callable[[float], object]) -> list[str]:
-    """Carry out a task; return warnings. `progress` is told the seconds computed."""
+def checked(task: Task, options: Options, presets: Presets) -> list[Line]:
+    """Return the score of a task. The errors are those of `render_task` that need no engine, which may take minutes to
+    compile."""
     score = read_score(task.score)
+    options.channels_and_sensors(options.lines_of(score))
+    require_objects(score, presets, options.seconds)
+    require_out(task.out)
+    if task.plot:
+        require_picture(task.plot)
+    return score
+
+
+def render_task(
+    task: Task, options: Options, presets: Presets, progress: Callable[[float], object], score: list[Line] | None = None
+) -> list[str]:
+    """Carry out a task; return warnings. `progress` is told the seconds computed. score: if it was read already."""
+    score = read_score(task.score) if score is None else score
     draw = plotter(task.plot, options.calibrated) if task.plot else None
     warnings: list[str] = []
     with sound_file(task.out) as out:

@@ -12,6 +12,7 @@ from pathlib import Path
 from ..dsp.errors import CaromError
 from ..dsp.wording import listed, near
 from ..presets import BUILT_IN
+from ..server.files.whole import require_name
 from ..server.osc.score import Line, ScoreError, parse, read
 
 STREAM = "-"
@@ -56,6 +57,16 @@ def own_scores() -> dict[str, Path]:
     return {path.stem: path for path in sorted((BUILT_IN / "scores").glob("*.txt"))}
 
 
+def require_out(out: str) -> None:
+    """Raise RenderError or StreamError for a name to which no sound can be written."""
+    if out != STREAM:
+        require_name(Path(out))
+    elif sys.stdout is None:
+        raise StreamError("stdout is closed: expected a program, or a file, that takes WAV")
+    elif sys.stdout.isatty():
+        raise StreamError("stdout is a terminal: expected a pipe to a program, or a file, that takes WAV")
+
+
 @contextmanager
 def sound_file(out: str) -> Iterator[Path]:
     """Yield the path of a sound file to write. One for stdout goes there once it is whole, as it begins with its
@@ -63,10 +74,7 @@ def sound_file(out: str) -> Iterator[Path]:
     if out != STREAM:
         yield Path(out)
         return
-    if sys.stdout is None:
-        raise StreamError("stdout is closed: expected a program, or a file, that takes WAV")
-    if sys.stdout.isatty():
-        raise StreamError("stdout is a terminal: expected a pipe to a program, or a file, that takes WAV")
+    require_out(out)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "stdout.wav")
         yield path

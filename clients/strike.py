@@ -8,9 +8,11 @@ import numpy as np
 from ..dsp.errors import CaromError
 from ..presets import Presets
 from ..server.audio.portaudio import AudioError, devices, portaudio
+from ..server.limiting import LimiterWatch
 from ..server.osc.score import Line
 from ..server.osc.wire import Argument, Message
 from ..server.render import Options, blocks, render
+from ..server.scene.session import Session
 from .streams import sound_file
 
 Progress = Callable[[float], object]
@@ -62,7 +64,10 @@ def play(strike: Strike, presets: Presets, options: Options, progress: Progress)
     warnings: list[str] = []
     pieces = []
     score = strike.score(presets)
-    for piece in blocks(score, options.engine(score), presets, options, warn=warnings.append):
+    engine = options.engine(score)
+    session = Session(engine, presets, steers_ended=True, scale=options.scale_of(score))
+    watch = LimiterWatch(engine, lambda: session.objects.slots)
+    for piece in blocks(score, engine, presets, options, session, warnings.append, watch.look):
         pieces.append(piece)
         progress(sum(map(len, pieces)) / options.rate)
     sound = np.concatenate(pieces)
@@ -71,7 +76,8 @@ def play(strike: Strike, presets: Presets, options: Options, progress: Progress)
         device.play(sound, options.rate, blocking=True)
     except device.PortAudioError as error:
         raise AudioError(f"the default device: {error}; {_file_instead(strike.preset)}") from error
-    return warnings
+    limited = watch.take().within(0.0, len(sound) / options.rate).said()
+    return [*warnings, limited] if limited else warnings
 
 
 def device_rate(preset: str) -> int:

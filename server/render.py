@@ -22,6 +22,7 @@ from ..presets import PresetError, Presets
 from .files.spool import Spool, StemSpools
 from .files.whole import RenderError, require_format, writing
 from .limiting import LimiterWatch, Limiting
+from .new_object import NEW
 from .osc.addresses import VERBS, calls
 from .osc.arguments import Refused, check_number
 from .osc.score import LONGEST_SCORE, Line, ScoreError, sample_at
@@ -167,6 +168,20 @@ class Options:
         if not lines:
             raise RenderError("the score is empty: expected lines of time, address and arguments")
         return lines
+
+
+def require_objects(score: Sequence[Line], presets: Presets, seconds: float | None = None) -> None:
+    """Raise ScoreError for a line, up to a time, that makes an object of a preset which is not there.
+
+    A render says so, too, but only once the engine is compiled.
+    """
+    for line in score:
+        address, args = line.message.address, line.message.args
+        if address == NEW and len(args) > 1 and isinstance(args[1], str) and line.time <= (seconds or math.inf):
+            try:
+                presets.object(args[1])
+            except PresetError as error:
+                raise ScoreError(f"{line.where}: {address}: {error}") from None
 
 
 def _is_of_budget(line: Line) -> bool:

@@ -60,17 +60,19 @@ def _export(arguments: argparse.Namespace) -> int:
     """Write the files, in a process whose engine is that of the page."""
     from ...presets import Presets
     from ...server.osc.score import parse
-    from ...server.render import Options
+    from ...server.render import Options, require_objects
     from ..export.scene import Scene, bake_scene, made_folder
 
     presets = Presets(arguments.presets)
     name, title, content = read_scene(arguments.score, presets)
     text = content.decode("utf-8", "replace")
     warnings: list[str] = []
+    score = parse(content, name)
+    require_objects(score, presets)
     folder = made_folder(Path(arguments.folder))
 
     def baked(rate: int) -> Scene:
-        return bake_scene(parse(content, name), text, title, presets, Options(rate), warnings.append)
+        return bake_scene(score, text, title, presets, Options(rate), warnings.append)
 
     if arguments.to == "web":
         from ..export.web import write_page

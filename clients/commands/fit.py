@@ -52,7 +52,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     from ...dsp.runtime.engine import prepare
     from ...presets import Presets
-    from ..fitting import Wanted, make
+    from ..fitting import Wanted, make, readable
 
     asked = ("mass", "velocity", "full_scale", "distance")
     given = {key: getattr(arguments, key) for key in asked if getattr(arguments, key) is not None}
@@ -66,9 +66,11 @@ def _run(arguments: argparse.Namespace) -> int:
         licence=_told(arguments.licence, "Under which licence?"),
         **given,
     )
+    presets = Presets(arguments.presets)
+    readable(arguments.recordings, arguments.out)
     prepare()  # before there is another progress bar
     with shown_progress(Work("fit", AT_WORK), f"fitting {wanted.name}"):
-        made = make(arguments.recordings, arguments.out, wanted, Presets(arguments.presets))
+        made = make(arguments.recordings, arguments.out, wanted, presets)
         files = list(made.files)
         if not arguments.no_report:
             from ..fit_report import write_report

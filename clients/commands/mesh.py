@@ -100,15 +100,14 @@ def _make(arguments: argparse.Namespace, material: str) -> int:
     parts = dict(each.split("=", 1) for each in arguments.material if "=" in each)
     asked = Asked(material=material, parts=parts, **{key: getattr(arguments, key) for key in given})
     presets = Presets(arguments.presets)
-    if not arguments.no_report:
-        prepare()  # before there is another progress bar
     with shown_mesh(asked.name) as say:
         made = make(arguments.file, arguments.out, asked, presets, say)
-        files = list(made.files)
-        if not arguments.no_report:
-            from ..mesh_report import write_mesh_report
+    files = list(made.files)
+    if not arguments.no_report:
+        from ..mesh_report import write_mesh_report
 
-            files.append(write_mesh_report(made, asked, presets.material(asked.material), arguments.out))
+        prepare()  # not before the object is there: compiling takes longer
+        files.append(write_mesh_report(made, asked, presets.material(asked.material), arguments.out))
     for note in made.notes:
         tell("mesh", note)
     for file in files:

@@ -15,6 +15,7 @@ from .progress import SECONDS_OF_SOUND, Work, shown_progress
 
 if TYPE_CHECKING:
     from ...presets import Presets
+    from ...server.osc.score import Line
     from ...server.render import Options
     from ..rendering import Result, Task
 
@@ -66,7 +67,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from ...presets import Presets
     from ...server.files.whole import RenderError
     from ...server.render import Options
-    from ..rendering import make_folders, render_all, tasks
+    from ..rendering import checked, make_folders, render_all, tasks
 
     keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize", "bank", "full_scale")
     given = {key: getattr(arguments, key) for key in keys}
@@ -77,19 +78,20 @@ def _run(arguments: argparse.Namespace) -> int:
     if not 1 <= jobs <= MOST_JOBS:
         raise RenderError(f"jobs = {arguments.jobs}: expected 1 to {MOST_JOBS}")
     presets = Presets(arguments.presets)
+    score = checked(todo[0], options, presets) if len(todo) == 1 else None
     prepare()  # once, before processes that share the compiled code, and before there is another progress bar
 
     # An exception that a signal raises may be lost inside a library's callback: so the signal only sets a flag.
     interrupted = Event()
     on_end(interrupted.set)
-    if len(todo) > 1:
+    if score is None:
         make_folders(todo)
         return _render_many(render_all(todo, options, arguments.presets, jobs, interrupted.is_set), len(todo))
-    _render_one(todo[0], options, presets, interrupted)
+    _render_one(todo[0], score, options, presets, interrupted)
     return 0
 
 
-def _render_one(task: Task, options: Options, presets: Presets, interrupted: Event) -> None:
+def _render_one(task: Task, score: list[Line], options: Options, presets: Presets, interrupted: Event) -> None:
     """Carry out a task, with its progress in seconds of sound."""
     from ..rendering import render_task
     from ..streams import score_name
@@ -101,7 +103,7 @@ def _render_one(task: Task, options: Options, presets: Presets, interrupted: Eve
             if interrupted.is_set():
                 raise KeyboardInterrupt
 
-        warnings = render_task(task, options, presets, progress)
+        warnings = render_task(task, options, presets, progress, score)
     for warning in warnings:
         tell("render", warning)
 

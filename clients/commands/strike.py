@@ -27,6 +27,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from ...dsp.runtime.engine import prepare
     from ...presets import Presets
     from ...server.render import Options
+    from ..streams import require_out
     from ..strike import Strike, device_rate, play, write
 
     presets = Presets(arguments.presets)
@@ -36,6 +37,8 @@ def _run(arguments: argparse.Namespace) -> int:
     if rate is None:
         rate = device_rate(arguments.preset) if arguments.out is None else RATE
     options = Options(rate, seconds=arguments.seconds, full_scale=arguments.full_scale)
+    if arguments.out is not None:
+        require_out(arguments.out)
     prepare()  # before there is another progress bar
     with shown_progress(_WORK, arguments.preset, arguments.seconds) as show:
 

@@ -32,17 +32,14 @@ def writing(
     name once it is whole.
     RenderError or OSError say what went wrong.
     """
-    container = _ENDINGS.get(out.suffix.lower())
-    if container is None:
-        raise RenderError(f"{out}: expected a name that ends in {' or '.join(_ENDINGS)}")
+    require_name(out)
+    container = _ENDINGS[out.suffix.lower()]
     require_format(format)
     if container == "FLAC" and format == "float":
         raise RenderError(f"format = {format}: {container} holds 16 or 24")
     subtype = _SUBTYPES[format or ("24" if container == "FLAC" else "float")]
     if container == "FLAC" and channels > _MOST_IN_FLAC:
         raise RenderError(f"{out}: {channels} channels: FLAC holds at most {_MOST_IN_FLAC}")
-    if not out.parent.is_dir():
-        raise RenderError(f"{out}: there is no folder {out.parent}")
     with appearing(out) as descriptor:
         with _naming(out):
             file = open_sound(descriptor, rate, channels, container, subtype, comment)
@@ -58,6 +55,14 @@ def writing(
         finally:
             with _naming(out):
                 file.close()
+
+
+def require_name(out: Path) -> None:
+    """Raise RenderError for a name that no sound file can have, or whose folder is not there."""
+    if out.suffix.lower() not in _ENDINGS:
+        raise RenderError(f"{out}: expected a name that ends in {' or '.join(_ENDINGS)}")
+    if not out.parent.is_dir():
+        raise RenderError(f"{out}: there is no folder {out.parent}")
 
 
 def require_format(format: str | None) -> None:

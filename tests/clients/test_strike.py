@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from carom.clients import strike
 from carom.presets import Presets
 from carom.server.osc.score import parse
 from tests.support import Jack, render_lines
@@ -30,6 +31,28 @@ def test_the_default_device_plays_it(carom, jack: Jack):
     jack.start(256, 44_100)
     run = carom("strike", "wood-block", "--seconds", "0.3")
     assert (run.returncode, run.stderr) == (0, "")
+
+
+class Device:
+    """A sound device that plays at once."""
+
+    PortAudioError = RuntimeError
+
+    def __init__(self):
+        self.played = []
+
+    def play(self, sound, rate, blocking):
+        self.played.append(sound)
+
+
+def test_a_strike_on_a_device_tells_of_the_limiter_as_one_in_a_file_does(carom_here, monkeypatch):
+    device = Device()
+    monkeypatch.setattr(strike, "portaudio", lambda: device)
+    words = "strike", "wood-block", "--velocity", "20", "--rate", "48000", "--seconds", "0.2"
+    heard = carom_here(*words)
+    written = carom_here(*words[:2], "loud.wav", *words[2:])
+    assert "the limiter turned" in written.stderr and heard.stderr == written.stderr
+    assert np.array_equal(device.played[0], soundfile.read("loud.wav", dtype="float32")[0])
 
 
 @pytest.mark.parametrize(

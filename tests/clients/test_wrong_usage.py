@@ -180,7 +180,7 @@ def test_a_wrong_line_of_a_score_is_told_in_one_line(folder, tmp_path, capsys, l
         (lambda: carom.Scene(channels="2"), carom.RenderError, "channels = '2': expected a number"),
         (lambda: carom.Scene().limiter("no"), carom.CommandError, "/limiter: on = 'no': expected True or False"),
         (lambda: carom.Scene().free("b", "no"), carom.CommandError, "at_once = 'no': expected True or False"),
-        (lambda: carom.Scene().impact(1, 2, 3, 4, 5), TypeError, "impact() takes"),
+        (lambda: carom.Scene().impact(1, 2, 3, 4, 5), TypeError, "impact(): 5: one argument without a name too many"),
         (lambda: carom.render(5), carom.ScoreError, "score = 5: expected a score's text"),
         (lambda: carom.render([5]), carom.ScoreError, "line 1: 5: expected a time"),
         (lambda: carom.Client(port="57140"), carom.CommandError, "port = '57140': expected 1 to 65535"),
