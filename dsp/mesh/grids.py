@@ -5,7 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array
-from .surface import Indices, Surface
+from .surface import Indices, Surface, rotation
+
+TILT = rotation((0.11, 0.13, 0.17))
+"""The turn of the body against the grid: of angles that no body has."""
 
 _LEAST_RAYS = 16  # through a small cube
 

@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array, Material
-from . import blocks, cells, shells
+from . import blocks, cells, shells, sizing, solutions
 from .air import Radiation, layer_of, radiation, velocities
 from .cleaning import cleaned, openings
 from .forms import together
+from .grids import TILT
 from .parts import Division, Parts, joined, outside
 from .points import curvature, sampled
 from .refining import refined
@@ -178,7 +179,7 @@ def _unit_model(block: blocks.Block, material: Material, wanted: Wanted, say: Sa
     return _made(body, wanted, say, (), solved)
 
 
-Solution = blocks.Solution | cells.Solution | shells.Solution
+Solution = blocks.Solution | solutions.Solution | shells.Solution
 Solved = Callable[[bool], tuple[Solution, str, tuple[str, ...]]]
 """Returns the modes, as fine as can be or not, the method, and what it found and assumed."""
 
@@ -242,7 +243,7 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
     degree, number = FINE if fine else CELLS
     count = wanted.modes + _RIGID + _SPARE
     if wanted.wall is None:
-        size = cells.graded_sizes(surface, number, fine)
+        size = sizing.graded_sizes(surface, number, fine)
         solved = cells.solve(parts, size, degree, count)
         sides = " to ".join(f"{1e3 * each:.3g}" for each in np.unique(solved.mesh.sides))
         told = [f"a solid of {len(solved.mesh.cells)} cells of {sides} mm and degree {degree}"]
@@ -250,7 +251,7 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
             told.append(f"{100 * solved.leaks:.2g} % of the rays met a gap in the surface, and took a neighbour's hits")
         told += [*_held_gap(solved, float(size_of(surface).max())), *_loose(solved.mesh.nodes)]
         return solved, "cells", tuple(told)
-    size = cells.sizes(surface, number, wanted.wall)
+    size = sizing.sizes(surface, number, wanted.wall)
     if size.side < _SHELL * wanted.wall:
         solved = cells.solve_sheet(parts, wanted.wall, size, degree, count)
         text = f"a sheet of {1e3 * wanted.wall:.3g} mm, of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm"
@@ -276,13 +277,13 @@ def _triangles(surface: Surface, fine: bool) -> tuple[Surface, bool]:
     return refined(surface, many, _MOST_TRIANGLES), False
 
 
-def _held_gap(solved: cells.Solution, size: float) -> tuple[str, ...]:
+def _held_gap(solved: solutions.Solution, size: float) -> tuple[str, ...]:
     """Return a sentence on the gap whose sides the largest cell holds together, of a body of a size (m), if there is
     one."""
     gap = max(solved.mesh.pieces.gaps, key=lambda each: each.side, default=None)
     if gap is None or gap.side < _HELD * size:
         return ()
-    x, y, z = (f"{1e3 * each:.3g}" for each in gap.place @ cells.TILT)
+    x, y, z = (f"{1e3 * each:.3g}" for each in gap.place @ TILT)
     place = f"a gap of {1e3 * gap.width:.2g} mm ends about ({x}, {y}, {z}) mm in a cell of {1e3 * gap.side:.2g} mm"
     return (f"{place}, which holds both sides: modes that open it may come out too high",)
 
@@ -388,7 +389,7 @@ def _at_points(body: _Body, solution: Solution, keep: Indices, wanted: Wanted) -
 def _volume(body: _Body, solution: Solution) -> float:
     """Return the volume (m^3) of a solid."""
     several = len(body.parts.surfaces) > 1
-    if isinstance(solution, blocks.Solution) or (several and isinstance(solution, cells.Solution)):
+    if isinstance(solution, blocks.Solution) or (several and isinstance(solution, solutions.Solution)):
         return solution.volume
     return volume_of(body.surface)
 

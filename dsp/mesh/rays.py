@@ -44,6 +44,29 @@ class Quadrature(NamedTuple):
         return self._replace(**{name: getattr(self, name)[kept] for name in names})
 
 
+class Points(NamedTuple):
+    """Points of a quadrature: places and normals (n, 3), weights (n,) in m^3, numbers of cells and materials (n,), how
+    far (m) the body reaches along the normals there."""
+
+    places: Array
+    weights: Array
+    cells: Indices
+    of: Indices
+    normals: Array
+    through: Array
+
+    def part(self, begin: int, end: int) -> "Points":
+        """Return some that follow each other."""
+        return Points(
+            self.places[begin:end],
+            self.weights[begin:end],
+            self.cells[begin:end],
+            self.of[begin:end],
+            self.normals[begin:end],
+            self.through[begin:end],
+        )
+
+
 class Segments(NamedTuple):
     """Pieces of rays inside a body: where they begin and end (n,), in m, the numbers (n, 2) of the rays along the two
     axes that they don't run along, and the faces (n, 2) where they begin and end."""

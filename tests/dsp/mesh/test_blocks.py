@@ -7,7 +7,7 @@ import pytest
 
 from carom.dsp.bodies.material import Material
 from carom.dsp.bodies.mesh import Table, mesh
-from carom.dsp.mesh import cells
+from carom.dsp.mesh import cells, sizing
 from carom.dsp.mesh.blocks import BOX, CYLINDER, Block, degrees_of, solve
 from carom.dsp.mesh.model import Wanted, model_of_block
 from carom.dsp.mesh.parts import Parts
@@ -96,7 +96,7 @@ def test_shapes_at_faces_and_edges_are_those_of_finite_cells(block):
     """All of one frequency together: a pair's shapes may be turned, and their span may not."""
     own = solve(block, STEEL, 24)
     parts = Parts((block.surface,), (STEEL,))
-    other = cells.solve(parts, cells.sizes(block.surface, 130), 4, 24)
+    other = cells.solve(parts, sizing.sizes(block.surface, 130), 4, 24)
     half = np.array(block.edges) / 2
     if block.kind == BOX:
         points = np.array([*itertools.product(*([-0.99, 0.3, 0.99],) * 3)]) * half

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from carom.dsp.mesh import cells
+from carom.dsp.mesh import cells, sizing
 from carom.dsp.mesh.parts import Parts
 from tests.bench import elastic, hexahedra, meshes
 
@@ -29,7 +29,7 @@ def turned(place, degrees, pieces, count):
 def test_the_bottom_of_a_cup_of_thick_walls_rings_as_polynomials_of_high_degree_do():
     place = partial(meshes.can, WALL)
     body = meshes.skin((2, 36, 96), place)
-    found = rung(body, cells.graded_sizes(body, 80, fine=False), 14)
+    found = rung(body, sizing.graded_sizes(body, 80, fine=False), 14)
     assert found == pytest.approx(turned(place, (3, 6), 9, 14), rel=0.015)
 
 
@@ -39,7 +39,7 @@ def test_panels_at_right_angles_bend_at_their_edge_in_cells_of_two_walls():
         hexahedra.box(x, along, z, (len(x) - 1, 2, len(z) - 1))
         for x, z in ((thick, thick), (beside, thick), (thick, beside))
     ]
-    found = rung(hexahedra.skin(panels), cells.Sizes(2.2 * WALL, 24, WALL, edges=True), 6)
+    found = rung(hexahedra.skin(panels), sizing.Sizes(2.2 * WALL, 24, WALL, edges=True), 6)
     assert found == pytest.approx(hexahedra.known(panels, meshes.METAL, 6, 1), rel=0.01)
 
 
@@ -48,5 +48,5 @@ def test_a_curved_wall_is_as_stiff_beside_its_rim_as_elsewhere():
         radius, turn = 0.038 + WALL * at[0], 2 * np.pi * at[2]
         return np.stack([radius * np.cos(turn), radius * np.sin(turn), 0.03 * at[1]])
 
-    found = rung(meshes.skin((2, 6, 96), tube), cells.Sizes(6 * WALL, 24, WALL, edges=True), 6)
+    found = rung(meshes.skin((2, 6, 96), tube), sizing.Sizes(6 * WALL, 24, WALL, edges=True), 6)
     assert found == pytest.approx(turned(tube, (3, 6), 2, 6), rel=0.01)

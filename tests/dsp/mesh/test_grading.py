@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from carom.dsp.bodies.material import Material
-from carom.dsp.mesh import cells, forms
+from carom.dsp.mesh import cells, forms, sizing
 from carom.dsp.mesh.grading import extrapolated, graded
-from carom.dsp.mesh.grids import grid_about
+from carom.dsp.mesh.grids import TILT, grid_about
 from carom.dsp.mesh.numbering import mesh_of
 from carom.dsp.mesh.parts import Parts
 from carom.dsp.mesh.pieces import undivided
@@ -58,7 +58,7 @@ def test_cells_are_halved_at_inner_edges_alone():
 
 @pytest.mark.parametrize(("gap", "seed"), [(0.001, 1), (0.002, 1), (0.001, 4)])
 def test_cells_are_halved_where_a_narrow_gap_ends(gap, seed):
-    turn = rotation(np.random.default_rng(seed).uniform(-3, 3, 3)).T @ cells.TILT.T
+    turn = rotation(np.random.default_rng(seed).uniform(-3, 3, 3)).T @ TILT.T
     skin = hexahedra.skin(hexahedra.fork(gap))
     fork = Surface(skin.points @ turn, skin.faces)
     grid = graded(grid_about(fork, 0.013, 24), fork, 2)[-1]
@@ -79,7 +79,7 @@ def test_a_wrench_rings_as_hexahedra_that_are_short_at_its_inner_edges_do():
     blocks = hexahedra.wrench()
     known = hexahedra.known(blocks, STEEL, 14, 0)[:14]
     body = hexahedra.skin(blocks)
-    size = cells.graded_sizes(body, 80, fine=False)
+    size = sizing.graded_sizes(body, 80, fine=False)
     assert size.told
     found = cells.solve(Parts((body,), (STEEL,)), size, 4, 24)
     assert np.sort(found.frequency)[6:20] == pytest.approx(known, rel=0.006)

@@ -8,7 +8,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from carom.dsp.bodies.material import Material
-from carom.dsp.mesh import cells, forms
+from carom.dsp.mesh import cells, forms, sizing
 from carom.dsp.mesh.parts import Division, Parts, joined, outside
 from carom.dsp.mesh.surface import MeshError, faces_of
 
@@ -46,7 +46,7 @@ def bending(width, height, top):
 
 
 def solved(steel, wood, number):
-    size = cells.sizes(forms.together(*HALVES), number)
+    size = sizing.sizes(forms.together(*HALVES), number)
     return cells.solve(Parts(HALVES, (steel, wood)), size, 4, 20)
 
 
@@ -73,7 +73,7 @@ def test_the_share_of_energy_is_by_how_much_a_material_raises_the_frequency():
 
 def test_where_parts_overlap_the_first_ones_material_is():
     both = HALVES[0], forms.moved(HALVES[1], (-0.04, 0, 0))
-    size = cells.sizes(forms.together(*both), 12)
+    size = sizing.sizes(forms.together(*both), 12)
     for materials, steel in (((STEEL, WOOD), 0.16), ((WOOD, STEEL), 0.16)):
         found = cells.solve(Parts(both, materials), size, 2, 8)
         kilograms = [each.density * (0.16, 0.16)[number] for number, each in enumerate(materials)]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from carom.dsp.bodies.material import Material
-from carom.dsp.mesh import cells, forms
+from carom.dsp.mesh import cells, forms, sizing
 from carom.dsp.mesh.grids import grid_about
 from carom.dsp.mesh.model import _held_gap
 from carom.dsp.mesh.numbering import mesh_of
@@ -53,17 +53,17 @@ def test_cells_on_both_sides_of_a_gap_share_no_node(gap, angles):
 def test_bodies_that_touch_nowhere_hold_each_other():
     box = forms.box(0.05, 0.01, 0.01)
     both = forms.together(box, forms.moved(box, (0, 0.0115, 0)))
-    found = cells.solve(Parts((both,), (STEEL,)), cells.sizes(both, 20), 3, 14)
+    found = cells.solve(Parts((both,), (STEEL,)), sizing.sizes(both, 20), 3, 14)
     assert np.count_nonzero(found.frequency < 1e-3 * found.frequency[-1]) == 6
 
 
 def test_a_gap_that_ends_in_a_large_cell_is_told():
     fork = prongs(0.0005)
-    held = cells.solve(Parts((fork,), (STEEL,)), cells.sizes(fork, 30), 2, 14)
+    held = cells.solve(Parts((fork,), (STEEL,)), sizing.sizes(fork, 30), 2, 14)
     (told,) = _held_gap(held, 0.1)
     assert told.startswith("a gap of 0.5 mm ends about (")
     box = forms.box(0.1, 0.01, 0.006)
-    assert _held_gap(cells.solve(Parts((box,), (STEEL,)), cells.sizes(box, 30), 2, 14), 0.1) == ()
+    assert _held_gap(cells.solve(Parts((box,), (STEEL,)), sizing.sizes(box, 30), 2, 14), 0.1) == ()
 
 
 FORK = 898.24, 1029.74, 2122.76, 2302.08, 5503.52, 5620.17, 5809.33, 7335.45
@@ -74,6 +74,6 @@ FORK = 898.24, 1029.74, 2122.76, 2302.08, 5503.52, 5620.17, 5809.33, 7335.45
 def test_a_fork_of_narrow_tines_rings_as_hexahedra_do():
     body = hexahedra.skin(hexahedra.fork(0.002))
     turned = Surface(body.points @ rotation((0.3, -0.5, 0.8)).T, body.faces)
-    size = cells.graded_sizes(turned, 80, fine=False)
+    size = sizing.graded_sizes(turned, 80, fine=False)
     found = cells.solve(Parts((turned,), (STEEL,)), size, 4, 18)
     assert np.sort(found.frequency)[6:14] == pytest.approx(FORK, rel=0.03)

@@ -5,9 +5,9 @@ import pytest
 
 from carom.dsp.bodies import bar, sphere
 from carom.dsp.bodies.material import Material
-from carom.dsp.mesh import cells, forms
+from carom.dsp.mesh import cells, forms, sizing
 from carom.dsp.mesh.fronts import Elements, Factor
-from carom.dsp.mesh.grids import grid_about
+from carom.dsp.mesh.grids import TILT, grid_about
 from carom.dsp.mesh.lanczos import lowest
 from carom.dsp.mesh.parts import Parts
 from carom.dsp.mesh.rays import quadrature
@@ -17,7 +17,7 @@ STEEL = Material("steel", 7850.0, 200e9, 0.29, 1.0, 0.0)
 
 
 def turned(surface):
-    return Surface(surface.points @ cells.TILT.T, surface.faces)
+    return Surface(surface.points @ TILT.T, surface.faces)
 
 
 def integrals(body, side, degree=3):
@@ -37,7 +37,7 @@ def integrals(body, side, degree=3):
 
 def test_the_quadrature_measures_bodies():
     box = turned(forms.box(0.1, 0.06, 0.004))
-    inertia = cells.TILT @ np.diag(np.array([0.1, 0.06, 0.004]) ** 2 / 12) @ cells.TILT.T * 0.1 * 0.06 * 0.004
+    inertia = TILT @ np.diag(np.array([0.1, 0.06, 0.004]) ** 2 / 12) @ TILT.T * 0.1 * 0.06 * 0.004
     volume, square = integrals(box, 0.015)
     assert volume == pytest.approx(0.1 * 0.06 * 0.004, rel=2e-3)
     assert square == pytest.approx(inertia[0, 0], rel=4e-3)
@@ -87,7 +87,7 @@ def test_the_factor_solves_as_a_dense_matrix_does_and_modes_are_those_of_scipy()
 def test_a_ball_rings_as_lambs_sphere_does():
     """The lowest spheroidal modes with motion along the normal: five of order 2, three of 1, ... at Lamb's roots."""
     ball = forms.ball(0.05, 4)
-    own = cells.solve(Parts((ball,), (STEEL,)), cells.sizes(ball, 30), 4, 40)
+    own = cells.solve(Parts((ball,), (STEEL,)), sizing.sizes(ball, 30), 4, 40)
     closed = sphere(STEEL, radius=0.05, top=70_000.0).frequency
     scale = (volume_of(ball) / (4 / 3 * np.pi * 0.05**3)) ** (1 / 3)
     for frequency in closed[:3]:
@@ -102,7 +102,7 @@ def test_a_bar_rings_as_caroms_own_bar_does():
     """Bending in both planes is Timoshenko's; the 4th and the 7th mode twist."""
     size = {"length": 0.24, "width": 0.03, "thickness": 0.01}
     block = forms.box(*size.values())
-    found = cells.solve(Parts((block,), (STEEL,)), cells.sizes(block, 78), 4, 17)
+    found = cells.solve(Parts((block,), (STEEL,)), sizing.sizes(block, 78), 4, 17)
     closed = bar(STEEL, top=9000.0, **size)
     own = found.frequency[6:13]
     apart = np.abs(own / closed.frequency[: len(own)] - 1)
@@ -132,7 +132,7 @@ def test_panels_of_a_square_tube_bend_as_clamped_and_supported_plates_do():
     side, wall = 0.06, 0.002
     material = Material("steel", 7850.0, 200e9, 0.3, 1.0, 0.0)
     body = square_tube(side, wall, side)
-    found = cells.solve(Parts((body,), (material,)), cells.sizes(body, 80), 4, 24)
+    found = cells.solve(Parts((body,), (material,)), sizing.sizes(body, 80), 4, 24)
     out = np.array([[0, -1, 0], [1, 0, 0], [0, 1, 0], [-1, 0, 0]])
     moves = np.einsum("pin,pi->np", found.at(out * (side + wall) / 2 + [0, 0, side / 2]), out)
     moves /= np.abs(moves).max(axis=1)[:, None]
