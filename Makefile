@@ -94,6 +94,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simu
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.extreme_groups
 	$(BIN)/python -m tests.bench.rests
+	$(BIN)/python -m tests.bench.piles
 	$(BIN)/python -m tests.bench.rest_errors
 	$(BIN)/python -m tests.bench.waveforms
 	$(BIN)/python -m tests.bench.friction
