@@ -37,7 +37,8 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
     size = np.sqrt((strike[:rows] ** 2).mean(axis=0) * (weight**2).mean(axis=0)) + 1e-300
     band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES).astype(int)
     bands = [band == each for each in np.flatnonzero(np.bincount(band))]
-    middle = np.array([np.exp(np.average(np.log(omega[each]), weights=size[each])) for each in bands])
+    pitch = np.log(omega)
+    middle = np.exp([(pitch[each] * size[each]).sum() / size[each].sum() for each in bands])
     natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
     # Summed without BLAS, whose last bits are not the same with any number of threads.
     static = np.stack([(strike[:, each] * weight[:, None, each]).sum(axis=-1) for each in bands], axis=-1)
