@@ -15,7 +15,7 @@ there are, where its share is no less than theirs by more than the standard erro
 """
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import groupby, permutations
 from typing import NamedTuple
 
@@ -25,7 +25,7 @@ from scipy.signal import find_peaks
 
 from .recordings import PAIRS, SOUNDFONT, from_onset, strike
 from .soundfont import Recording, SoundFont
-from .sources import Pair, further, there
+from .sources import Font, Pair, further, there
 
 WIDTH = 1 / 6  # octave
 LEAST_WIDTH = 50.0  # Hz: a narrower band rings by itself for as long as short sounds do
@@ -47,7 +47,7 @@ MORE: tuple[Pair, ...] = (
     ("P200 Piano F#5", "piano-string", {"tune": 6.0}),
     ("P200 Piano F#3", "bass-string", {"tune": 6.0}),
     ("P200 Piano A#2", "bass-string", {"tune": -2.0}),
-    ("Ride2", "cymbal", {"radius": 0.25, "thickness": 0.0013}),
+    ("Ride2", "ride-cymbal", {}),
 )
 """Recordings beside those of `PAIRS`: notes within half an octave of the preset, as `tune` leaves the T60 as it is."""
 
@@ -159,10 +159,18 @@ class Measured(NamedTuple):
     instrument: str = ""
 
 
-def measured(font: SoundFont) -> Iterator[Measured]:
-    """Yield each pair's decays, by preset: those of FluidR3, and of what else is there."""
-    near = [each for each in further() if abs(each[2][2].get("tune", 0.0)) <= HALF_OCTAVE]
-    pairs = [*((FLUID, font, pair) for pair in (*PAIRS, *MORE)), *near]
+def used(font: SoundFont) -> list[tuple[str, Font, Pair]]:
+    """Return all pairs: those of FluidR3, and of what else is there, notes within half an octave of the preset's."""
+    return [*((FLUID, font, pair) for pair in (*PAIRS, *MORE)), *near_notes(further())]
+
+
+def near_notes(pairs: Iterable[tuple[str, Font, Pair]]) -> Iterator[tuple[str, Font, Pair]]:
+    """Yield the pairs whose notes are within half an octave of the preset's."""
+    return (each for each in pairs if abs(each[2][2].get("tune", 0.0)) <= HALF_OCTAVE)
+
+
+def measured(pairs: Iterable[tuple[str, Font, Pair]]) -> Iterator[Measured]:
+    """Yield each pair's decays, by preset."""
     for instrument, source, (name, preset, changes) in sorted(pairs, key=lambda each: each[2][1]):
         sound = source.recording(name)
         real = Recording(name, sound.unlooped, sound.rate)
@@ -230,7 +238,7 @@ def main() -> None:
     print("beside FluidR3:", "; ".join(f"{s.instrument} ({s.package}; {s.licence})" for s, _ in there()))
     print(LINE.format(*HEADS))
     found = []
-    for preset, recordings in by_preset(SoundFont(SOUNDFONT)):
+    for preset, recordings in by_preset(used(SoundFont(SOUNDFONT))):
         for each in recordings if options.rows else ():
             for at, t60, ours in beside(each.real, each.ours):
                 print(f"  {each.name:21} {at:8.0f} Hz {t60:7.2f} s {ours:7.2f} s {ours / t60:6.2f}")
@@ -239,9 +247,9 @@ def main() -> None:
     print(summary(found))
 
 
-def by_preset(font: SoundFont) -> Iterator[tuple[str, list[Measured]]]:
+def by_preset(pairs: Iterable[tuple[str, Font, Pair]]) -> Iterator[tuple[str, list[Measured]]]:
     """Yield each preset and its recordings."""
-    for preset, group in groupby(measured(font), lambda each: each.preset):
+    for preset, group in groupby(measured(pairs), lambda each: each.preset):
         yield preset, list(group)
 
 

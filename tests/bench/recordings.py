@@ -39,7 +39,7 @@ PAIRS: tuple[Pair, ...] = (
     ("Crsh 1", "cymbal", {}),
     ("Crsh 2", "cymbal", {}),
     ("China Crash", "cymbal", {"radius": 0.2}),
-    ("Ride1", "cymbal", {"radius": 0.25, "thickness": 0.0013}),
+    ("Ride1", "ride-cymbal", {}),
     ("Splash", "cymbal", {"radius": 0.127, "thickness": 0.0006}),
     ("Triangle", "triangle", {}),
     ("Low Woodblock", "wood-block", {}),
@@ -85,9 +85,11 @@ def measured(pair: Pair, real: Recording, right: Recording | None = None) -> Mea
 
 def strike(preset: str, changes: dict[str, float], seconds: float = SECONDS, **keys: float | str) -> Recording:
     """Return a preset's strike, its default but for some keys, some seconds of it, from the left, without a limiter."""
+    about = {"velocity": carom.Presets().object(preset).velocity, **changes}
+    velocity = about.pop("velocity")
     with carom.Scene(RATE, limiter=False) as scene:
-        body = scene.new("a", preset, stereo_width=0, **changes)
-        body.impact(carom.Presets().object(preset).velocity, at=0.0, **keys)
+        body = scene.new("a", preset, stereo_width=0, **about)
+        body.impact(velocity, at=0.0, **keys)
         return Recording(preset, scene.render(seconds).samples[:, 0].astype(float), RATE)
 
 

@@ -7,10 +7,13 @@ the same ratios of partials within 0.5 %, so they are of one bar or one model, a
 """
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple, Protocol
+
+import numpy as np
+import soundfile
 
 from .patches import Patch
 from .soundfont import Recording, SoundFont
@@ -19,11 +22,14 @@ ROOT = Path(os.environ.get("CAROM_RECORDINGS", "/"))
 """The folder into which packages are unpacked."""
 
 Pair = tuple[str, str, dict[str, float]]
-"""A recording's name, a preset's, and what the object is given beside so that it is of the recording's size.
+"""A recording's name, a preset's, and what the object is given beside so that it is of the recording's size; velocity
+(m/s), where the recording is known to be struck at another one than the preset.
 
-The tubular bell has the partials of the recording (carom fit). A ride is as thick as 2.2 kg on 20 inches are, a splash
-as 250 g on 10 inches.
+The tubular bell has the partials of the recording (carom fit). A splash is as thick as 250 g on 10 inches are.
 """
+MEZZO_FORTE = 2.2
+"""m/s, of a piano's hammer: between 1 in piano and 5 in forte (Askenfelt and Jansson, J. Acoust. Soc. Am. 90, 1991, as
+recalled), as the presets say it."""
 
 
 class Font(Protocol):
@@ -33,8 +39,24 @@ class Font(Protocol):
         """Return a sample; ValueError if there is none."""
 
 
+class Folder:
+    """The sound files of a folder, each by its name: their first channels, not more than LONGEST of them."""
+
+    LONGEST = 6.0  # s
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def recording(self, name: str) -> Recording:
+        """Return a file's sound."""
+        with soundfile.SoundFile(self._path / name) as file:
+            samples = file.read(round(self.LONGEST * file.samplerate), always_2d=True)[:, 0]
+            return Recording(name, samples / np.abs(samples).max(), file.samplerate)
+
+
 class Source(NamedTuple):
-    """A package, whose instrument that is, the file below /, its licence as the package says it, and its pairs."""
+    """A package, whose instrument that is, the file or folder below /, its licence as the package says it, and its
+    pairs."""
 
     package: str
     instrument: str
@@ -45,7 +67,6 @@ class Source(NamedTuple):
 
 _PATCHES = "usr/share/midi/freepats/Tone_000"
 _GPL_FREEPATS = "GPL-2+, with an exception for music"
-RIDE = {"radius": 0.25, "thickness": 0.0013}
 
 SOURCES: tuple[Source, ...] = (
     Source(
@@ -99,12 +120,12 @@ SOURCES: tuple[Source, ...] = (
         "usr/share/sounds/sf2/MuseScore_General_Full.sf2",
         "public domain",
         (
-            ("Piano MF A2", "piano-string", {"tune": -3.0}),
-            ("Piano MF C3", "piano-string", {}),
-            ("Piano MF E3", "piano-string", {"tune": 4.0}),
-            ("Piano MF B0", "bass-string", {"tune": -1.0}),
-            ("Piano MF D1", "bass-string", {"tune": 2.0}),
-            ("Piano MF E1", "bass-string", {"tune": 4.0}),
+            ("Piano MF A2", "piano-string", {"tune": -3.0, "velocity": MEZZO_FORTE}),
+            ("Piano MF C3", "piano-string", {"velocity": MEZZO_FORTE}),
+            ("Piano MF E3", "piano-string", {"tune": 4.0, "velocity": MEZZO_FORTE}),
+            ("Piano MF B0", "bass-string", {"tune": -1.0, "velocity": MEZZO_FORTE}),
+            ("Piano MF D1", "bass-string", {"tune": 2.0, "velocity": MEZZO_FORTE}),
+            ("Piano MF E1", "bass-string", {"tune": 4.0, "velocity": MEZZO_FORTE}),
         ),
     ),
     Source(
@@ -122,7 +143,7 @@ SOURCES: tuple[Source, ...] = (
             ("Standard Tom 3", "tom", {"tune": 3.0}),
             ("Standard Tom 5", "tom", {"tune": -5.0}),
             ("Crash Cymbal", "cymbal", {}),
-            ("Ride Cymbal", "cymbal", RIDE),
+            ("Ride Cymbal", "ride-cymbal", {}),
             ("Splash Cymbal", "cymbal", {"radius": 0.127, "thickness": 0.0006}),
         ),
     ),
@@ -136,7 +157,7 @@ SOURCES: tuple[Source, ...] = (
             ("45-Pearl12Tom-5", "tom", {"tune": 4.0}),
             ("49-SabianAA16Crash-5", "cymbal", {"radius": 0.203}),
             ("57-SabianAAX17Cras-4", "cymbal", {"radius": 0.216}),
-            ("51-SabianAAX20Ride-5", "cymbal", RIDE),
+            ("51-SabianAAX20Ride-5", "ride-cymbal", {}),
             ("55-ZildjianA10Spla-4", "cymbal", {"radius": 0.127, "thickness": 0.0006}),
         ),
     ),
@@ -150,27 +171,29 @@ SOURCES: tuple[Source, ...] = (
             ("45-Ludwig14Tom-5", "tom", {"tune": 6.0}),
             ("49-ZildjianA20Cras-4", "cymbal", {"radius": 0.254}),
             ("57-ZildjianK17Cras-4", "cymbal", {"radius": 0.216}),
-            ("51-ZildjianA24Ride-5", "cymbal", {"radius": 0.305, "thickness": 0.0013}),
+            ("51-ZildjianA24Ride-5", "ride-cymbal", {}),
         ),
     ),
 )
 
 
-def there() -> Iterator[tuple[Source, Font]]:
+def there(sources: Sequence[Source] = SOURCES) -> Iterator[tuple[Source, Font]]:
     """Yield each source that is below ROOT, and its samples."""
-    for source in SOURCES:
+    for source in sources:
         path = ROOT / source.file
         if path.exists():
             yield source, _opened(path)
 
 
-def further() -> Iterator[tuple[str, Font, Pair]]:
+def further(sources: Sequence[Source] = SOURCES) -> Iterator[tuple[str, Font, Pair]]:
     """Yield all pairs of what is there: whose instrument it is, the samples and the pair."""
-    for source, font in there():
+    for source, font in there(sources):
         for pair in source.pairs:
             yield source.instrument, font, pair
 
 
 @cache
 def _opened(path: Path) -> Font:
+    if path.is_dir():
+        return Folder(path)
     return Patch(path) if path.suffix == ".pat" else SoundFont(path)

