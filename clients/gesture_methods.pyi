@@ -316,6 +316,7 @@ class ObjectKeys(TypedDict, total=False):
     fundamental: SupportsFloat
     linear_density: SupportsFloat
     inharmonicity: SupportsFloat
+    bending_loss: SupportsFloat
     wires: SupportsFloat
     mistuning: SupportsFloat
     edges: str | ArrayLike

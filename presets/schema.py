@@ -275,6 +275,7 @@ SHAPES: Mapping[str, Shape] = {
             "fundamental": FREQUENCY,
             "linear_density": Quantity(1e-6, 10, "kg/m"),
             "inharmonicity": Quantity(0, 0.1),
+            "bending_loss": Quantity(0, 1),
             "board": Choice(BOARDS),
             "wires": Whole(1, MOST_WIRES),
             "mistuning": Quantity(0, 100, "cents"),

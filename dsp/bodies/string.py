@@ -1,9 +1,10 @@
 """Strings: stiff, between two rigid supports."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from ..kept import Kept
 from .choices import MOST_WIRES
@@ -30,6 +31,7 @@ def string(
     fundamental: float | None = None,
     linear_density: float | None = None,
     inharmonicity: float | None = None,
+    bending_loss: float = 0.0,
     board: str = "piano",
     wires: int = 1,
     mistuning: float = 1.0,
@@ -39,6 +41,7 @@ def string(
     length and diameter in m, top in Hz; either tension (N) or fundamental f0 (Hz, that of the limp string);
     linear_density (kg/m) if the string is wound, `diameter` then being its core's; inharmonicity B, by default the
     core's pi^3 E d^4/(64 T L^2) (Fletcher 1964). The strike path is the length. ValueError names what is out of range.
+    bending_loss: the loss factor of the part of a mode's energy that bends the string, beside the material's losses.
 
     Its own sound is nothing beside that of the board at its end: the power that goes into the board is lost to the
     string, and the share of it that radiates is heard. board: one of `radiation.board.BOARDS`.
@@ -63,6 +66,10 @@ def string(
         raise ValueError(f"tension = {tension}, fundamental = {fundamental}: expected one of the two")
     if inharmonicity is None:
         inharmonicity = math.pi**3 * material.youngs_modulus * diameter**4 / (64 * tension * length**2)
+    if not 0 <= bending_loss < math.inf:
+        raise ValueError(f"bending_loss = {bending_loss}: expected a loss factor, 0 or more")
+    if bending_loss:
+        material = _Bent(**asdict(material), fundamental=fundamental, inharmonicity=inharmonicity, bending=bending_loss)
 
     orders = np.arange(1.0, MOST_MODES + 1)
     frequencies = orders * fundamental * np.sqrt(1 + inharmonicity * orders**2)
@@ -81,6 +88,25 @@ def string(
     felt = _Sines(frequencies[higher], orders[higher], at.size, peak / math.sqrt(wires))
     glide = string_glide(material, length, diameter, tension) / wires
     return replace(with_unheard(modes, felt, material.decay, top), glide=glide)
+
+
+@dataclass(frozen=True)
+class _Bent(Material):
+    """A string's material, of which the bending loses more than the tension does.
+
+    A mode n has B n^2/(1 + B n^2) of its stiffness by bending, and the complex modulus E (1 + i eta) makes that share
+    of eta its loss factor (J. Woodhouse, Acta Acustica united with Acustica 90, 2004).
+    """
+
+    fundamental: float = 1.0
+    inharmonicity: float = 0.0
+    bending: float = 0.0
+
+    def decay(self, frequency: npt.ArrayLike) -> Array:
+        """Return the amplitude decay rates (1/s) of modes at `frequency` (Hz)."""
+        f = np.asarray(frequency, dtype=np.float64)
+        stiff = (np.sqrt(1 + 4 * self.inharmonicity * (f / self.fundamental) ** 2) - 1) / 2  # B n^2
+        return super().decay(f) + np.pi * f * self.bending * stiff / (1 + stiff)
 
 
 @dataclass(frozen=True, eq=False)

@@ -159,6 +159,7 @@ MEANINGS = {
     ("string", "fundamental"): "of the string without stiffness",
     ("string", "linear_density"): "of a wound string",
     ("string", "inharmonicity"): "B in f_n = n f_0 (1 + B n²)^½; from the core if not given",
+    ("string", "bending_loss"): "loss factor of its bending, beside its material's losses; 0 if not given",
     ("string", "board"): "that its bridge stands on, and that is heard; `piano` if not given",
     ("string", "wires"): "strings alike that one hammer strikes and one bridge joins; 1 if not given",
     ("string", "mistuning"): "from the lowest to the highest of them; 1 if not given",

@@ -17,6 +17,16 @@ def test_a_stiff_string():
     assert f0 * (modes.frequency.size + 1) * math.sqrt(1 + 1e-4 * (modes.frequency.size + 1) ** 2) > 20000
 
 
+def test_bending_loses_its_share():
+    keys = {"length": 0.65, "diameter": 0.0007, "fundamental": 330, "inharmonicity": 1e-3, "board": "guitar"}
+    plain, bent = (bodies.string(STEEL, top=15_000, bending_loss=loss, **keys) for loss in (0.0, 0.02))
+    n = np.arange(1, plain.frequency.size + 1)
+    share = 1e-3 * n**2 / (1 + 1e-3 * n**2)
+    assert bent.decay - plain.decay == pytest.approx(np.pi * plain.frequency * 0.02 * share)
+    with pytest.raises(ValueError, match=r"bending_loss = -1: expected a loss factor, 0 or more"):
+        bodies.string(STEEL, top=15_000, bending_loss=-1, **keys)
+
+
 def test_tension_and_fundamental_say_the_same():
     arguments = {"length": 1.9, "diameter": 0.0013, "linear_density": 0.018, "top": 8000}
     by_tension = bodies.string(STEEL, tension=750, **arguments)
