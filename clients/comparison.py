@@ -61,9 +61,11 @@ def compare(a: Path, b: Path) -> tuple[Distance, list[str]]:
 def beside(a: Path, b: Path, kind: Path) -> Excess:
     """Return how far B is from A and the other recordings of its kind in a folder, beside how far these are apart.
 
-    RecordingError or OSError where one cannot be read, or where there is none but A.
+    Files of the same bytes are one recording. RecordingError or OSError where one cannot be read, or where there is
+    none but A.
     """
-    others = [each for each in files_of([kind]) if not each.samefile(a)]
+    known = {a.read_bytes(): a, **{each.read_bytes(): each for each in files_of([kind])}}
+    others = [each for data, each in known.items() if data != a.read_bytes()]
     if not others or not kind.is_dir():
         raise RecordingError(f"{kind}: expected a folder with other recordings of the kind of {a.name}")
     sound, *recordings = ((each.samples, each.rate) for each in map(_read, (b, a, *others)))

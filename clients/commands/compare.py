@@ -1,6 +1,7 @@
 """carom compare: how far apart two sounds are, in figures, a picture and a page with players."""
 
 import argparse
+from html import escape
 from pathlib import Path
 
 from ..errors import tell
@@ -38,7 +39,8 @@ def _run(arguments: argparse.Namespace) -> int:
         if arguments.plot:
             draw(found, arguments.plot, names)
         if arguments.page:
-            write_page(arguments.page, f"{names[0]} and {names[1]}", [(found, names)])
+            more = f"<pre>{escape(kind_table(kind))}</pre>" if kind else ""
+            write_page(arguments.page, f"{names[0]} and {names[1]}", [(found, names)], more=more)
     for note in notes:
         tell("compare", note)
     if arguments.json:

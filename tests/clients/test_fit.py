@@ -204,14 +204,18 @@ def test_a_sound_is_compared_with_recordings_of_its_kind(folder, tmp_path, capsy
     for n in (1, 2):
         soundfile.write(kind / f"{n}.wav", np.r_[np.zeros(100 * n), samples / n], rate, "FLOAT")
     soundfile.write(tmp_path / "b.wav", samples * np.exp(-20.0 * np.arange(len(samples)) / rate), rate, "FLOAT")
+    (kind / "copy.wav").write_bytes(ring.read_bytes())
     words = ["compare", str(ring), str(tmp_path / "b.wav"), "--kind", str(kind)]
-    assert main([*words, "--json"]) == 0
+    page = tmp_path / "page.html"
+    assert main([*words, "--json", "--page", str(page)]) == 0
     told = json.loads(capsys.readouterr().out)["kind"]
     assert told["recordings"] == 3 and told["third_octaves_real_db"] < 0.1 < told["third_octaves_db"]
     assert told["decays_real_octaves"] < 0.05 < told["decays_octaves"]
     assert main(words) == 0
     assert "beside 3 recordings" in capsys.readouterr().out
+    assert "beside 3 recordings" in page.read_text()
     (kind / "2.wav").unlink()
+    (kind / "copy.wav").unlink()
     assert main(["compare", str(kind / "1.wav"), str(ring), "--kind", str(kind)]) == 1
     assert "expected a folder with other recordings of the kind of 1.wav" in capsys.readouterr().err
 
