@@ -83,6 +83,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simu
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.decays
 	$(BIN)/python -m tests.bench.harmonics
+	$(BIN)/python -m tests.bench.held --json tests/measured/held.json
 	$(BIN)/python -m tests.bench.listening build/listening.html
 	$(BIN)/python -m tests.bench.gongs
 	$(BIN)/python -m tests.bench.fits

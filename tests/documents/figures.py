@@ -18,6 +18,7 @@ from tests.documents.markdown import table
 BENCH = study.MEASURED / "bench.json"
 SPACE = study.MEASURED / "space.json"
 WEB = study.MEASURED / "web.json"
+HELD = study.MEASURED / "held.json"
 MESHES = study.MEASURED / "meshes.json"
 COMPILING = study.MEASURED / "compiling.json"
 
@@ -117,6 +118,25 @@ def fits() -> str:
     out = [row["sample"] for row in few if row["sample"] in fitted.BARS and float(row["bound"]) > aim]
     head = ("dB", "40 modes leave", "at least", "distance", "80 modes leave", "distance")
     return f"{table(head, lines)}\n\nNo sum of 40 damped sinusoids leaves less than {aim:g} dB of {' or '.join(out)}."
+
+
+def held() -> str:
+    """Return how far presets are from recordings that none was made with: a row for each family, and the weighed mean
+    of where T60 agrees."""
+    families = json.loads(HELD.read_text(encoding="utf-8"))
+    rows = [
+        (
+            f"`{name}`",
+            row["recordings"],
+            f"{row['gap']:.1f}",
+            f"{row['slope']:+.1f}".replace("-0.0", "+0.0"),
+            f"{row['within']:.0f} % of {row['partials']}",
+            "-" if row["alike"] is None else f"{row['alike']:.0f} %",
+        )
+        for name, row in families.items()
+    ]
+    head = ("", "recordings", "third octaves (dB)", "tilt (dB/octave)", "T60 within 25 %", "recordings to each other")
+    return table(head, rows)
 
 
 def _made() -> str:

@@ -45,6 +45,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "choices": figures.choices,
     "yielding": figures.yielding,
     "fits": figures.fits,
+    "held": figures.held,
     "endurance": figures.endurance,
 }
 """Function that writes each part, by the part's name."""
