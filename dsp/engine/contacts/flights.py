@@ -70,9 +70,13 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
         return True
     if contact.trait.single == 1 and coupled.v < 0.0 and coupled.position < -_AFAR - contact.reach:
         samples = math.inf
-    if samples == math.inf and contact.trait.held == 1 and contact.gone_at == math.inf:
-        coupled.v = 0.0  # a hand that does not press hovers
-    elif samples == math.inf and (contact.trait.single == 0 or not keeps_strikers(state)):
+    if contact.trait.held == 1 and contact.gone_at == math.inf:
+        if samples == math.inf and contact.push_target == 0.0:
+            coupled.v = 0.0  # a hand that does not press hovers
+        samples = min(samples, float(QUANTUM - 1 - frame))  # then its push changes
+        if samples == 0.0:
+            return True
+    if samples == math.inf and (contact.trait.single == 0 or not keeps_strikers(state)):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
     elif samples == math.inf:

@@ -87,6 +87,27 @@ def test_what_rings_under_a_press_against_dop853(modal_mass, hand, level, bound)
     assert 20 * math.log10(np.abs(found - right).max() / np.abs(right).max()) < bound
 
 
+@pytest.mark.parametrize(("level", "bound"), [("-60", -60), ("exact", -120)])
+def test_a_hand_that_leaves_while_its_push_still_grows_against_dop853(level, bound):
+    """The push of 3 N comes with a time constant of 0.1 s: a hand laid on firmly flies between touches for quanta."""
+    engine = Engine(RATE)
+    handle = engine.add(body(0.5), 0.05)
+    hand = (0.01, 1e8, 0.5, 1.5)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
+    engine.send([gesture("press", handle, hand, 63 - 1e-9, 7, velocity=0.02, force=3.0)])
+    engine.process(QUANTUM)
+    frequency, sigma, phi, _ = modal(engine, handle, 24)
+    found, pushes = [], []
+    for _ in range(20):
+        engine.process(QUANTUM)
+        _, _, _, z = modal(engine, handle, 24)
+        found.append(phi @ (z.real - sigma / (2 * np.pi * frequency) * z.imag))
+        pushes.append(float(contact_of(engine)["push"]))
+    right = reference((frequency, sigma, phi, np.zeros(24, complex)), hand, (0.0, 0.02), pushes)
+    assert contact_of(engine)["coupled"]["contacts"] > 2
+    assert 20 * math.log10(np.abs(found - right).max() / np.abs(right).max()) < bound
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("level", "bound"), [("-50", -50), ("-60", -60)])
 def test_an_object_that_is_pressed_on_another_in_blocks(level, bound):
