@@ -413,7 +413,7 @@ SHATTER = Gesture(
     VELOCITY._replace(help="at which it hits what breaks it; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "into which it breaks", default=60.0, whole=True),
-        HEIGHT._replace(help="up to which the pieces are as it breaks, each at its own", default=0.0),
+        HEIGHT._replace(help="up to which the pieces are as it breaks, each at its own", default=0.1),
         Parameter("steepness", 1.01, 3.0, "", "b, where as many pieces have a mass m as m^-b", default=1.35),
         SPREAD,
         SEED,

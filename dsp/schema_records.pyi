@@ -81,6 +81,7 @@ class Values(Record):
     whole: float  # kg
     own_stiffness: float  # N/m^a
     own_dissipation: float  # s/m
+    own_gain: float
     stage: float
     gravity: float  # m/s^2
     irregularity: float

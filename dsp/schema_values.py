@@ -29,6 +29,7 @@ _WHOLE = Parameter("whole", 0.0, np.inf, "kg", "mass of what breaks", default=0.
 _OWN_LAW = (
     Parameter("own_stiffness", 0.0, np.inf, "N/m^a", "of pieces if they fall on nothing", default=0.0),
     Parameter("own_dissipation", 0.0, np.inf, "s/m", "the same", default=0.0),
+    Parameter("own_gain", 0.0, np.inf, "", "the same", default=0.0),
 )
 _STAGE = Parameter(
     "stage", 0, 2, "", "of what breaks: 0 its cracks, 1 its pieces on an object, 2 on nothing", default=0.0

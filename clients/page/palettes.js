@@ -91,7 +91,7 @@ const TOUCHES = {
   rain: "Rain falls while you hold; move to move it",
   shake: "Many of the striker are shaken in it while you hold",
   crumple: "It is crushed while you hold",
-  shatter: "It breaks: lift its damp to have it again",
+  shatter: "It breaks, and its pieces fall on a floor: lift its damp to have it again",
   pour: "Many of the striker are poured on it while you hold; move to move them",
   step: "A step on it, from heel to toe",
 };

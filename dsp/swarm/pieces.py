@@ -2,9 +2,14 @@
 
 As many pieces have a mass m as m^-b, over three decades. Of hollow bodies that hit a wall b is 1.35 (F. K. Wittel, F.
 Kun, H. J. Herrmann and B. H. Kroeplin, Phys. Rev. Lett. 93, 2004, as recalled), of flat sheets, which break out of
-their plane as well, 1.17 (R. P. Linna, J. A. Astroem and J. Timonen, Phys. Rev. E 72, 2005; 1.5 within it). They fly up
-at up to half the speed at which the whole hit, fall on what lies below, and clatter. Each has its numbers from (seed,
-piece, bounce, channel) alone.
+their plane as well, 1.17 (R. P. Linna, J. A. Astroem and J. Timonen, Phys. Rev. E 72, 2005; 1.5 within it). What the
+whole hits takes its momentum: it stops the whole, and pieces fly apart from there, up and down alike, at up to half of
+its speed. They fall on what lies below, and clatter. Each has its numbers from (seed, piece, bounce, channel) alone.
+
+As a piece comes free it lets go of the strain that it held. Cracks branch where the stress is A/sqrt(r), a distance r
+from where they began (A: TOUGHNESS), so that r is as wide as a piece. A sheet of thickness h that is bent to that
+stress holds A^2/(6 E r) for its volume: for a disc of radius R, r = 2 R, it is pi R h A^2/E/12. The strain goes as the
+crack runs round the piece, which rings by that alone.
 
 A flat piece that lands on its rim stops only that: at a small angle a disc's rim meets the floor with a fifth of its
 mass, and the opposite one gets 0.6 of the change, downwards, so that it slaps the floor soon, up to twice as fast
@@ -34,14 +39,14 @@ CRACKING = 0.03
 JUNCTIONS = 3
 """Cracks that set a piece free, each heard."""
 CRACKS = 0.25
-"""Share of the energy of what hits that its cracks have; as much at most throws the pieces."""
+"""Share of the energy of what hits that bends it at most (estimated); a third of it at most throws the pieces."""
 TOUGHNESS = 70.0
-"""J/m^2: most that a crack spends for its area, K^2/E as it branches (glass: K of 2.3 MPa m^(1/2), as recalled of ASTM
-C1678's constants; 0.75 as one begins)."""
+"""J/m^2: A^2/E of cracks that branch (glass: A of 2.3 MPa m^(1/2), as recalled of ASTM C1678's constants)."""
 STRONGEST = 0.1
-"""Share of that in the strongest crack."""
-CRACK = 0.1
-"""Mass that moves at a crack, in that of a piece (estimated)."""
+"""Share in the strongest crack of what all let go."""
+_ROUND = math.log(2.0 * math.pi / math.sqrt(12.0) / 1500.0)
+"""ln of the rms width (s/m) of the time in which a crack runs round a piece, for its radius: at 1500 m/s, as cracks do
+in glass at most (H. Schardin, 1959, as recalled)."""
 SLOWEST = 0.03
 """m/s: a slower rim stays where it lands, unheard."""
 TILT = math.sqrt(0.5)
@@ -70,9 +75,10 @@ def break_up(
     swarm.wide = exp(log(usual / (math.pi * _DENSITY * _FLAT)) / 3.0) / math.sqrt(usual)
     for p in range(swarm.pieces):
         swarm.mass_of[p] *= whole / total
-        up = _THROWN * speed * uniform(swarm, p, GAP)
+        up = _THROWN * speed * (2.0 * uniform(swarm, p, GAP) - 1.0)
         above = height * uniform(swarm, p, VARIETY)
-        tilt = uniform(swarm, p, OTHER) * min(_radius(swarm, p), above + 0.5 * up * up / STANDARD_GRAVITY)
+        highest = above + 0.5 * max(up, 0.0) * up / STANDARD_GRAVITY
+        tilt = uniform(swarm, p, OTHER) * min(_radius(swarm, p), highest)
         falls = math.sqrt(max(up * up + 2.0 * STANDARD_GRAVITY * (above - tilt), 0.0))
         swarm.fall_of[p], swarm.turn_of[p], swarm.gap_of[p] = falls, 0.0, 2.0 * tilt
         swarm.next_of[p] = (up + falls) / STANDARD_GRAVITY
@@ -80,14 +86,14 @@ def break_up(
 
 
 @kernel
-def spent_by_cracks(swarm: Swarm, whole: float, speed: float) -> float:
-    """Return the energy (J) of the cracks of what hit: each is beside two pieces, as thick as the usual one."""
+def freed_by_cracks(swarm: Swarm, whole: float, speed: float) -> float:
+    """Return the energy (J) that the cracks of what hit let go: its pieces are as thick as the usual one."""
     edges = 0.0
     for p in range(swarm.cracked):
         edges += math.pi * _radius(swarm, p)
     thick = _FLAT * swarm.wide * math.sqrt(swarm.usual)
-    most: float = min(CRACKS * 0.5 * whole * speed * speed, TOUGHNESS * edges * thick)
-    return most
+    freed: float = min(CRACKS * 0.5 * whole * speed * speed, TOUGHNESS * edges * thick / 12.0)
+    return freed
 
 
 @kernel
@@ -192,6 +198,13 @@ def bend_piece(
     kept, shorter, bent = kept_by(swarm.bend, swarm.bends, mass_ratio, at, given, swarm.a)
     left = (given - 1.0) * math.sqrt(1.0 - given * given * bent * kept)
     return math.sqrt(kept) * toward, shorter, left
+
+
+@kernel
+def freed_within(swarm: Swarm, piece: float) -> float:
+    """Return ln of the rms width (s) of the time in which a crack runs round a piece of a mass (kg)."""
+    width: float = _ROUND + log(swarm.wide * math.sqrt(piece))
+    return width
 
 
 @kernel

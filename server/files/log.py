@@ -14,6 +14,7 @@ from ..osc.score import format_line
 from ..osc.sensor_verbs import SENSOR
 from ..osc.wire import Argument, Message
 from ..provenance import computed_by
+from ..scene.shattering import NOTHING
 from ..scene.transaction import Sent
 from .outfile import OutFile
 
@@ -114,7 +115,7 @@ class Log:
         if sent.by in self._names:
             keys["onto" if GESTURES[verb.action].breaks else "by"] = self._names[sent.by]
         elif GESTURES[verb.action].breaks:
-            del keys["onto"]
+            keys["onto"] = NOTHING
         else:
             keys = {key: value for key, value in keys.items() if key not in _OF_OTHER}
             keys["mass"] = sent.mass

@@ -70,7 +70,11 @@ STRIKE: tuple[Number | Word | Vector, ...] = (
 
 _SURFACE = Word("surface", "a preset; the object's own for such a gesture, or wood, if none is given")
 _PRESS = Word("press", "the id of a press on the object: its friction feels that force, in place of its own")
-_ONTO = Word("onto", "the object on which its pieces fall; nothing that sounds, if it is not given")
+_ONTO = Word(
+    "onto",
+    "the object on which its pieces fall; `none`: nothing that sounds; if it is not given, `floor`, which is made of "
+    "`wooden-floor` where there is none",
+)
 
 
 def _is_pushed(gesture: Gesture) -> bool:

@@ -19,7 +19,11 @@ class Scale(NamedTuple):
 
     def object(self, preset: ObjectPreset) -> float:
         """Return the value of a sample for each Pa of an object."""
-        return self.amplified if self.calibrated else _amplitude(preset.level) / self.full_scale
+        return self.at(preset.level)
+
+    def at(self, level: float) -> float:
+        """Return the value of a sample for each Pa of an object of a level (dB)."""
+        return self.amplified if self.calibrated else _amplitude(level) / self.full_scale
 
     @property
     def said(self) -> str:

@@ -1,19 +1,35 @@
-"""Objects that break: each cracks and falls silent, and its pieces fall on another, or on nothing that sounds."""
+"""Objects that break: each cracks and falls silent, and its pieces fall on another, or on nothing that sounds.
+
+Where a message does not say on what they fall, they do on an object called FLOOR, which is made where there is none.
+"""
+
+from collections.abc import Callable
 
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import GAIN, HEIGHT
+from ...dsp.schema import GAIN, HEIGHT, SETTINGS
+from ..new_object import NEW
+from ..osc.addresses import Call, calls
 from ..osc.arguments import Refused, shown
+from ..osc.wire import Message
 from .contact_law import law_of
 from .limits import require_short
 from .object_call import ObjectCall
 from .objects import PlayedObject
-from .transaction import Sent
+from .transaction import Sent, Transaction
+
+FLOOR, OF_FLOOR = "floor", "wooden-floor"
+"""The object on which pieces fall if the message names none, and the preset of which it is made."""
+NOTHING = "none"
+"""Stands for a floor that is not heard."""
+_HEARD_AS = ("gain", "pan", "distance")
+
+Translate = Callable[[Transaction, Call], None]
 
 
-def shatter(to: ObjectCall) -> None:
+def shatter(translate: Translate, to: ObjectCall) -> None:
     """Break an object: its cracks are a gesture without an id, its pieces have that of the message."""
-    values, engine = to.values, to.transaction.engine
+    values, engine, scale = to.values, to.transaction.engine, to.transaction.scale
     velocity = values.number("velocity")
     if "by" in values.words:
         raise Refused(f"by = {values.words['by']}: nothing but the speed breaks {to.name}; expected a striker")
@@ -22,7 +38,7 @@ def shatter(to: ObjectCall) -> None:
     if velocity == 0.0:
         to.end_at_once()
         return
-    onto = _onto(to)
+    onto = _onto(translate, to)
     law, landing = law_of(to, None), law_of(to, None, onto=onto)
     for each in (law, landing):
         require_short(velocity, each)
@@ -37,32 +53,48 @@ def shatter(to: ObjectCall) -> None:
         "steepness": values.number("steepness"),
         "position": values.numbers.get("position", 0.5),
         "spread": values.number("spread"),
-        "gain": GAIN.in_engine(values.number("gain")),
         "seed": to.seed(number),
     }
     sound = None if to.is_point_mass else to.transaction.laws.sound_of(to.striker)
     motion |= engine.lay_out_striker(sound) if sound else {}
+    gain = GAIN.in_engine(values.number("gain"))
     own = {"own_stiffness": law.stiffness, "own_dissipation": law.dissipation}
+    below, here = onto or to.obj, to.obj.handle
+    level = min(scale.at(0.0), scale.object(to.obj.preset))  # of all of it: a strike's would be too loud
+    own["own_gain"] = motion["gain"] = gain * (level / scale.object(to.obj.preset))
+    own["gain"] = gain * (level / scale.object(below.preset))
     pieces = {**motion, **landing._asdict(), **own, "stage": 1.0 if onto else 2.0}
-    here, below = to.obj.handle, (onto or to.obj).handle
     _add(
         to,
-        (to.obj, onto or to.obj),
+        (to.obj, below),
         Command(NOW, "shatter", here, motion),
-        Command(NOW, "shatter", below, pieces, gesture=number, by=here if onto else None),
+        Command(NOW, "shatter", below.handle, pieces, gesture=number, by=here if onto else None),
         Command(NOW, Kind.SET, here, value=1.0, parameter="damp"),
     )
 
 
-def _onto(to: ObjectCall) -> PlayedObject | None:
-    """Return the object on which the pieces fall, if the message names one."""
+def _onto(translate: Translate, to: ObjectCall) -> PlayedObject | None:
+    """Return the object on which the pieces fall: the one that the message names, else the floor, which is made if need
+    be; None if nothing is heard of it."""
     if "onto" not in to.values.words:
-        return None
-    name = to.values.words["onto"]
+        to.chosen_keys["onto"] = FLOOR if to.name != FLOOR else NOTHING
+        if to.name != FLOOR and not to.transaction.objects.at(FLOOR, to.transaction.time):
+            _lay_floor(translate, to)
+    name = to.values.words.get("onto") or str(to.chosen_keys["onto"])
     found = to.object_named(name)
-    if found is None:
-        raise Refused(f"onto = {shown(name)}: expected another object that is there")
+    if found is None and name != NOTHING:
+        raise Refused(f"onto = {shown(name)}: expected another object that is there, or {NOTHING}")
     return found
+
+
+def _lay_floor(translate: Translate, to: ObjectCall) -> None:
+    """Make the floor under an object: as near and as loud as that is."""
+    settings, place = to.obj.settings, to.transaction.space.places.get(to.obj.handle.serial)
+    heard = [(key, settings[key]) for key in _HEARD_AS if settings.get(key, 0.0) != SETTINGS[key].default]
+    keys = [each for pair in heard for each in pair]
+    translate(to.transaction, calls(Message(NEW, (FLOOR, OF_FLOOR, *keys)))[0])
+    if place:
+        translate(to.transaction, calls(Message(f"/object/{FLOOR}/place", place))[0])
 
 
 def _add(to: ObjectCall, objects: tuple[PlayedObject, ...], *commands: Command) -> None:

@@ -276,7 +276,9 @@ def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
     }
 
 
-_OF_GESTURES = {"bounce": _bounce, "roll": _roll, "slide": _slide, "rest": rest, "shatter": shatter}
+_OF_GESTURES: dict[str, Callable[[ObjectCall], None]] = {
+    "bounce": _bounce, "roll": _roll, "slide": _slide, "rest": rest, "shatter": partial(shatter, translate),
+}  # fmt: skip
 """Handlers of gestures whose law, velocity or surface takes more than their values."""
 
 

@@ -19,6 +19,7 @@ from ...swarm.pieces import (
     bent_by_crack,
     bounce_piece,
     flow_of,
+    freed_within,
     landing_of,
     number_of,
     piece_beside,
@@ -179,8 +180,8 @@ def _size_of_blow(
     state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, width: float
 ) -> tuple[int, float]:
     """Return the size by which a blow sounds, and the factor on its momentum with which a grain of that size moves as
-    fast as its own would. width: ln of it (s). A crack moves a piece beside it, with what that leaves it.
-    What rings has its share of what the object leaves."""
+    fast as its own would. width: ln of it (s). A crack moves a piece beside it while it runs round that, with what that
+    leaves it. What rings has its share of what the object leaves."""
     mass, ratio, varied = blows.mass[n], blows.ratio[n], swarm.finer > ONE_SIZE
     if swarm.cracked == swarm.pieces == 0:
         if not varied:
@@ -192,10 +193,11 @@ def _size_of_blow(
     alike = math.sqrt(left_by(given, ratio)) if swarm.bends > 0 else 1.0
     if swarm.cracked > 0:
         u = uniform(swarm, blows.number[n], SIZE)
-        blows.shorter[n] = 0.0
         piece = swarm.mass_of[piece_beside(swarm, u)]
+        freed = max(width, freed_within(swarm, piece))
+        blows.shorter[n] = width - freed
         at_size = (math.log(contact.trait.meets * piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
-        alike /= 1.0 + ratio * bent_by_crack(swarm, mass, piece, width)
+        alike /= 1.0 + ratio * bent_by_crack(swarm, mass, piece, freed)
     else:
         mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
         at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5

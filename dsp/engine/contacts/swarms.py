@@ -19,7 +19,7 @@ from ...schema_records import Steered
 from ...swarm.blows import NARROWEST, ROLL_OFF, mean_mass
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import find_force, find_moments, move_on
-from ...swarm.pieces import CRACK, CRACKING, JUNCTIONS, STRONGEST, break_up, spent_by_cracks
+from ...swarm.pieces import CRACKING, JUNCTIONS, STRONGEST, break_up, freed_by_cracks
 from ...swarm.record import BACK, BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
 from ...swarm.ringing import bent_by
 from ...swarm.times import add_knot, drop_knots, on_lattice, seed_swarm
@@ -117,8 +117,7 @@ def _break(state: State, contact: Contact, event: Event) -> None:
         swarm.places = swarm.places if values.stage == 1.0 else 0
         return
     swarm.pieces, swarm.cracked = 0, swarm.pieces
-    swarm.store = spent_by_cracks(swarm, values.whole, values.velocity)
-    swarm.m *= CRACK
+    swarm.store = freed_by_cracks(swarm, values.whole, values.velocity)
     contact.until = contact.gone_at = contact.origin + CRACKING * state.rate
     contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 2.0
     contact.target.rate = 2.0 * JUNCTIONS * values.pieces / CRACKING
