@@ -10,6 +10,7 @@ from ..memory.quality import holds_steps
 from ..memory.records import Contact
 from ..memory.state import COUPLING, State
 from .contact_force import drive, find_transfer, gain_of, observe_points
+from .contact_list import share_object
 from .coupled_rolls import lead_roll
 from .solver_choice import choose_tolerance, count_steps
 
@@ -95,13 +96,8 @@ def _sort(group: CoupledGroup) -> None:
 @kernel
 def _see_each_other(contact: Contact, other: Contact) -> bool:
     """True if two contacts touch the same object, and neither holds its force."""
-    if contact.coupled.tolerance == HELD or other.coupled.tolerance == HELD:
-        return False
-    for side in range(2):
-        slot = contact.point[side].slot
-        if slot >= 0 and (slot == other.point[0].slot or slot == other.point[1].slot):
-            return True
-    return False
+    held = contact.coupled.tolerance == HELD or other.coupled.tolerance == HELD
+    return not held and share_object(contact, other)
 
 
 @noinline_kernel

@@ -27,6 +27,16 @@ def append_contact(state: State, obj: Object, index: int) -> None:
 
 
 @kernel
+def share_object(contact: Contact, other: Contact) -> bool:
+    """True if two contacts touch the same object."""
+    shared = False
+    for side in range(2):
+        slot = contact.point[side].slot
+        shared |= slot >= 0 and (slot == other.point[0].slot or slot == other.point[1].slot)
+    return shared
+
+
+@kernel
 def schedule_contact(state: State, contact: Contact) -> None:
     """Schedule a contact for when its flight is over."""
     time = contact.origin + contact.elapsed * state.rate

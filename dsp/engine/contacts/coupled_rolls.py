@@ -3,7 +3,8 @@
 On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
 solved a quantum at a time where it can be (blocks.py). Where it can't, and the object hardly gives way, where steps
 are held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the effective
-mass on the contact), and under a bow the object is a dashpot, which costs as much for any number of modes
+mass on the contact; beside as many other contacts as a block takes, more than any budget has), and under a bow the
+object is a dashpot, which costs as much for any number of modes
 (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is off by -15 to -40 dB.
 
 All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
@@ -21,6 +22,7 @@ import numpy as np
 from ...contact.accuracy import LEVELS, PARTS
 from ...contact.block import renew_block
 from ...contact.block_parts import parts_along
+from ...contact.block_records import TOGETHER
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...resonator.fed import LINE
@@ -31,6 +33,7 @@ from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
 from ..memory.records import SLID, Contact
 from ..memory.state import COUPLING, QUANTUM, State
+from .contact_list import share_object
 from .solver_choice import tolerance_of
 
 GIVING = np.array([1e-3, 1e-3, 3e-4, 1e-6, 0.0])
@@ -74,7 +77,7 @@ def couple_roll(state: State, contact: Contact) -> None:
     if contact.trait.slips == 1 and _friction_of(contact) * turn * turn > _TURNED:
         return
     crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
-    if crowded or (steps > 0 and 1.0 + turn > steps):
+    if crowded or (steps > 0 and (1.0 + turn > steps or _count_beside(state, contact) >= TOGETHER)):
         state.stats.over_budget += 1
         return
     roll.mobility = 0.0
@@ -84,6 +87,28 @@ def couple_roll(state: State, contact: Contact) -> None:
     state.stats.coupled_modes += modes
     begin_coupled_roll(roll, contact.coupled, state.rate, tolerance_of(state, contact))
     renew_block(state.blocks[contact.roll])
+
+
+@noinline_kernel
+def _count_beside(state: State, contact: Contact) -> int:
+    """Return how many coupled contacts, up to TOGETHER, share objects with one, or with another of them."""
+    found, count, before = state.scratch.candidates, 1, 0
+    found[0] = contact.index
+    while before < count <= TOGETHER:
+        before = count
+        for i in range(state.active):
+            index = state.objects[state.order[i]].contact
+            while index >= 0 and count <= TOGETHER:
+                other, beside = state.contacts[index], False
+                for j in range(count):
+                    beside |= share_object(state.contacts[found[j]], other)
+                for j in range(count):
+                    beside &= found[j] != index
+                if beside and other.solver == COUPLING and other.aside == 0:
+                    found[count] = index
+                    count += 1
+                index = other.next
+    return count - 1
 
 
 @kernel
