@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ..dsp.calls import said_by_all
+from ..dsp.arguments import explain_all_arguments
 from ..dsp.errors import CaromError
 from ..server.osc.wire import Message
 from .gesture_methods import Gestures, Value, with_gestures
@@ -31,7 +31,7 @@ class CommandError(CaromError, RuntimeError):
     """A message was refused, or cannot be sent; the text says why."""
 
 
-@said_by_all
+@explain_all_arguments
 @with_gestures
 class Actions(Gestures, ABC):
     """Every address of a score as a method, but `/object/new`. A method makes messages; a subclass sends them.

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
-from ..dsp.calls import said_by_all
+from ..dsp.arguments import explain_all_arguments
 from ..server.closing import Closing
 from ..server.osc import wire
 from .actions import Actions, CommandError, key_pairs, message_of
@@ -26,7 +26,7 @@ KEPT = 1_000
 """Replies of each kind that a client keeps until they are asked for."""
 
 
-@said_by_all
+@explain_all_arguments
 class Client(Actions, Closing):
     """A connection to one server: UDP, or TCP, which loses nothing.
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dsp.calls import ArgumentError, said
+from ..dsp.arguments import ArgumentError, explain_arguments
 from ..dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ..dsp.errors import CaromError, require_scipy
 from ..dsp.numerics.legendre import KEPT
@@ -37,7 +37,7 @@ class NotLinear(CaromError, ValueError):
     """A clip whose truth does not say its sound, as an object of it is not linear; the text names it."""
 
 
-@said
+@explain_arguments
 def rebuild(row: Row) -> NDArray[np.float64]:
     """Return the sound of a clip in Pa, (frames, channels), from its row of a data set's table.
 

@@ -11,8 +11,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from ..dsp.arguments import explain_all_arguments
 from ..dsp.bodies.material import Material
-from ..dsp.calls import said_by_all
 from ..dsp.wording import expected
 from .kinds import ObjectPreset, StrikerPreset, SurfacePreset
 from .schema import MATERIAL, MATERIAL_REQUIRED, NoPreset, PresetError, check
@@ -35,7 +35,7 @@ _SETTLED = 3_000_000_000
 """ns after an edit from which on the next one surely gives a file another time: some file systems count by 2 s."""
 
 
-@said_by_all
+@explain_all_arguments
 class Presets:
     """Presets by name, first from the user's folders (each with objects/, strikers/, surfaces/, materials/).
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...dsp.calls import ArgumentError, said
+from ...dsp.arguments import ArgumentError, explain_arguments
 from ...dsp.numerics.blas import on_one_thread
 from ...presets import PresetError
 from ...presets.values import shown
@@ -36,7 +36,7 @@ _AT_ONCE = 8  # items that a process is given
 _AHEAD = 3  # times as many for each process as it has at once
 
 
-@said
+@explain_arguments
 def render_many(
     recipe: Given,
     numbers: Iterable[int] | None = None,

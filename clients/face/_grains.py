@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
 
-from .dsp.calls import said_by_all
+from .dsp.arguments import explain_all_arguments
 from .scene import Scene
 from .server.bridge.simulation import Simulation
 
 
-@said_by_all
+@explain_all_arguments
 class Grained:
     """Something that hears grains, of a simulation."""
 

@@ -22,7 +22,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from .clients.processors import processors
-from .dsp.calls import said_by_all
+from .dsp.arguments import explain_all_arguments
 from .dsp.runtime.batch import Batch
 from .mujoco import NO_STEPS, Bridge, bare
 from .server.bridge.blows import Hits
@@ -34,7 +34,7 @@ from .world import Blocks
 Observation = dict[str, Any]
 
 
-@said_by_all
+@explain_all_arguments
 class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordConstructorArgs):
     """An environment that hears: its observations are {"state": the environment's own, "audio": its sound}.
 
@@ -77,7 +77,7 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
         super().close()
 
 
-@said_by_all
+@explain_all_arguments
 class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
     """A SyncVectorEnv that hears, as with AddAudioObservation around each of its environments, at less cost.
 

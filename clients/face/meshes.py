@@ -8,7 +8,7 @@ from typing import Any
 
 from .clients.meshes import Asked, MadeMesh, make
 from .clients.performer import Folders
-from .dsp.calls import path_of, refuse_unknown, said
+from .dsp.arguments import explain_arguments, path_of, refuse_unknown
 from .presets import Presets
 
 File = str | PathLike[str]
@@ -16,7 +16,7 @@ REST = "*"
 """The name of all parts of which none else is said."""
 
 
-@said
+@explain_arguments
 def mesh(
     file: File,
     out: File,

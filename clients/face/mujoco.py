@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from .dsp.calls import said_by_all
+from .dsp.arguments import explain_all_arguments
 from .dsp.mesh.surface import Surface
 from .server.bridge.blows import Hit
 from .server.bridge.bodies import NoModel
@@ -57,7 +57,7 @@ def bare(given: Any, kind: type[Any]) -> Any:
     raise WorldError(f"{given!r}: expected a {kind.__name__} of MuJoCo")
 
 
-@said_by_all
+@explain_all_arguments
 class Bridge(Closing):
     """Tells a World what happens in MuJoCo's `data`.
 

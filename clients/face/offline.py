@@ -12,14 +12,14 @@ from ._capture import Capture
 from .clients.actions import plain
 from .clients.gesture_methods import Value
 from .clients.performer import Folders, Performer
-from .dsp.calls import said
+from .dsp.arguments import explain_arguments
 from .server.osc.score import LONGEST_SCORE, Line, ScoreError, parse, read
 from .server.osc.wire import Message
 from .server.render import Options, blocks
 from .sound import Sound
 
 
-@said
+@explain_arguments
 def render(
     score: PathLike[str] | str | Iterable[Line | Sequence[Any]],
     rate: int = 48_000,

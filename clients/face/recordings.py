@@ -9,14 +9,14 @@ from typing import Any
 from .clients.comparison import compare as _compare
 from .clients.fitting import Made, Wanted, make
 from .clients.performer import Folders
-from .dsp.calls import ArgumentError, path_of, refuse_unknown, said
+from .dsp.arguments import ArgumentError, explain_arguments, path_of, refuse_unknown
 from .dsp.fitting.distance import Distance
 from .presets import Presets
 
 File = str | PathLike[str]
 
 
-@said
+@explain_arguments
 def fit(
     recordings: File | Iterable[File],
     out: File,
@@ -58,7 +58,7 @@ def fit(
     return made
 
 
-@said
+@explain_arguments
 def compare(a: File, b: File) -> Distance:
     """Measure how far apart two sound files are, as `carom compare` does.
 

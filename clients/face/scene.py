@@ -14,7 +14,7 @@ from .clients.actions import Actions, CommandError, plain
 from .clients.gesture_methods import ObjectMethods, Value, with_methods_of
 from .clients.modes import ModeTable, Settings, gains_of, mode_table
 from .clients.performer import Folders, Performer, Placed
-from .dsp.calls import said_by_all
+from .dsp.arguments import explain_all_arguments
 from .dsp.schema import SETTINGS
 from .server.closing import Closing
 from .server.files.whole import RenderError
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .clients.gesture_methods import NewKeys, SensorKeys
 
 
-@said_by_all
+@explain_all_arguments
 @documented
 class Scene(Actions, Closing):
     """An engine in this process, without a server: what a score can say as methods, and `render` for the sound.
@@ -175,7 +175,7 @@ class Scene(Actions, Closing):
         return self._open.ended()
 
 
-@said_by_all
+@explain_all_arguments
 @with_methods_of(Actions)
 class Object(ObjectMethods):
     """An object of a scene; its methods are the scene's, without the name.

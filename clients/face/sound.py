@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .clients.contacts import Contact
-from .dsp.calls import said_by_all
+from .dsp.arguments import explain_all_arguments
 from .dsp.numerics.resampling import resampled
 from .report import Report
 from .server.files.whole import RenderError, writing
@@ -54,7 +54,7 @@ class Sensed:
         return f"<carom.Sensed {len(self)} frames, peak {peak:.3g} {self.unit}>"
 
 
-@said_by_all
+@explain_all_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class Sound:
     """A sound, and what there is to know about it.

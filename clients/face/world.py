@@ -23,8 +23,8 @@ from .clients.actions import CommandError, plain
 from .clients.client import Client
 from .clients.commands.progress import shown_mesh
 from .clients.performer import Folders, Performer, chosen
+from .dsp.arguments import explain_all_arguments
 from .dsp.bodies.material import CONTACT_RADIUS
-from .dsp.calls import said_by_all
 from .dsp.engine.memory.state import QUANTUM
 from .dsp.resonator.bank import top_of
 from .dsp.runtime.batch import Batch
@@ -58,7 +58,7 @@ _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 
 
-@said_by_all
+@explain_all_arguments
 class World(Grained, Closing):
     """The sound of a simulation, computed in step with it, or played on a server.
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dsp.calls import said_by_all
+from ...dsp.arguments import explain_all_arguments
 from ...dsp.contact.accuracy import DEFAULT, LEVELS
 from ...dsp.wording import expected
 from .checks import WorldError, require_number
@@ -22,7 +22,7 @@ _MOST_DB = 1000.0
 _CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
 
 
-@said_by_all
+@explain_all_arguments
 class Microphone(NamedTuple):
     """A microphone in the world of a simulation.
 
@@ -36,7 +36,7 @@ class Microphone(NamedTuple):
     on: str = ""
 
 
-@said_by_all
+@explain_all_arguments
 class Listener(NamedTuple):
     """A listener in the world of a simulation, to whom sound takes its time: by distance, doppler, air and direction.
 
@@ -61,7 +61,7 @@ class Listener(NamedTuple):
         return (self.order + 1) ** 2 if self.layout == "ambisonics" else 2
 
 
-@said_by_all
+@explain_all_arguments
 @dataclass(frozen=True)
 class Hearing:
     """Settings of what is computed of a simulation, and where it is heard.

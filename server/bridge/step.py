@@ -7,14 +7,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...dsp.calls import said_by_all
+from ...dsp.arguments import explain_all_arguments
 from ...dsp.wording import expected
 from .checks import WorldError, array_of
 from .shapes import Vector
 from .tracking.state import POINTS, TOLD
 
 
-@said_by_all
+@explain_all_arguments
 class Touch(NamedTuple):
     """A point at which two bodies touch, or are about to; what a simulator does not tell is NaN.
 
@@ -38,7 +38,7 @@ class Touch(NamedTuple):
     friction: float = math.nan
 
 
-@said_by_all
+@explain_all_arguments
 class Pose(NamedTuple):
     """The pose of a body, in the world's axes.
 

@@ -40,12 +40,15 @@ def scenes() -> ModuleType:
     return made
 
 
-def rendered(name: str) -> np.ndarray:
-    """Return the sound of a score, mono (frames,), or of a scene at two ears, (frames, 2), its silent end cut off."""
+def rendered(name: str, told: str | None = None) -> np.ndarray:
+    """Return the sound of a score, mono (frames,), or of a scene at two ears, (frames, 2), its silent end cut off.
+
+    told: text of the score, if it is not the one that is kept.
+    """
     if name in SCENES:
         sound = scenes().hear(name, RATE).sound.samples
     else:
-        sound = carom.render(score(name), rate=RATE, limiter=False).samples.mean(axis=1)
+        sound = carom.render(told or score(name), rate=RATE, limiter=False).samples.mean(axis=1)
     heard = np.flatnonzero(np.abs(sound).reshape(len(sound), -1).max(axis=1) > 1e-4 * np.abs(sound).max())
     sound = sound[: min(heard[-1] + 1, round(SECONDS * RATE))]
     return sound * (PEAK / np.abs(sound).max())

@@ -5,9 +5,12 @@ import pytest
 import soundfile
 
 from tests.documents.pages import ROOT
-from tests.documents.sounds import MOST_BYTES, RATE, SCENES, SOUNDS, bands, path, rendered
+from tests.documents.sounds import MOST_BYTES, RATE, SCENES, SOUNDS, bands, path, rendered, score
 
-CLOSE = 1.0  # dB: Vorbis and another processor's arithmetic differ by less
+CLOSE = 1.0  # dB: Vorbis differs by less
+CHAOTIC = {"marble": ("roll   0.3 ", "roll 0.300000000{} ")}
+"""Scores whose octaves another rounding changes, as that of another library does, and words that change as little."""
+OTHERS = 8  # of them
 HEARD = -40.0  # dB below the loudest octave
 
 
@@ -23,13 +26,24 @@ def test_a_sound_is_its_scores(name):
     assert rate == RATE and abs(len(kept) - len(made)) < 0.1 * RATE, "run `make sounds`"
     assert kept.shape[1] == made.shape[1]
     for ear in range(made.shape[1]):
-        compare(kept[:, ear], made[:, ear])
+        compare(kept[:, ear], made[:, ear], spread(name))
 
 
-def compare(kept, made):
-    """Compare the octaves and the loudness over time of two channels."""
+def spread(name):
+    """Return by how much (dB) a chaotic sound's octaves differ if its score changes in the tenth digit; else 0."""
+    if name not in CHAOTIC:
+        return 0.0
+    words, changed = CHAOTIC[name]
+    text = score(name).read_text(encoding="utf-8")
+    assert words in text
+    others = (text.replace(words, changed.format(digit + 1)) for digit in range(OTHERS))
+    return np.ptp([bands(rendered(name, other)) for other in others], axis=0)
+
+
+def compare(kept, made, spread):
+    """Compare the octaves, within their spread, and the loudness over time of two channels."""
     loud = bands(made) > HEARD
-    assert np.abs(bands(kept) - bands(made))[loud].max() < CLOSE, "run `make sounds`"
+    assert (np.abs(bands(kept) - bands(made)) - spread)[loud].max() < CLOSE, "run `make sounds`"
     before, now = (np.array([np.std(part) for part in np.array_split(each[: len(made)], 20)]) for each in (kept, made))
     loud = now > 10 ** (HEARD / 20) * now.max()
     assert np.abs(20 * np.log10(before[loud] / now[loud])).max() < CLOSE, "run `make sounds`"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import carom
-from carom.dsp.calls import said
+from carom.dsp.arguments import explain_arguments
 
 SCENE = carom.Scene()
 BAR = SCENE.new("bar", "marimba-bar")
@@ -58,7 +58,7 @@ def test_a_rate_that_is_an_array_is_refused_in_words():
 
 
 def test_errors_of_the_call_itself_stay_as_they_are():
-    @said
+    @explain_arguments
     def adds(number, other=0):
         return number + other
 

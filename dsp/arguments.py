@@ -22,19 +22,19 @@ class ArgumentError(CaromError, TypeError):
     """An argument that a call does not take, or lacks; the text names the call, the argument and its value."""
 
 
-def said(call: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
+def explain_arguments(call: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
     """Make a function raise ArgumentError for arguments that it does not take, or lacks, as a decorator."""
-    return _said(call, call.__name__)
+    return _explained(call, call.__name__)
 
 
-def said_by_all(cls: _Class) -> _Class:
+def explain_all_arguments(cls: _Class) -> _Class:
     """Do that with the making of a class's objects, and with the public methods that it declares, as a decorator."""
     for name, member in list(vars(cls).items()):
         if name in ("__init__", "__new__") and callable(getattr(member, "__func__", member)):
-            own = _said(getattr(member, "__func__", member), cls.__name__)
+            own = _explained(getattr(member, "__func__", member), cls.__name__)
             setattr(cls, name, staticmethod(own) if name == "__new__" else own)
-        elif not name.startswith("_") and type(member) is type(said):
-            setattr(cls, name, _said(member, name))
+        elif not name.startswith("_") and type(member) is type(explain_arguments):
+            setattr(cls, name, _explained(member, name))
     return cls
 
 
@@ -53,7 +53,7 @@ def path_of(name: str, value: object, wanted: str) -> Path:
     return Path(value)
 
 
-def _said(call: Callable[_Given, _Result], name: str) -> Callable[_Given, _Result]:
+def _explained(call: Callable[_Given, _Result], name: str) -> Callable[_Given, _Result]:
     @wraps(call)
     def same(*args: _Given.args, **keys: _Given.kwargs) -> _Result:
         try:
