@@ -144,7 +144,7 @@ class Bridge(Closing):
             self._add(part, frame, surface, material or default, about)
         if unsaid:
             text = f"no material is said of {', '.join(unsaid)}: {default}; materials={{{unsaid[0]!r}: ...}} says it"
-            warnings.warn(text, stacklevel=2)
+            warnings.warn(text, stacklevel=3)
         for name, keys in (sensors or {}).items():
             self._mount(name, keys, parts, frames)
         for name, chosen_bodies in (grains or {}).items():
@@ -198,7 +198,7 @@ class Bridge(Closing):
                     self.world.body(part.name, "mesh", tuple(surface), material, pose, **keys)
                     return
                 except NoModel as error:
-                    warnings.warn(f"geom {part.geom}: {error}; the box of its inertia rings for it", stacklevel=3)
+                    warnings.warn(f"geom {part.geom}: {error}; the box of its inertia rings for it", stacklevel=4)
                     keys.pop("wall", None)
             self.world.body(part.name, kind, about.get("size", frame.size), material, pose, **keys)
         except WorldError as error:
