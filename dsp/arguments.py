@@ -58,11 +58,12 @@ def _explained(call: Callable[_Given, _Result], name: str) -> Callable[_Given, _
     def same(*args: _Given.args, **keys: _Given.kwargs) -> _Result:
         try:
             return call(*args, **keys)
-        except TypeError:
-            refused = _refused(call, name, args, keys)
-            if not refused:
-                raise
-        raise ArgumentError(refused)
+        except TypeError as error:
+            raised = error
+        refused = _refused(call, name, args, keys)  # not above, where it would be shown after Python's own words
+        if refused:
+            raise ArgumentError(refused)
+        raise raised
 
     return same
 

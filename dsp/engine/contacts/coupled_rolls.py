@@ -3,9 +3,10 @@
 On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
 solved a quantum at a time where it can be (blocks.py). Where it can't, and the object hardly gives way, where steps
 are held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the effective
-mass on the contact; beside as many other contacts as a block takes, more than any budget has), and under a bow the
-object is a dashpot, which costs as much for any number of modes
+mass on the contact), and under a bow the object is a dashpot, which costs as much for any number of modes
 (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is off by -15 to -40 dB.
+It is one, too, beside as many coupled contacts as a block takes, if steps have a bound: those that are solved together
+by samples take more steps than the sum of each, and a force that is held among them gains energy.
 
 All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
 fits in none touches its object.
