@@ -12,6 +12,7 @@ from ...dsp.native.wasm import data_end, wasm
 from ...dsp.runtime import callback
 from .baking import Baked
 from .packing import compressed
+from .parting import parted
 from .scene import Scene
 
 _FILES = Path(__file__).parent / "web"
@@ -43,7 +44,7 @@ def write_page(scene: Scene, folder: Path) -> None:
         elif file.suffix not in (".js", ".py"):
             shutil.copyfile(file, folder / file.name)
     (folder / "worklet.js.lzma").write_bytes(compressed(joined(WORKLET).encode()))
-    (folder / "carom.wasm.lzma").write_bytes(compressed(engine))
+    (folder / "carom.wasm.lzma").write_bytes(compressed(parted(engine)))
     (folder / "scene.carom.lzma").write_bytes(compressed(scene.file(data_end(engine)), words=True))
 
 

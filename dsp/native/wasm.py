@@ -11,12 +11,12 @@ from collections.abc import Collection, Iterator
 from . import wasm_object
 from .code import functions_of
 from .targets import PORTABLE, WASM, Target
-from .wasm_object import ADDRESSES, CALL, DATA, FUNCTION, PLAIN_ADDRESS, Object, Part, leb
+from .wasm_object import ADDRESSES, CALL, CODE, DATA, FUNCTION, PLAIN_ADDRESS, Object, Part, as_leb, leb
 from .whole import Whole
 
 TARGET = Target(WASM, PORTABLE)
 
-_CUSTOM, _FUNCTIONS, _EXPORT, _CODE, _DATA, _DATA_COUNT = 0, 3, 7, 10, 11, 12  # sections
+_CUSTOM, _FUNCTIONS, _EXPORT, _DATA, _DATA_COUNT = 0, 3, 7, 11, 12  # sections, beside CODE
 _NOTHING = Part(b"\x00\x41\x00\x0b", [])  # a function's code: no variables; it returns 0, that nothing failed
 _PADDED = 5  # bytes of a number that a linker fills in
 
@@ -66,14 +66,14 @@ def linked(made: bytes, names: Collection[str], without: tuple[str, ...] = ()) -
     data = [(addresses[each], _filled(read, read.segments[each], new, addresses)) for each in segments]
     content = {
         _FUNCTIONS: _vector(_types(read, functions)),
-        _EXPORT: _vector([_sized(name.encode()) + b"\0" + _leb(new[numbers[name]]) for name in names]),
-        _CODE: _vector([_sized(each) for each in code]),
+        _EXPORT: _vector([_sized(name.encode()) + b"\0" + as_leb(new[numbers[name]]) for name in names]),
+        CODE: _vector([_sized(each) for each in code]),
         _DATA: _vector([b"\0\x41" + _signed(at) + b"\x0b" + _sized(each) for at, each in data]),
-        _DATA_COUNT: _leb(len(data)),
+        _DATA_COUNT: as_leb(len(data)),
     }
     out = [made[:8]]
     for number, plain in read.sections:
-        if number in (_CODE, _DATA, _DATA_COUNT) and _EXPORT in content:
+        if number in (CODE, _DATA, _DATA_COUNT) and _EXPORT in content:
             out.append(bytes([_EXPORT]) + _sized(content.pop(_EXPORT)))
         if number != _CUSTOM:
             out.append(bytes([number]) + _sized(content.get(number, plain)))
@@ -113,7 +113,7 @@ def _types(read: Object, functions: list[int]) -> list[bytes]:
     types = []
     for _ in range(count):
         kind, at = leb(plain, at)
-        types.append(_leb(kind))
+        types.append(as_leb(kind))
     return [types[each] for each in functions]
 
 
@@ -136,24 +136,15 @@ def _padded(value: int) -> bytes:
     return bytes([*(value >> shift & 0x7F | 0x80 for shift in (0, 7, 14, 21)), value >> 28 & 0x7F])
 
 
-def _leb(value: int) -> bytes:
-    """Return a number as LEB128."""
-    out = bytearray()
-    while value > 0x7F:
-        out.append(value & 0x7F | 0x80)
-        value >>= 7
-    return bytes([*out, value])
-
-
 def _signed(value: int) -> bytes:
     """Return a number as LEB128 that is read as a signed one."""
-    plain = _leb(value)
+    plain = as_leb(value)
     return plain if plain[-1] < 0x40 else bytes([*plain[:-1], plain[-1] | 0x80, 0])
 
 
 def _sized(content: bytes) -> bytes:
-    return _leb(len(content)) + content
+    return as_leb(len(content)) + content
 
 
 def _vector(parts: Collection[bytes]) -> bytes:
-    return _leb(len(parts)) + b"".join(parts)
+    return as_leb(len(parts)) + b"".join(parts)

@@ -11,7 +11,10 @@ CALL, ADDRESS, SIGNED_ADDRESS, PLAIN_ADDRESS, TYPE, GLOBAL = 0, 3, 4, 5, 6, 7
 ADDRESSES = ADDRESS, SIGNED_ADDRESS, PLAIN_ADDRESS
 """Kinds of references that hold the address of data."""
 
-_CUSTOM, _CODE, _DATA = 0, 10, 11  # sections
+CODE = 10
+"""The section of functions."""
+
+_CUSTOM, _DATA = 0, 11  # sections
 _SEGMENTS, _SYMBOLS = 5, 8  # parts of the section "linking"
 _UNDEFINED, _NAMED = 0x10, 0x40  # flags of a symbol
 
@@ -58,23 +61,23 @@ def read(made: bytes) -> Object:
     symbols: list[Symbol] = []
     aligns: list[int] = []
     for number, at, end in found:
-        if number in (_CODE, _DATA):
+        if number in (CODE, _DATA):
             parts[number] = at, list(_entries(made, at, number == _DATA))
         elif number == _CUSTOM:
             name, at = text(made, at)
             if name == "linking":
                 aligns, symbols = _linking(made, at, end)
-    refers: dict[int, list[Reference]] = {_CODE: [], _DATA: []}
+    refers: dict[int, list[Reference]] = {CODE: [], _DATA: []}
     for number, at, _ in found:
         if number == _CUSTOM:
             name, at = text(made, at)
             if name.startswith("reloc."):
                 section, references = _references(made, at)
                 refers[found[section][0]] += references
-    (code, functions), (data, segments) = parts[_CODE], parts.get(_DATA, (0, []))
+    (code, functions), (data, segments) = parts[CODE], parts.get(_DATA, (0, []))
     return Object(
         [(number, made[at:end]) for number, at, end in found],
-        list(_parts(made, code, functions, refers[_CODE], [1] * len(functions))),
+        list(_parts(made, code, functions, refers[CODE], [1] * len(functions))),
         list(_parts(made, data, segments, refers[_DATA], aligns)),
         symbols,
     )
@@ -97,6 +100,15 @@ def leb(made: bytes, at: int) -> tuple[int, int]:
         value, shift, at = value | (byte & 0x7F) << shift, shift + 7, at + 1
         if not byte & 0x80:
             return value, at
+
+
+def as_leb(value: int) -> bytes:
+    """Return a number as LEB128."""
+    out = bytearray()
+    while value > 0x7F:
+        out.append(value & 0x7F | 0x80)
+        value >>= 7
+    return bytes([*out, value])
 
 
 def text(made: bytes, at: int) -> tuple[str, int]:

@@ -2,14 +2,15 @@
 
 import { unpacked as plain } from "./lzma.js";
 import { decoded } from "./tables.js";
+import { joined } from "./wasm.js";
 
 const MAGIC = "carom 1\n";
 const HEAD = 12; // bytes before the map
 const STORE = "carom"; // of decoded files, in browsers
 const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma", worklet: "worklet.js.lzma" };
 
-/** The content of a file that was compressed as LZMA, which the browser keeps when it is decoded. */
-async function fetched(url) {
+/** The content of a file that was compressed as LZMA, which the browser keeps when it is decoded; last: what is done then. */
+async function fetched(url, last = (content) => content) {
   const reply = await fetch(url);
   if (!reply.ok) throw new Error(`${url}: ${reply.status} ${reply.statusText}`);
   const made = ["ETag", "Last-Modified", "Content-Length"].map((name) => reply.headers.get(name) ?? "-").join(" ");
@@ -19,7 +20,7 @@ async function fetched(url) {
     reply.body.cancel();
     return kept.arrayBuffer();
   }
-  const { buffer } = plain(new Uint8Array(await reply.arrayBuffer()));
+  const { buffer } = last(plain(new Uint8Array(await reply.arrayBuffer())));
   store?.put(url, new Response(buffer, { headers: { "Made-Of": made } })).catch(() => {}); // there may be no room
   return buffer;
 }
@@ -41,7 +42,7 @@ export class Carom extends EventTarget {
   static async fetch(folder = new URL(".", import.meta.url)) {
     const at = (name) => new URL(name, new URL(folder, document.baseURI));
     const [module, scene, script] = await Promise.all([
-      fetched(at(FILES.engine)).then(WebAssembly.compile),
+      fetched(at(FILES.engine), joined).then(WebAssembly.compile),
       fetched(at(FILES.scene)),
       fetched(at(FILES.worklet)),
     ]);

@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from carom.clients.export.parting import parted
+from carom.dsp.native.wasm_object import CODE, as_leb
 from tests.clients.export.pages import RENDER, served
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -71,6 +73,12 @@ FETCHED = """async (changed) => {
   return Carom.fetch().then(() => true, () => false);
 }"""
 """A script that damages what a browser keeps, and fetches a page's files; changed: they have been."""
+
+JOINED = """async (parts) => {
+  const { joined } = await import("./wasm.js");
+  return [...joined(new Uint8Array(parts))];
+}"""
+"""A script that joins a module's parts."""
 
 WRONG = (
     OPENED
@@ -156,11 +164,36 @@ def test_a_worklet_makes_the_bits_of_a_render(page: Any, folder: Path) -> None:
 
 
 def test_files_are_unpacked_by_others_too(folder: Path) -> None:
-    """The engine and the scene are .lzma files as any program reads them, and say how large they are."""
-    for name, begins in (("carom.wasm", b"\0asm"), ("scene.carom", b"carom 1\n"), ("worklet.js", b"// Messages")):
+    """The scene and the script are .lzma files as any program reads them, and say how large they are; so is the
+    engine's, in parts."""
+    for name, begins in (("carom.wasm", b""), ("scene.carom", b"carom 1\n"), ("worklet.js", b"// Messages")):
         content = (folder / f"{name}.lzma").read_bytes()
         plain = lzma.decompress(content, lzma.FORMAT_ALONE)
         assert plain.startswith(begins) and len(plain) == int.from_bytes(content[5:13], "little")
+
+
+def test_a_module_is_joined_to_the_byte(page: Any) -> None:
+    """A module that was parted is as before once `wasm.js` has joined it: operands of all kinds, long numbers."""
+    code = bytes.fromhex(
+        "2001 2081 01 2101 2280 01 2001"  # locals, some by two bytes
+        "41ff818080 00 428180808080808080 01 43 01020304 44 0102030405060708"
+        "02 40 0c00 0d8001 0e02 000102 10 85808080 00 2300 28 0280 01 3f00 6a"
+        "fc02 fc0a 0000 fc0b 00 fd0c 000102030405060708090a0b0c0d0e0f fd0d 0f0e0d0c0b0a09080706050403020100"
+        "fd00 0480 08 fd15 07 fd5b 03 10 01 fd5d 03 8001 fdf0 01 0b"
+    )
+    function = b"\x01\xff\x01\x7c" + code  # 255 locals of float64
+    bodies = b"\x02" + 2 * (as_leb(len(function)) + function)
+    sections = b"\x01\x02\x01\x60", bytes([CODE]) + as_leb(len(bodies)) + bodies, b"\x0b\x01\x00"
+    module = b"\0asm\1\0\0\0" + b"".join(sections)
+    joined = page.evaluate(JOINED, list(parted(module)))
+    assert bytes(joined) == module
+
+
+def test_a_module_of_unknown_instructions_is_refused() -> None:
+    """An instruction whose operands are unknown is named."""
+    module = b"\0asm\1\0\0\0" + bytes([CODE, 5, 1, 3, 0, 0xD3, 0x0B])
+    with pytest.raises(TypeError, match="0xd3"):
+        parted(module)
 
 
 def test_a_browser_keeps_decoded_files_until_they_change(page: Any) -> None:
