@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..osc.wire import Argument
 from ..osc.world_verbs import SIZES
 from .checks import array_of
-from .tracking.strips import BAR, DISC, PLATE, POINT, WALL, place_on, radius_at
+from .tracking.strips import BAR, DISC, PLATE, POINT, WALL, place_on
 
 Vector = tuple[float, float, float]
 Strip = tuple[int, int, int]
@@ -60,9 +60,10 @@ class Shape:
         """Return the place 0 to 1 on the object's strike path that is nearest to a point (m), in the body's axes."""
         return float(place_on.py_func(self.strip, self.edges, point))
 
-    def radius_at(self, point: Sequence[float]) -> float:
-        """Return the radius (m) of the surface about a point; of a face it is infinite."""
-        return float(radius_at.py_func(self.round, self.edges, point))
+    @property
+    def flat(self) -> bool:
+        """True if its round side ends at two faces."""
+        return self.name == "cylinder"
 
 
 def shape_of(name: str, size: ArrayLike, held: bool, wall: float | None = None) -> Shape:

@@ -199,7 +199,8 @@ class Simulation:
         record["rings"][number], record["surfaced"][number] = body.rings, body.surfaced
         record["reach"][number] = 0.5 * max(body.shape.edges)
         record["edges"][number], record["strip"][number] = body.shape.edges, body.shape.strip
-        record["round"][number], record["ringing"][number] = body.shape.round, body.ringing
+        record["round"][number], record["flat"][number] = body.shape.round, body.shape.flat
+        record["ringing"][number] = body.ringing
         if body.surfaced and body.modes and body.modes.faces:
             self._skins.append(skin_of(body.modes.faces))
             record["skin"][number], record["skin_faces"][number] = self._skins[-1].ctypes.data, len(self._skins[-1])

@@ -42,16 +42,25 @@ def round_of(faces: Faces, reach: float) -> float:
 
 @kernel
 def curvature_of(state: State, a: int, b: int, local: View2D[float]) -> float:
-    """Return the curvature (1/m) of a contact of two bodies, at points in their axes."""
-    return bend_of(state, a, local[0]) + bend_of(state, b, local[1])
+    """Return the curvature (1/m) of a blow of two bodies, at points in their axes."""
+    return _bend_of(state, a, local[0], False) + _bend_of(state, b, local[1], False)
 
 
 @kernel
-def bend_of(state: State, body: int, point: Items[float]) -> float:
+def standing_curvature_of(state: State, a: int, b: int, local: View2D[float]) -> tuple[float, bool]:
+    """Return the curvature (1/m) of a contact that lasts of two bodies, at points in their axes; and True if one of
+    them is round there: else faces touch."""
+    first, second = _bend_of(state, a, local[0], True), _bend_of(state, b, local[1], True)
+    is_round = (state.round[a] > 0.0 and first != 0.0) or (state.round[b] > 0.0 and second != 0.0)
+    return first + second, is_round
+
+
+@kernel
+def _bend_of(state: State, body: int, point: Items[float], stays: bool) -> float:
     """Return the curvature (1/m) of a body at a point (m), in its axes: 0 of a face, below 0 of a hollow."""
     if state.surfaced[body] == 1:
         return _bend_of_skin(state, body, point)
-    return 1.0 / radius_at(state.round[body], state.edges[body], point)
+    return 1.0 / radius_at(state.round[body], state.flat[body], state.edges[body], point, stays)
 
 
 @noinline_kernel

@@ -15,7 +15,7 @@ from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.numerics.constants import STANDARD_GRAVITY
 from .blows import HEAVIEST, LIGHTEST, contact_radius, loudness_of, masked_at, time_of_contact
 from .microphones import MicrophoneState, gain_at
-from .skins import curvature_of
+from .skins import standing_curvature_of
 from .state import AT, EVENTS, HEARD, LIE, LOAD, MOVE, POSITION, Pair, State
 from .strips import place_on
 
@@ -48,10 +48,11 @@ def pressure_of(state: State, microphones: MicrophoneState, pair: Pair) -> float
         gain = max(gain, abs(gain_at(microphones, m, pair.point)))
     speed, weights = min(max(pair.now[0], pair.now[1]), _FASTEST), pair.now[2] * lightness / STANDARD_GRAVITY
     stiffness = state.law[state.material[pair.a], state.material[pair.b]][0]
-    stiffness *= math.sqrt(contact_radius(curvature_of(state, pair.a, pair.b, pair.local)))
+    curvature, is_round = standing_curvature_of(state, pair.a, pair.b, pair.local)
+    stiffness *= math.sqrt(contact_radius(curvature))
     lasting = time_of_contact(1.0 / lightness, stiffness, _RISING * speed)
     struck = loudness_of(state, pair.a, lasting) + loudness_of(state, pair.b, lasting)
-    rough = _ROUGH if is_round(state, pair.a, pair.b) else _ROUGH_FLAT
+    rough = _ROUGH if is_round else _ROUGH_FLAT
     rough *= 10.0 if state.slides_so[pair.a, pair.b] == 1 else 1.0
     return rough * gain * struck * speed * math.sqrt(speed * max(weights, 1.0)) / lightness
 
@@ -82,12 +83,6 @@ def fainter_slide(state: State, pair: Pair) -> int:
         if other.moves == HEARD and other.pressure < pressure and state.time - other.heard_at >= _STAYS:
             faintest, pressure = i, other.pressure
     return faintest
-
-
-@kernel
-def is_round(state: State, a: int, b: int) -> bool:
-    """True if one of two bodies is round where they touch: else faces do."""
-    return max(state.round[a], state.round[b]) > 0.0
 
 
 @kernel
@@ -176,11 +171,12 @@ def find_slides(state: State) -> None:
         if event.kind == MOVE or event.kind == LIE:
             a, b = event.a, event.b
             law = state.law[state.material[a], state.material[b]]
-            event.radius = contact_radius(curvature_of(state, a, b, event.local))
+            curvature, is_round = standing_curvature_of(state, a, b, event.local)
+            event.radius = contact_radius(curvature)
             event.stiffness, event.exponent = law[0] * math.sqrt(event.radius), law[2]
             if event.kind == MOVE:
                 event.mass = min(max(1.0 / max(state.lightness[a], state.lightness[b]), LIGHTEST), HEAVIEST)
-            event.patch = 0.0 if is_round(state, a, b) else _FLAT
+            event.patch = 0.0 if is_round else _FLAT
             event.seed = (state.seed + event.slide) % _SEEDS
             slides, under = (a, b) if event.side == 1 else (b, a)
             if event.kind == LIE:

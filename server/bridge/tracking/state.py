@@ -251,6 +251,7 @@ class State(Record):
     edges: Annotated[View2D[float], BODIES, 3]  # m: of the box around it
     strip: Annotated[View2D[int], BODIES, 3]  # its object's strike path, as in strips.py
     round: Annotated[View[float], BODIES]  # m: radius of its side, 0 for one with edges
+    flat: Annotated[View[int], BODIES]  # 1: its side ends at two faces, across its axis z
     surfaced: Annotated[View[int], BODIES]  # 1: its object has a surface, in its axes, and is touched at points of it
     skin: Annotated[View[int], BODIES]  # address of the triangles of that surface, as in skins.py,
     skin_faces: Annotated[View[int], BODIES]  # and how many

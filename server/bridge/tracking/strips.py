@@ -10,7 +10,7 @@ POINT, DISC, BAR, PLATE, WALL = range(5)
 """Kinds of paths: there is one place; from the middle to the edge; along an axis; from corner to corner of a plate; one
 place on a wall around z, whose ends are still."""
 
-_ENDS = 0.9  # of the half length: beyond, a point is at an end
+_ENDS = 0.9  # of the half length, or of an end's radius: beyond, a point is at an end, or at its rim
 
 
 @kernel
@@ -39,18 +39,25 @@ def is_still(strip: Items[int], edges: Items[float], point: Items[float]) -> boo
 
 
 @kernel
-def radius_at(side: float, edges: Items[float], point: Items[float]) -> float:
+def radius_at(side: float, flat: int, edges: Items[float], point: Items[float], stays: bool) -> float:
     """Return the radius (m) of the surface about a point (m), in the body's axes; of a face it is infinite.
 
-    side: the radius of the body's side, 0 for one with edges.
+    side: the radius of the body's side, 0 for one with edges; flat: 1 if the side ends at two faces across z. stays:
+    True of a contact that lasts: along a rim it meets the side's radius. A blow on a rim meets the mean curvature, of
+    the side and of a corner.
     """
+    corner = min(corner_of(edges), 0.5 * min(edges[0], edges[1], edges[2]))
     if side > 0.0:
-        return side
+        if flat == 0 or abs(point[2]) <= 0.5 * _ENDS * edges[2]:
+            return side
+        if math.sqrt(point[0] * point[0] + point[1] * point[1]) <= _ENDS * side:
+            return math.inf
+        return side if stays else 2.0 / (1.0 / side + 1.0 / corner)
     ends = 0
     for k in range(3):
         if abs(point[k]) > 0.5 * _ENDS * edges[k]:
             ends += 1
-    return math.inf if ends < 2 else min(corner_of(edges), 0.5 * min(edges[0], edges[1], edges[2]))
+    return math.inf if ends < 2 else corner
 
 
 @kernel
