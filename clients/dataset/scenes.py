@@ -27,7 +27,6 @@ class Scene:
         self._mark: Mark | None
         if kept := _kept.pop(self._key, None):  # nobody else has it meanwhile
             self.performer, self._mark = kept
-            self._mark.watch()
             return
         self.performer = _made(rate, channels, made, presets)
         self._mark = self.performer.mark() if made and _is_worth_it(self._key) else None

@@ -4,7 +4,8 @@ import ctypes
 import mmap
 import os
 from functools import cache
-from itertools import count
+from itertools import count, pairwise
+from threading import local
 from typing import Any
 from weakref import finalize
 
@@ -17,6 +18,10 @@ from .arena import Arena
 
 _MOST_KEPT = 4  # states that are fresh again
 _MOST_WRITTEN = 2_000_000  # bytes of each: to take more pages anew is hardly dearer than to restore them
+
+_ZEROS = bytes(mmap.PAGESIZE)
+_seen = local()
+"""The `faults` of a thread as it last restored a state."""
 
 _numbers = count()
 _Spans = list[tuple[int, int]]
@@ -92,24 +97,58 @@ class Mark:
         if _filled_in() < 0:
             raise OSError("no state shares its pages with a fresh one")
         self._state, self._first = state, state.ctypes.data
+        self._pages = _pages(state.view(np.uint8))
         self._own = _own(self._first)
-        self.watch()
-        pages = [page for begin, end in self._own for page in range(begin, end, mmap.PAGESIZE)]
-        held = [(page, ctypes.string_at(page, mmap.PAGESIZE)) for page in pages]
-        clean = _clean().ctypes.data - self._first
-        self._held = [(page, what) for page, what in held if what != ctypes.string_at(clean + page, mmap.PAGESIZE)]
-
-    def watch(self) -> None:
-        """Take notice of pages from here on: the state was left alone since it was marked, or restored."""
-        self._faults = _faults()
+        self._held = {begin: ctypes.string_at(begin, end - begin) for begin, end in _pieces(self._own)}
+        self._plan()
 
     def restore(self) -> None:
-        """Bring back what the state held. OSError as when it was marked; then it holds anything."""
-        if self._faults != _faults():
-            self._own = _own(self._first)
-        _clean_up([*self._own, _traced(self._state, self._first)], self._first)
-        for begin, held in self._held:
+        """Bring back what the state held. OSError as when it was marked; then it holds anything.
+
+        The thread that restores it has played it since it last restored a state, if at all: a page that was written
+        first was got since then.
+        """
+        before, _seen.faults = getattr(_seen, "faults", None), _faults()
+        if before != _seen.faults and (own := _own(self._first)) != self._own:
+            self._own = own
+            self._plan()
+        self._pages[self._empty] = np.void(_ZEROS)
+        self._pages[self._filled] = self._contents
+        for begin, held in self._parts:
             ctypes.memmove(begin, held, len(held))
+        _clean_up([_traced(self._state, self._first)], self._first)
+
+    def _plan(self) -> None:
+        """Plan how what is its own is restored: all pages of zeros at once, all others at once, then parts of pages.
+        What was not its own when it was marked holds what a fresh state does."""
+        clean = _clean().ctypes.data - self._first
+        held = {
+            begin: self._held.get(begin) or ctypes.string_at(clean + begin, end - begin)
+            for begin, end in _pieces(self._own)
+        }
+        whole = {begin: what for begin, what in held.items() if len(what) == mmap.PAGESIZE}
+        zeros = [begin for begin, what in whole.items() if what == _ZEROS]
+        others = [begin for begin, what in whole.items() if what != _ZEROS]
+        self._parts = [(begin, what) for begin, what in held.items() if begin not in whole]
+        self._empty, self._filled = (
+            np.array([(begin - self._first) // mmap.PAGESIZE for begin in each], np.intp) for each in (zeros, others)
+        )
+        self._contents = _pages(np.frombuffer(b"".join(whole[begin] for begin in others), np.uint8))
+
+
+def _pages(data: NDArray[np.uint8]) -> NDArray[np.void]:
+    """Return the whole pages of bytes that begin with one, one by one."""
+    return data[: len(data) // mmap.PAGESIZE * mmap.PAGESIZE].view(f"V{mmap.PAGESIZE}")
+
+
+def _pieces(spans: _Spans) -> _Spans:
+    """Return spans, cut between pages."""
+    borders = ((begin, end, range(-(-(begin + 1) // mmap.PAGESIZE), -(-end // mmap.PAGESIZE))) for begin, end in spans)
+    return [
+        piece
+        for begin, end, pages in borders
+        for piece in pairwise((begin, *(page * mmap.PAGESIZE for page in pages), end))
+    ]
 
 
 def _clean_up(spans: _Spans, first: int) -> None:
