@@ -1,14 +1,14 @@
 """Contacts as they were played: when, between whom, and with which force."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dsp.engine.memory.state import PUSHED, RUBBED, SNAPPED, TRACED_MOMENTS
+from ..dsp.engine.memory.state import PUSHED, RUBBED, SNAPPED, TRACE, TRACED_MOMENTS
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,8 @@ class Drive:
     moments: (n, 6) N, the force's Legendre moments over the sample that ends there, the mean first. gain: (n,), the
     factor on them. position, (n,): where it acts. friction: (n, 7), of what rubs along the surface: where, and its
     moments (N) with its gain; (0, 7) where nothing does. fed: the force, but not the friction, drives modes by
-    one number a frame (dsp/resonator/fed.py). sound: the place of a striker that sounds among the
+    one number a frame (dsp/resonator/fed.py). stays: it acts at one place with one gain, and nothing rubs. sound: the
+    place of a striker that sounds among the
     engine's, -1: none; share: of its output; ratio: of its radius to that of its kind. snaps: second pulses of the
     striker, (frame, N s).
     """
@@ -40,16 +41,11 @@ class Drive:
     position: NDArray[np.float64]
     friction: NDArray[np.float64]
     fed: bool = False
+    stays: bool = True
     sound: int = -1
     share: float = 0.0
     ratio: float = 1.0
     snaps: tuple[tuple[float, float], ...] = ()
-
-    @cached_property
-    def stays(self) -> bool:
-        """True if it acts at one place with one gain, and nothing rubs."""
-        same = (self.position == self.position[:1]).all() and (self.gain == self.gain[:1]).all()
-        return not len(self.friction) and bool(same)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,50 +112,76 @@ def assemble(
 
 def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking) -> Contact:
     pushes = run["kind"] == PUSHED
-    presses = bool(pushes.any())
-    pushed = run[pushes] if presses and not pushes.all() else run  # else friction alone, or a second pulse
-    first = int(pushed["sample"][0])
-    drive = _drive(run, pushed, rate, start)
+    pressing = run if pushes.all() else run[pushes]
+    pushed = pressing if len(pressing) else run  # else friction alone, or a second pulse
+    begun, last = _entry(pushed, 0), _entry(pushed, -1)
+    drive = _drive(run, pushed, pressing, rate, start)
     return Contact(
         striking.object, striking.striker, striking.id, striking.gesture,
-        start=float(pushed["begin"][0]) / rate,
-        duration=float(pushed["end"][-1] - pushed["begin"][0]) / rate,
-        position=float(pushed["position"][0]),
-        speed=float(pushed["speed"][0]),
-        velocity=float(pushed["velocity"][0]),
+        start=begun["begin"] / rate,
+        duration=(last["end"] - begun["begin"]) / rate,
+        position=begun["position"],
+        speed=begun["speed"],
+        velocity=begun["velocity"],
         mass=striking.mass,
-        impulse=float(pushed["impulse"].sum()) if presses else 0.0,
-        first=first + 1 - start,
+        impulse=float(pressing["impulse"].sum()) if len(pressing) else 0.0,
+        first=begun["sample"] + 1 - start,
         force=drive.moments[:, 0],
         drive=drive,
         by_position=striking.by_position,
     )  # fmt: skip
 
 
-def _drive(run: NDArray[np.void], pushed: NDArray[np.void], rate: float, start: int) -> Drive:
+def _entry(entries: NDArray[np.void], place: int) -> dict[str, Any]:
+    """Return an entry of TRACE by its names: at once, as each of an array's records takes as long as all of one."""
+    return dict(zip(TRACE.names or (), entries[place].item(), strict=True))
+
+
+def _drive(
+    run: NDArray[np.void], pushed: NDArray[np.void], pressing: NDArray[np.void], rate: float, start: int
+) -> Drive:
     """Return the force of a contact; entries that lack are samples without one, where nothing else changes."""
-    first = int(pushed["sample"][0])
-    rubbed, snapped, pressing = run[:0], run[:0], pushed
-    if ((kinds := run["kind"]) != PUSHED).any():
-        rubbed, snapped, pressing = run[kinds == RUBBED], run[kinds == SNAPPED], pushed[pushed["kind"] == PUSHED]
-    size = max(int(each["sample"][-1]) for each in (pushed, rubbed) if len(each)) - first + 1
-    at = pressing["sample"] - first
-    moments = np.zeros((size, TRACED_MOMENTS))
-    np.add.at(moments[:, 0], at, pressing["impulse"] * rate)
-    np.add.at(moments[:, 1:], at, pressing["moments"] * rate)
+    first, last = int(pushed["sample"][0]), int(pushed["sample"][-1])
+    rubbed, snapped = run[:0], run[:0]
+    if pressing is not run:
+        kinds = run["kind"]
+        rubbed, snapped = run[kinds == RUBBED], run[kinds == SNAPPED]
+        last = max(last, int(rubbed["sample"][-1])) if len(rubbed) else last
+    size, at = last - first + 1, pressing["sample"] - first
     sounds = pushed["sound"] >= 0
-    known = pushed[int(sounds.argmax())] if sounds.any() else None
+    known = _entry(pushed, int(sounds.argmax())) if sounds.any() else _SILENT
+    gain, is_loud = _between(at, pressing["gain"], size, 1.0)
+    position, is_there = _between(at, pressing["position"], size, float(pushed["position"][0]))
     return Drive(
-        moments,
-        _between(at, pressing["gain"], size, 1.0),
-        _between(at, pressing["position"], size, float(pushed["position"][0])),
+        _moments(pressing, at, size, rate),
+        gain,
+        position,
         _friction(rubbed[rubbed["sample"] >= first], first, size, rate) if len(rubbed) else _NO_FRICTION,
         bool(pushed["fed"].any()),
-        sound=int(known["sound"]) if known is not None else -1,
-        share=float(known["share"]) if known is not None else 0.0,
-        ratio=float(known["ratio"]) if known is not None else 1.0,
+        stays=is_loud and is_there and not len(rubbed),
+        sound=known["sound"],
+        share=known["share"],
+        ratio=known["ratio"],
         snaps=tuple((float(each["begin"]) - start, float(each["impulse"])) for each in snapped),
     )
+
+
+_SILENT: Mapping[str, Any] = {"sound": -1, "share": 0.0, "ratio": 1.0}
+
+
+def _moments(pressing: NDArray[np.void], at: NDArray[np.int64], size: int, rate: float) -> NDArray[np.float64]:
+    """Return the moments (size, 6) of what presses, by frames; several entries of one add up."""
+    columns = pressing.view(np.float64).reshape(len(pressing), -1)
+    forces = columns[:, _IMPULSE : _IMPULSE + TRACED_MOMENTS] * rate
+    if len(at) == size and (at == np.arange(size)).all():
+        return forces + 0.0  # as is added to zeros: no -0
+    moments = np.zeros((size, TRACED_MOMENTS))
+    np.add.at(moments, at, forces)
+    return moments
+
+
+_IMPULSE = TRACE.fields["impulse"][1] // 8  # type: ignore[index]
+"""The first of an entry's columns of 8 bytes that hold its moments: the impulse, then `moments`."""
 
 
 _NO_FRICTION = np.zeros((0, 1 + TRACED_MOMENTS))
@@ -174,8 +196,14 @@ def _friction(rubbed: NDArray[np.void], first: int, size: int, rate: float) -> N
     return friction
 
 
-def _between(at: NDArray[np.int64], known: NDArray[np.float64], size: int, usual: float) -> NDArray[np.float64]:
-    """Return values by frame (size,), known at some frames, and between these along lines; `usual` if at none."""
-    if not len(at):
-        return np.full(size, usual)
-    return np.full(size, known[0]) if (known == known[0]).all() else np.interp(np.arange(size), at, known)
+def _between(
+    at: NDArray[np.int64], known: NDArray[np.float64], size: int, usual: float
+) -> tuple[NDArray[np.float64], bool]:
+    """Return values by frame (size,), known at some frames, and between these along lines; `usual` if at none; and
+    whether they are all the same."""
+    value = known[0] if len(at) else usual
+    if (known == value).all():
+        found = np.empty(size)
+        found.fill(value)
+        return found, True
+    return np.interp(np.arange(size), at, known), False

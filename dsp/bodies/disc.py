@@ -201,7 +201,8 @@ def membrane(
     scale = 1 / np.sqrt(mass * np.where(order == 0, 1.0, 0.5)) / peak
 
     def radial(steps: int, mode: Indices) -> Array:
-        shapes: Array = scale[mode] * _film_shapes(every, steps)[:, mode]
+        shapes = np.take(_film_shapes(every, steps), mode, axis=1)  # row by row, as what follows goes
+        shapes *= scale[mode]
         return shapes
 
     wave = root / radius
@@ -257,8 +258,9 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
 
     steps = _steps(float(root[near[base]].max()))
     angle = _SIGN_AT[1]
-    along = body.radial(steps, near[base]) * air.shrinking[base]
-    along, each = along[:, member], order[near[base]][member]
+    along = body.radial(steps, near[base])
+    along *= air.shrinking[base]
+    along, each = np.take(along, member, axis=1), order[near[base]][member]
     sign = along[-1] * np.cos(angle * each - phase[keep])
     shapes = _across(along[:-1], each, phase[keep])
     made = heard(material, frequency[keep], air.resistance[base][member], (shapes, sign), body.mass)
@@ -275,7 +277,7 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
     upper = np.arange(other.size) >= order.size
     others = np.flatnonzero(~np.isin(2 * other + upper, 2 * near[which[keep]] + (keep >= near.size)))
     base, member = np.unique(other[others], return_inverse=True)
-    shapes = _across(body.radial(steps, base)[:-1, member], order[other[others]], phase[others])
+    shapes = _across(np.take(body.radial(steps, base)[:-1], member, axis=1), order[other[others]], phase[others])
     felt = Felt(frequency[others], shapes)
     if body.complete is not None:
         felt = completed(Felt(made.frequency, made.strike), felt, body.complete, 2 * top)

@@ -35,10 +35,12 @@ def with_residual(modes: Modes, tension: float, rigidity: float, areal: float, w
     shape = omega * math.sqrt(flexibility)
     places = np.linspace(0, length, len(modes.strike))
     held = np.sqrt(1 - np.exp(-2 * wave * np.minimum(places, length - places)))  # nothing moves at the edge
+    strike, pressure = modes.strike.copy(), modes.pressure.copy()
+    strike[:, -1], pressure[:, -1] = shape * held, 0.0
     return replace(
         modes,
         frequency=np.append(modes.frequency[:-1], omega / (2 * math.pi)),
         decay=np.append(modes.decay[:-1], shape**2 / (2 * conductance)),
-        strike=np.column_stack([modes.strike[:, :-1], shape * held]),
-        pressure=np.column_stack([modes.pressure[:, :-1], np.zeros(2)]),
+        strike=strike,
+        pressure=pressure,
     )
