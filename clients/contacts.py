@@ -31,9 +31,8 @@ class Drive:
     factor on them. position, (n,): where it acts. friction: (n, 7), of what rubs along the surface: where, and its
     moments (N) with its gain; (0, 7) where nothing does. fed: the force, but not the friction, drives modes by
     one number a frame (dsp/resonator/fed.py). stays: it acts at one place with one gain, and nothing rubs. sound: the
-    place of a striker that sounds among the
-    engine's, -1: none; share: of its output; ratio: of its radius to that of its kind. snaps: second pulses of the
-    striker, (frame, N s).
+    place of a striker that sounds among the engine's, -1: none; share: of its output; ratio: of its radius to that of
+    its kind. snaps: second pulses of the striker, (frame, N s).
     """
 
     moments: NDArray[np.float64]
