@@ -115,6 +115,22 @@ def checked(task: Task, options: Options, presets: Presets) -> list[Line]:
     return score
 
 
+def refusals(todo: Sequence[Task], options: Options, presets: Presets) -> list[Result]:
+    """Return the outcomes of several tasks if `checked` refuses all of them; none if the engine is needed for one."""
+    found = []
+    for task in todo:
+        if task.score == STREAM:  # it can be read once
+            return []
+        try:
+            checked(task, options, presets)
+            return []
+        except KINDS as error:
+            if not is_expected(error):
+                raise
+            found.append(Result(task, [], plain(error)))
+    return found
+
+
 def render_task(
     task: Task, options: Options, presets: Presets, progress: Callable[[float], object], score: list[Line] | None = None
 ) -> list[str]:

@@ -21,7 +21,8 @@ from .files.log import Log
 from .files.recorder import Recorder
 from .files.takes import Takes
 from .net.network import Network
-from .options import Options, ServeError
+from .options import Options
+from .ready import require_ready
 from .server import Server
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def serving(options: Options) -> Iterator[Server]:
         with _named(options.bind, options.port, "--port"):
             network = stack.enter_context(closing(Network(options.bind, options.port, options.trusted)))
         presets = Presets(options.presets)
+        require_ready(options)
         early = wait_for_code(network)
         engine = options.engine()
         files = stack.enter_context(ExitStack())  # which end after the tap has handed on the last sound
@@ -90,21 +92,15 @@ def _recorder(engine: Engine, path: Path, tap: Tap | None, comment: str) -> Reco
 
 
 def _midi_ports(options: Options, server: Server) -> "Ports":
-    try:
-        from .midi.ports import Ports
+    from .midi.ports import Ports
 
-        return Ports(options.midi, server.midi.hear)
-    except ModuleNotFoundError as error:
-        raise ServeError(f"midi: {error.name} is missing: pip install 'carom[midi]'") from None
+    return Ports(options.midi, server.midi.hear)
 
 
 def _start_web(options: Options, server: Server, tap: Tap | None, stack: ExitStack) -> "WebServer":
-    try:
-        from .web.server import answering
-        from .web.start import Web, web_server
-    except ModuleNotFoundError as error:
-        option = "oscquery" if options.page is None else "page"
-        raise ServeError(f"{option}: {error.name} is missing: pip install 'carom[page]'") from None
+    from .web.server import answering
+    from .web.start import Web, web_server
+
     assert options.web is not None
     web, listening = web_server(
         Web(options.bind, options.web, options.page, options.certificate, options.tls), server.known, server.network

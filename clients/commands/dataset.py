@@ -35,7 +35,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     try:
         from ..dataset.recipe import find, read
-        from ..dataset.run import Workers, run
+        from ..dataset.run import Workers, require_possible, run
 
         if arguments.dask:
             from ..dataset import dask  # noqa: F401
@@ -48,6 +48,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if not 1 <= workers <= MOST_WORKERS:
         raise DatasetError(f"workers = {workers}: expected 1 to {MOST_WORKERS}")
     recipe = read(find(arguments.recipe, arguments.presets), arguments.count)
+    require_possible(recipe, arguments.out, arguments.presets)
     prepare()  # once, before the processes that share the compiled code
     interrupted = Event()
     on_end(interrupted.set)

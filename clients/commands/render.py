@@ -67,7 +67,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from ...presets import Presets
     from ...server.files.whole import RenderError
     from ...server.render import Options
-    from ..rendering import checked, make_folders, render_all, tasks
+    from ..rendering import checked, make_folders, refusals, render_all, tasks
 
     keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize", "bank", "full_scale")
     given = {key: getattr(arguments, key) for key in keys}
@@ -78,14 +78,19 @@ def _run(arguments: argparse.Namespace) -> int:
     if not 1 <= jobs <= MOST_JOBS:
         raise RenderError(f"jobs = {arguments.jobs}: expected 1 to {MOST_JOBS}")
     presets = Presets(arguments.presets)
-    score = checked(todo[0], options, presets) if len(todo) == 1 else None
+    score = None
+    if len(todo) == 1:
+        score = checked(todo[0], options, presets)
+    else:
+        make_folders(todo)
+        if refused := refusals(todo, options, presets):
+            return _render_many(iter(refused), len(todo))
     prepare()  # once, before processes that share the compiled code, and before there is another progress bar
 
     # An exception that a signal raises may be lost inside a library's callback: so the signal only sets a flag.
     interrupted = Event()
     on_end(interrupted.set)
     if score is None:
-        make_folders(todo)
         return _render_many(render_all(todo, options, arguments.presets, jobs, interrupted.is_set), len(todo))
     _render_one(todo[0], score, options, presets, interrupted)
     return 0

@@ -66,17 +66,25 @@ def rows_name(recipe: Recipe, shard: int) -> str:
     return shard_name(recipe, shard).removesuffix(".tar") + ".rows"
 
 
+def require_folder(out: Path, said: Mapping[str, Any]) -> None:
+    """Make a folder if it is not there. FolderError or OSError if it can't take the data set, whatever computes it."""
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / ABOUT
+    if path.exists():
+        _require_same_recipe(out, json.loads(path.read_bytes()), said)
+    elif others := sorted(each.name for each in out.iterdir() if not each.name.startswith(f"{ABOUT}.")):
+        raise FolderError(f"{out}: {others[0]} is there: expected a new or empty folder, or one with {ABOUT}")
+
+
 @contextmanager
 def opened(out: Path, said: Mapping[str, Any]) -> Iterator[None]:
     """Open a folder, new or with a part of the same data set, that no other run writes to meanwhile.
 
     FolderError, VersionError or OSError say why it cannot be. Files that killed runs left half done are removed.
     """
-    out.mkdir(parents=True, exist_ok=True)
+    require_folder(out, said)
     path = out / ABOUT
     if not path.exists():
-        if others := sorted(each.name for each in out.iterdir() if not each.name.startswith(f"{ABOUT}.")):
-            raise FolderError(f"{out}: {others[0]} is there: expected a new or empty folder, or one with {ABOUT}")
         write(path, json.dumps(said, indent=2).encode() + b"\n")
     with path.open("rb") as file:
         if fcntl:
@@ -84,7 +92,9 @@ def opened(out: Path, said: Mapping[str, Any]) -> Iterator[None]:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
                 raise OSError(error.errno, "is being written already", str(out)) from error
-        _require_same(out, json.load(file), said)
+        there = json.load(file)
+        _require_same_recipe(out, there, said)
+        require_same(there["computed_by"], said["computed_by"], f"{out}: it was begun by other versions")
         _remove_halves(out)
         try:
             yield
@@ -97,14 +107,13 @@ def _remove_halves(out: Path) -> None:
         half.unlink(missing_ok=True)
 
 
-def _require_same(out: Path, there: Mapping[str, Any], said: Mapping[str, Any]) -> None:
-    """Raise FolderError or VersionError unless a folder holds the data set that is meant."""
+def _require_same_recipe(out: Path, there: Mapping[str, Any], said: Mapping[str, Any]) -> None:
+    """Raise FolderError unless a folder holds the data set that is meant."""
     parts = {"recipe": "recipe", "recipe_text": "text of the recipe", "scores": "score", "items": "number of items"}
     for key, what in parts.items():
         if there.get(key) != said[key]:
             shown = f": {said[key]}, there are {there.get(key)}" if key in ("recipe", "items") else ""
             raise FolderError(f"{out}: it holds a data set of another {what}{shown}; expected a new or empty folder")
-    require_same(there["computed_by"], said["computed_by"], f"{out}: it was begun by other versions")
 
 
 def missing(out: Path, recipe: Recipe) -> list[int]:

@@ -11,7 +11,7 @@ from ...presets import Presets
 from ...server.files.whole import appearing
 from .card import CARD, card
 from .check import require_sound
-from .files import about, missing, opened, rows_name, table_name, write
+from .files import about, missing, opened, require_folder, rows_name, table_name, write
 from .local import by_processes
 from .plan import outlined, planned
 from .recipe import Recipe
@@ -24,6 +24,12 @@ class Workers:
 
     processes: int = 1
     dask: str = ""
+
+
+def require_possible(recipe: Recipe, out: Path, folders: Sequence[Path] = ()) -> None:
+    """Raise the errors of `run` that need no engine, which may take minutes to compile."""
+    require_sound(recipe, Presets(folders))
+    require_folder(out, about(recipe, {}))
 
 
 def run(

@@ -8,7 +8,7 @@ import math
 import sys
 import threading
 import time
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -99,13 +99,11 @@ class DeviceOutput:
         self._sd = portaudio()
         self._engine = engine  # the callback writes to its memory: it must live as long as the stream
         self._handover = Handover(engine.address, engine.pointer, engine.width)
-        self._asked = "default" if device is None else str(device)
+        self._asked = _asked(device)
         self._api, self._own_rate = "", 0.0
         ffi = self._sd._ffi
-        if device is None and not devices():
-            raise AudioError(NONE_FOUND)
+        found = _found(device)
         try:
-            found = self._sd.query_devices(device, "output")
             self._api = str(self._sd.query_hostapis(found["hostapi"])["name"])
             self._own_rate = float(found["default_samplerate"])
             self._stream = self._sd._StreamBase(
@@ -146,8 +144,7 @@ class DeviceOutput:
         return self._error(f"{error}: expected its own rate, {self._own_rate:.0f} Hz, not {asked:.0f}")
 
     def _error(self, text: str) -> AudioError:
-        hint = "`carom devices` lists them, `--device none` plays without one"
-        return AudioError(f"device {self._asked}: {' '.join(text.split())}; {hint}")
+        return _error(self._asked, text)
 
     def prepare(self) -> None:
         """Start the device's callbacks, which play silence until `start`."""
@@ -199,13 +196,45 @@ class DeviceOutput:
         self._stream.close(ignore_errors=True)
 
 
+def _asked(device: int | str | None) -> str:
+    return "default" if device is None else str(device)
+
+
+def _error(asked: str, text: str) -> AudioError:
+    hint = "`carom devices` lists them, `--device none` plays without one"
+    return AudioError(f"device {asked}: {' '.join(text.split())}; {hint}")
+
+
+def _found(device: int | str | None) -> dict[str, Any]:
+    """Return the device of an index or a name, None: the default one, as PortAudio tells of it. AudioError if there is
+    none."""
+    sd = portaudio()
+    if device is None and not devices():
+        raise AudioError(NONE_FOUND)
+    try:
+        found: dict[str, Any] = sd.query_devices(device, "output")
+    except (sd.PortAudioError, ValueError) as error:
+        raise _error(_asked(device), str(error)) from error
+    return found
+
+
+def require_device(device: str | None) -> None:
+    """Raise AudioError if there is no device as `open_output` asks for."""
+    if device not in _BLOCKS:
+        _found(_index_or_name(device))
+
+
+def _index_or_name(device: str | None) -> int | str | None:
+    return int(device) if device and device.isdigit() else device
+
+
 def open_output(engine: Engine, device: str | None, block: int, latency: float | None = None) -> Output:
     """Open an output for an engine, to be started. AudioError if there is no such device.
 
     device: None for the default device, "none" for no device, "page" for none but the pages that hear it, else its
-    index or part of its name. block: frames, 0 for
-    the device's own. latency: s to ask the device for, None for its lowest; the output's `latency` says what it gives.
+    index or part of its name. block: frames, 0 for the device's own. latency: s to ask the device for, None for its
+    lowest; the output's `latency` says what it gives.
     """
-    if device in ("none", "page"):
+    if device is not None and device in _BLOCKS:
         return ClockOutput(engine, block, latency, device)
-    return DeviceOutput(engine, int(device) if device and device.isdigit() else device, block, latency)
+    return DeviceOutput(engine, _index_or_name(device), block, latency)

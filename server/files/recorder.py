@@ -19,6 +19,12 @@ class RecordError(CaromError, RuntimeError):
     """The recording cannot begin; the text says why."""
 
 
+def require_wav(path: Path) -> None:
+    """Raise RecordError if a name ends in another format's ending."""
+    if path.suffix.lower() not in ("", ".wav"):
+        raise RecordError(f"{path}: expected a name that ends in .wav")
+
+
 class Recorder:
     """Writes everything an engine computes to a 32-bit float WAV file (RF64 above 4 GiB), from a thread of its own.
 
@@ -32,8 +38,7 @@ class Recorder:
     ) -> None:  # fmt: skip
         """Open a new recording. take: returns the sound since its last call; None: the engine's own `recorded`, which
         nobody else may call. anew: raise OSError if there is such a file. comment: in the file's metadata."""
-        if path.suffix.lower() not in ("", ".wav"):
-            raise RecordError(f"{path}: expected a name that ends in .wav")
+        require_wav(path)
         self._engine = engine
         self._comment = comment
         self._out = OutFile(path, anew)

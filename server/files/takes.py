@@ -35,8 +35,7 @@ class Takes:
 
     def __init__(self, engine: Engine, tap: Tap, folder: Path, quota: int, comment: str = "") -> None:
         """Begin without a take. quota: bytes of all files in the folder. comment: in their metadata."""
-        folder.mkdir(parents=True, exist_ok=True)
-        self._folder = folder.resolve(strict=True)
+        self._folder = made_folder(folder)
         self._engine, self._tap, self._quota, self._comment = engine, tap, quota, comment
         self._file = ""
         self._part: Part | None = None
@@ -115,6 +114,12 @@ class Takes:
             with suppress(OSError):  # it was removed
                 used += max(_LEAST_BYTES, entry.stat(follow_symlinks=False).st_size)
         return used
+
+
+def made_folder(folder: Path) -> Path:
+    """Return the whole path of a folder, which is made if it is not there. OSError if it can't be."""
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder.resolve(strict=True)
 
 
 def _file_of(name: str) -> str:

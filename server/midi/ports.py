@@ -30,11 +30,8 @@ class Ports:
         self._hear = hear
         self._news: SimpleQueue[str] = SimpleQueue()
         self._ports: dict[str, Any] = {}  # by name; None: it has disappeared
-        if wanted:
-            _require_system()
         try:
-            for each in wanted:
-                name = each if each == VIRTUAL else _found(each, inputs())
+            for name in found_inputs(wanted):
                 self._ports[name] = self._opened(name)
         except (OSError, ServeError):
             self._close_all()
@@ -87,6 +84,14 @@ class Ports:
         self._leave.set()
         self._thread.join(_AGAIN)
         self._close_all()
+
+
+def found_inputs(wanted: Sequence[str]) -> list[str]:
+    """Return the names of inputs: for each its index or a part of its name, or VIRTUAL. ServeError names one that there
+    is not."""
+    if wanted:
+        _require_system()
+    return [each if each == VIRTUAL else _found(each, inputs()) for each in wanted]
 
 
 def inputs() -> list[str]:

@@ -91,6 +91,11 @@ def _full_scale(transaction: Transaction, call: Call, values: Values) -> None:
 
 
 def _contact(transaction: Transaction, call: Call, values: Values) -> None:
+    send(transaction, call.message, Command(NOW, Kind.METHOD, values=contact_choice(values)))
+
+
+def contact_choice(values: Values) -> dict[str, float]:
+    """Return the values of the command that chooses how contacts are solved. Refused if they don't go together."""
     method = values.words["method"]
     correction = values.words.get("correction", "none")
     if method != "closed" and method not in METHODS:
@@ -98,13 +103,12 @@ def _contact(transaction: Transaction, call: Call, values: Values) -> None:
     if correction not in CORRECTIONS:
         raise Refused(f"correction = {shown(correction)}: {expected(correction, CORRECTIONS)}")
     oversampling = values.number("oversampling")
-    choice: dict[str, float] = {"method": 0, "correction": 0, "oversampling": 0}
     if method != "closed":
         number = 1 + METHODS.index(method)
-        choice = {"method": number, "correction": CORRECTIONS[correction], "oversampling": oversampling}
-    elif correction != "none" or oversampling != 1:
+        return {"method": number, "correction": CORRECTIONS[correction], "oversampling": oversampling}
+    if correction != "none" or oversampling != 1:
         raise Refused("closed: it is exact already; expected neither correction nor oversampling")
-    send(transaction, call.message, Command(NOW, Kind.METHOD, values=choice))
+    return {"method": 0, "correction": 0, "oversampling": 0}
 
 
 ENGINE_HANDLERS: dict[str, Handler] = {

@@ -7,6 +7,7 @@ import pytest
 import soundfile
 
 from carom.dsp.runtime import engine
+from carom.server import compiling
 
 BELL = "0 /object/new bell church-bell\n0 /object/bell/impact 1\n"
 FILES = {
@@ -15,8 +16,10 @@ FILES = {
     "preset.txt": "0 /object/new bell church-bel\n",
     "empty.txt": "# nothing\n",
     "good.stl": "solid\n",
+    "bad.toml": "count = 2\n[object]\npreset = 'church-bel'\n[impact]\nvelocity = 1\n",
 }
 
+SERVE = "serve --port 0 --device none"
 REFUSED = {
     "render nope.txt out.wav": "nope.txt: No such file",
     "render nope out.wav": "no score 'nope'",
@@ -32,6 +35,19 @@ REFUSED = {
     "mesh good.stl mine --name cup --material stel": "no material 'stel': did you mean steel",
     "fit nope.wav mine --name bar": "nope.wav: No such file",
     "fit silence.wav good.txt --name bar": "good.txt: expected a folder",
+    "render nope.txt line.txt out/": "line.txt:1: time 'x'",
+    "dataset impacts good.txt": "good.txt: File exists",
+    "dataset impacts .": "bad.toml is there: expected a new or empty folder",
+    "dataset bad.toml new": "no object 'church-bel': did you mean church-bell",
+    f"{SERVE} --record nowhere/out.wav": "nowhere/out.wav: No such file",
+    f"{SERVE} --record out.flac": "out.flac: expected a name that ends in .wav",
+    f"{SERVE} --log nowhere/out.txt": "nowhere/out.txt: No such file",
+    f"{SERVE} --recordings good.txt": "good.txt: File exists",
+    f"{SERVE} --contact rk5": "/contact: method = rk5: did you mean rk4?",
+    f"{SERVE} --oscquery 0 --record good.flac": "good.flac: expected a name that ends in .wav",
+    f"{SERVE} --midi no-such-input": "midi",
+    "page --port 0 --device none --page 0 --certificate nope.pem": "nope.pem: No such file",
+    "serve --port 0 --device no-such-device": "device",
 }
 
 
@@ -45,7 +61,8 @@ def compiles_nothing(tmp_path, monkeypatch):
     for name, text in FILES.items():
         Path(tmp_path, name).write_text(text)
     soundfile.write(tmp_path / "silence.wav", np.zeros(4800), 48_000)
-    monkeypatch.setattr(engine, "prepare", compiled)
+    for module in (engine, compiling):
+        monkeypatch.setattr(module, "prepare", compiled)
 
 
 @pytest.mark.parametrize("words", REFUSED)
