@@ -121,7 +121,8 @@ def _state(engine: Engine) -> dict[str, Any]:
     }  # fmt: skip
     places = {name: _offset(path) for name, path in paths.items()}
     used = PULSE_VALUES + engine.pulses.reached * np.dtype(np.float32).itemsize
-    size = -(-(used if engine.pulses.reached else PULSES) // 8) * 8
+    needed = used if engine.pulses.reached else PULSES if engine.had_plates else _offset("curves")
+    size = -(-needed // 8) * 8
     sizes = {"size": size, "ring": RING, "events": EVENTS, "most_ended": ENDED}
     objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
     return {**places, **sizes, "modes": bank["frequency"].shape[0], "objects": objects.shape[0]}

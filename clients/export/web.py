@@ -66,7 +66,7 @@ def without(baked: Baked) -> list[str]:
     has = {
         "space": bool(kinds & {Kind.POSE, Kind.LISTEN, Kind.FURNISH}),
         "sensors": Kind.MOUNT in kinds,
-        "plates that stretch": any(obj.handle.sheet >= 0 for obj in baked.objects.values()),
+        "plates that stretch": baked.engine.had_plates,
         "swarms": baked.engine.pulses.reached > 0,
     }
     return [_FASTER, *(kernels for room, names in _ROOMS.items() if not has[room] for kernels in names)]

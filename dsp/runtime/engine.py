@@ -387,6 +387,11 @@ class Engine:
         """
         return self._strikers.lay_out(sound)
 
+    @property
+    def had_plates(self) -> bool:
+        """True if it ever had a plate whose modes can be coupled."""
+        return self._memory.had_plates
+
     def lacks_pulses(self, exponent: float) -> bool:
         """True if `lay_out_pulses` has to make a table first, which takes a second."""
         return self.pulses.lacks(exponent)

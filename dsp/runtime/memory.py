@@ -39,6 +39,11 @@ class Memory:
         """Number of objects for which there is a place."""
         return self._most - self.reached + len(self._slots)
 
+    @property
+    def had_plates(self) -> bool:
+        """True if it ever had a plate whose modes can be coupled."""
+        return self._sheets.used
+
     def lay_out(self, modes: Modes, level: float, top: float) -> tuple[Handle, dict[str, float]]:
         """Put an object's modes up to a frequency (Hz) into the bank, as `Engine.lay_out` says."""
         self._collect()

@@ -21,8 +21,13 @@ class Sheets:
         self._sheets, self._values, self._rate = record["sheets"], record["curves"], float(record["rate"])
         self._places = Arena("plates whose modes are coupled", SHEETS)
         self._room = Arena("values of plates' grids", TABLE_VALUES)
+        first = -self._values.ctypes.data % LINE // self._values.itemsize
+        if first > 0:
+            self._room.take(first)  # what it gives begins with a line of the cache
         self._tables: dict[int, tuple[int, int]] = {}  # by layout: first value, and how many plates have it
         self._users: dict[int, Laid] = {}  # by place
+        self.used = False
+        """True if a plate ever had a place."""
 
     def lay_out(self, laid: Laid) -> int:
         """Give a plate a place; EngineFull if there is none."""
@@ -33,7 +38,7 @@ class Sheets:
         except EngineFull:
             self._places.give(place)
             raise
-        self._users[place] = laid
+        self._users[place], self.used = laid, True
         self._fill(self._sheets[place], laid, begin)
         return place
 
@@ -89,6 +94,8 @@ MIXES = 6_000.0
 """Exchanges of energy above the coupled modes, per second."""
 FOLLOWS = 0.0001
 """s in which the auxiliary variable follows the grid's."""
+LINE = 64
+"""Bytes of a line of the cache."""
 MOST_EVERY = 3
 """Samples from one look at the grid to the next, at most: its gradient is extrapolated between."""
 

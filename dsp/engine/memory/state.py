@@ -355,9 +355,7 @@ class State(Record):
     """The whole memory."""
 
     bank: Bank
-    # The next two begin at multiples of 64 bytes as well.
-    space: Space  # in which the forces of a plate's stretching are computed
-    curves: Annotated[View[f32], TABLE_VALUES]  # the tables of all plates' grids
+    space: Space  # in which the forces of a plate's stretching are computed: at a multiple of 64 bytes as well
     scratch: Scratch
     ring: CommandRing
     queue: Queue
@@ -415,9 +413,9 @@ class State(Record):
     notes: NoteRing  # what became of commands, for a log
     trace: TraceRing  # forces of contacts
     ends: EndRing  # gestures that ended, and how: an End
-    pulses: (
-        Pulses  # the tables of swarms' blows: last, so that an exported scene without swarms takes no memory for them
-    )
+    # Last, so that an exported scene takes no memory for what it has none of:
+    curves: Annotated[View[f32], TABLE_VALUES]  # the tables of all plates' grids
+    pulses: Pulses  # the tables of swarms' blows
 
 
 STATE = dtype_of(State)

@@ -9,8 +9,10 @@ from carom.clients.export.baking import Baked, bake
 from carom.clients.export.clap import write_plugin
 from carom.clients.export.mapping import Strikers, scene_map
 from carom.clients.export.scene import ExportError, Scene
-from carom.dsp.runtime.engine import Engine
+from carom.dsp.engine.memory.state import STATE
+from carom.dsp.runtime.engine import NOW, Engine
 from carom.server.osc.score import parse
+from carom.server.osc.wire import Message
 from carom.server.render import Options
 from carom.server.scene.session import Session
 
@@ -31,3 +33,17 @@ def test_a_sensor_has_a_channel_of_what_is_exported_and_a_plug_in_has_none():
     assert scene_map(baked, strikers)["channels"] == 2 == baked.sound.shape[1]
     with pytest.raises(ExportError, match="x: expected no sensor, as a plug-in has channels of sound alone"):
         write_plugin([Scene(baked, strikers, "x", {})], Path("never"))
+
+
+def test_a_scene_takes_no_memory_for_plates_that_it_lacks():
+    """The tables of plates that stretch end an engine's memory, before those of swarms."""
+    engine = Engine(48_000.0, 1)
+    session, strikers = Session(engine, Presets()), Strikers(Presets())
+    strikers.names, strikers.surfaces = [], []
+    sizes = []
+    for preset in ("glass-plate", "crash-cymbal"):
+        session.perform([Message("/object/new", ("a", preset))], NOW)
+        session.perform([Message("/object/a/free", ())], NOW)
+        baked = Baked(engine, session, [], [], engine.process(64))
+        sizes.append(scene_map(baked, strikers)["state"]["size"])
+    assert sizes == [STATE.fields[name][1] for name in ("curves", "pulses")]
