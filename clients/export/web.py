@@ -25,9 +25,6 @@ _ROOMS = {
 }
 """Parts of the engine that a scene may lack: the kernels that it does without."""
 
-_FASTER = "carom.dsp.engine.contacts.blocks.run_alone."
-"""A kernel that does faster what others do, too, to the same bits: a page is loaded sooner without it."""
-
 WORKLET = ("messages.js", "scene.js", "worklet.js")
 """The scripts of the audio thread, each after those that it imports: a page has them as one file."""
 
@@ -69,4 +66,4 @@ def without(baked: Baked) -> list[str]:
         "plates that stretch": baked.engine.had_plates,
         "swarms": baked.engine.pulses.reached > 0,
     }
-    return [_FASTER, *(kernels for room, names in _ROOMS.items() if not has[room] for kernels in names)]
+    return [kernels for room, names in _ROOMS.items() if not has[room] for kernels in names]

@@ -62,7 +62,7 @@ class Net(Record):
 
     size: int
     stop: int  # frame up to which they may be solved,
-    end: int  # and up to which they are, -1: nobody has done so
+    end: int  # and up to which they are
     begin: int  # at which their block began
     lasts: int  # 1: forces that last are not all those of bodies at rest, which are in no force here
     moves: int  # 1: a body moves over an object, so that its block ends early

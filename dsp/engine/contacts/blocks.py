@@ -77,10 +77,9 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
 def _solve(state: State, net: Net, frame: int) -> None:
     """Solve the contacts of a net from a frame on, as far as can be, or for a sample under friction."""
     stop = frame + 1 if net.rubs == 1 else net.stop
-    net.end = -1
     if net.size == 1:
         run_alone(state, frame, stop)
-    if net.end < 0:
+    else:
         net.end = _run(state, net, net.size, frame, stop)
     for i in range(net.size):
         state.contacts[net.contact[i]].ahead = net.end
@@ -107,7 +106,7 @@ def _hand_on_all(state: State, net: Net, frame: int) -> None:
 @noinline_kernel
 def run_alone(state: State, frame: int, stop: int) -> None:
     """Solve the contact of a net that has no other from a frame to another: by code of its own, which is faster, and
-    gives the same bits. What lacks it does without (clients/export)."""
+    gives the same bits."""
     state.scratch.net.end = _run(state, state.scratch.net, 1, frame, stop)
 
 
