@@ -13,7 +13,7 @@ nearest to the preset's note counts.
 """
 
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 from statistics import mean
 from typing import NamedTuple
 
@@ -29,6 +29,9 @@ CELLO = tuple(f"Cello {note}" for note in ("C#3", "E3", "G3", "A#3", "C#4", "E4"
 LOWEST, HIGHEST = 1500.0, 8000.0  # Hz: from the bridge's hill up
 PITCHES = 60.0, 400.0  # Hz
 BOWED = 3.0  # s
+STRING = 146.8  # Hz, of the preset's cello
+BOWS = (0.07, 0.1, 0.14), (0.5, 1.0, 2.0), (0.1, 0.2, 0.4)
+"""Places (of the length), forces (N), and speeds (m/s) of bows, from soft to loud playing."""
 BEGINS = 1 / 3  # of a bowed note: what is before is its onset
 BARS: tuple[Pair, ...] = (
     ("Marimba C 5", "marimba-bar", {}),
@@ -51,10 +54,10 @@ SWELLS = 0.02, 0.15  # s
 NEAR, ABOVE = 2 ** (1 / 6), 1.5  # ratios to the lowest partial
 
 
-def bowed() -> Recording:
-    """Return the preset's cello, bowed as it says."""
+def bowed(**keys: float) -> Recording:
+    """Return the preset's cello, bowed as it says but for some keys."""
     with carom.Scene(RATE, limiter=False) as scene:
-        scene.new("a", "cello-string", stereo_width=0).slide(at=0.0)
+        scene.new("a", "cello-string", stereo_width=0).slide(at=0.0, **keys)
         return Recording("cello-string", scene.render(BOWED).samples[:, 0].astype(float), RATE)
 
 
@@ -64,6 +67,12 @@ def pitch(sound: Recording) -> float:
     alike = np.fft.irfft(np.abs(np.fft.rfft(sound.samples, 2 * size)) ** 2)
     lags = np.arange(int(sound.rate / PITCHES[1]), int(sound.rate / PITCHES[0]))
     return float(sound.rate / lags[np.argmax(alike[lags])])
+
+
+def as_it_may_be_bowed() -> list[float]:
+    """Return the slopes (dB per octave) of the preset's cello under all BOWS that hold its pitch."""
+    rows = (fall(bowed(position=place, force=force, speed=speed)) for place, force, speed in product(*BOWS))
+    return [slope for pitch, slope in rows if abs(np.log2(pitch / STRING)) < 1 / 12]
 
 
 def fall(sound: Recording) -> tuple[float, float]:
@@ -108,7 +117,7 @@ def spectrum(samples: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
 
 def cello(font: SoundFont) -> None:
     """Print the slopes of the recorded notes and of the preset's."""
-    slopes = []
+    slopes, bows = [], as_it_may_be_bowed()
     print(f"dB an octave from {LOWEST:.0f} to {HIGHEST:.0f} Hz")
     for name in CELLO:
         lowest, slope = fall(font.recording(name))
@@ -116,6 +125,7 @@ def cello(font: SoundFont) -> None:
         print(f"  {name:18} {lowest:6.0f} Hz {slope:7.1f}")
     lowest, slope = fall(bowed())
     print(f"  {'cello-string':18} {lowest:6.0f} Hz {slope:7.1f}   mean of the recordings {mean(slopes):.1f}")
+    print(f"  as it may be bowed: {min(bows):.1f} to {max(bows):.1f}")
 
 
 def by_periods(sound: Recording, lowest: float, speed: float = 1.0) -> np.ndarray:

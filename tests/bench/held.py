@@ -14,12 +14,23 @@ import argparse
 import json
 from collections import defaultdict
 from pathlib import Path
-from statistics import mean
+from statistics import mean, pstdev
 
 import numpy as np
 
 from . import decays, recordings
-from .harmonics import HIGHEST, LOWEST, WITHIN, bowed, fall, lasting, over_the_rest, shortened
+from .harmonics import (
+    HIGHEST,
+    LOWEST,
+    WITHIN,
+    as_it_may_be_bowed,
+    bowed,
+    fall,
+    lasting,
+    over_the_rest,
+    played,
+    shortened,
+)
 from .sources import MEZZO_FORTE, Pair, Source, further, there
 
 _KITS = "usr/share/hydrogen/data/drumkits"
@@ -171,8 +182,10 @@ def by_thirds() -> dict[str, dict[str, float]]:
     told = {}
     for preset, found in families.items():
         gap, slope, bright = (mean(getattr(row, each) for row in found) for each in ("gap", "slope", "octaves"))
-        print(f"{preset:15} {len(found):2} recordings: gap {gap:4.1f} dB, slope {slope:5.1f}, brighter {bright:5.2f}")
-        told[preset] = {"recordings": len(found), "gap": gap, "slope": slope}
+        spread = pstdev(row.slope for row in found)
+        slopes = f"slope {slope:5.1f} +- {spread:.1f}"
+        print(f"{preset:15} {len(found):2} recordings: gap {gap:4.1f} dB, {slopes}, brighter {bright:5.2f}")
+        told[preset] = {"recordings": len(found), "gap": gap, "slope": slope, "spread": spread}
     return told
 
 
@@ -205,11 +218,14 @@ def by_harmonics() -> None:
         struck = recordings.strike(preset, shorter, 0.4, position=place)
         levels = [over_the_rest(each, lowest, lasting(real)) for each in (real, struck)]
         near = "within" if abs(levels[1] - levels[0]) <= WITHIN else "beyond"
-        print(f"{instrument}, {name}: lowest over the rest {levels[0]:.1f} dB, ours {levels[1]:.1f}: {near} {WITHIN}")
+        others = played(preset, shorter, lowest, lasting(real))
+        ours = f"{levels[1]:.1f} (as it may be played: {min(others):.1f} to {max(others):.1f})"
+        print(f"{instrument}, {name}: lowest over the rest {levels[0]:.1f} dB, ours {ours}: {near} {WITHIN}")
     for _, font in there((CELLO,)):
-        slopes = [fall(font.recording(name))[1] for name, *_ in CELLO.pairs]
-        ours = fall(bowed())[1]
-        print(f"cello, dB an octave from {LOWEST:.0f} to {HIGHEST:.0f} Hz: {mean(slopes):.1f}, ours {ours:.1f}")
+        slopes, bows = [fall(font.recording(name))[1] for name, *_ in CELLO.pairs], as_it_may_be_bowed()
+        real = f"{mean(slopes):.1f} (notes: {min(slopes):.1f} to {max(slopes):.1f})"
+        ours = f"{fall(bowed())[1]:.1f} (as it may be bowed: {min(bows):.1f} to {max(bows):.1f})"
+        print(f"cello, dB an octave from {LOWEST:.0f} to {HIGHEST:.0f} Hz: {real}, ours {ours}")
 
 
 def main() -> None:

@@ -164,6 +164,15 @@ def of_folder(folder: Path) -> list[Measures]:
     return found
 
 
+def about_means(rows: list[Measures]) -> list[float]:
+    """Return slopes (dB per octave) less the mean of those of the same preset: how far recordings of one kind are from
+    each other, which no preset can take away."""
+    kinds: dict[str, list[float]] = {}
+    for row in rows:
+        kinds.setdefault(row.preset, []).append(row.slope)
+    return [row.slope - mean(kinds[row.preset]) for row in rows]
+
+
 def summary(rows: list[Measures]) -> dict[str, float]:
     """Summarise all pairs."""
     octaves, slopes = [row.octaves for row in rows], [row.slope for row in rows]
@@ -172,6 +181,7 @@ def summary(rows: list[Measures]) -> dict[str, float]:
         "centroid, rms (octaves)": float(np.sqrt(np.mean(np.square(octaves)))),
         "slope, median (dB per octave)": median(slopes),
         "slope, rms (dB per octave)": float(np.sqrt(np.mean(np.square(slopes)))),
+        "slope about each preset's mean, rms": float(np.sqrt(np.mean(np.square(about_means(rows))))),
         "third octaves, mean gap (dB)": mean(row.gap for row in rows),
     }
 

@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from .recordings import RATE, centroid, difference, of_folder
+from .recordings import RATE, Measures, about_means, centroid, difference, of_folder
 from .soundfont import Recording, SoundFont
 
 NOISE = np.random.default_rng(1).standard_normal(RATE)
@@ -43,6 +43,17 @@ def test_a_sound_at_another_rate_is_the_same():
     assert difference(bell(32_000), bell(RATE))[2] < 0.1
     assert centroid(bell(32_000)) == pytest.approx(centroid(bell(RATE)), rel=0.01)
     assert centroid(bell(RATE)) == pytest.approx((440 + 2500) / 2, rel=0.05)
+
+
+def test_slopes_of_one_preset_are_about_their_mean():
+    """A preset that is 4 dB an octave too bright of all its recordings does not make them differ."""
+    slopes = (-5.0, -3.0, -4.0), (1.0, 2.0)
+    rows = [
+        Measures("", preset, 1.0, 1.0, 0.0, slope, 0.0, 1, None)
+        for preset, found in zip(("gong", "bell"), slopes, strict=True)
+        for slope in found
+    ]
+    assert about_means(rows) == pytest.approx([-1.0, 1.0, 0.0, -0.5, 0.5])
 
 
 def chunk(name: bytes, data: bytes) -> bytes:

@@ -121,22 +121,26 @@ def fits() -> str:
 
 
 def held() -> str:
-    """Return how far presets are from recordings that none was made with: a row for each family, and the weighed mean
-    of where T60 agrees."""
+    """Return how far presets are from recordings that none was made with: a row for each family, and the tilts of
+    all."""
     families = json.loads(HELD.read_text(encoding="utf-8"))
     rows = [
         (
             f"`{name}`",
             row["recordings"],
             f"{row['gap']:.1f}",
-            f"{row['slope']:+.1f}".replace("-0.0", "+0.0"),
+            f"{row['slope']:+.1f}".replace("-0.0", "+0.0") + f" ± {row['spread']:.1f}" * (row["recordings"] > 1),
             f"{row['within']:.0f} % of {row['partials']}",
             "-" if row["alike"] is None else f"{row['alike']:.0f} %",
         )
         for name, row in families.items()
     ]
     head = ("", "recordings", "third octaves (dB)", "tilt (dB/octave)", "T60 within 25 %", "recordings to each other")
-    return table(head, rows)
+    count = sum(row["recordings"] for row in families.values())
+    about = math.sqrt(sum(row["recordings"] * row["spread"] ** 2 for row in families.values()) / count)
+    whole = math.hypot(about, math.sqrt(sum(row["recordings"] * row["slope"] ** 2 for row in families.values()) / count))
+    said = f"Of all {count} recordings the tilt is {whole:.1f} dB/octave (rms), {about:.1f} about their presets' means."
+    return f"{table(head, rows)}\n\n{said}"
 
 
 def _made() -> str:
