@@ -7,6 +7,8 @@ import textwrap
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from carom.dsp.lab.chart import report
 from carom.dsp.lab.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
@@ -136,10 +138,11 @@ def held() -> str:
         for name, row in families.items()
     ]
     head = ("", "recordings", "third octaves (dB)", "tilt (dB/octave)", "T60 within 25 %", "recordings to each other")
-    count = sum(row["recordings"] for row in families.values())
-    about = math.sqrt(sum(row["recordings"] * row["spread"] ** 2 for row in families.values()) / count)
-    whole = math.hypot(about, math.sqrt(sum(row["recordings"] * row["slope"] ** 2 for row in families.values()) / count))
-    said = f"Of all {count} recordings the tilt is {whole:.1f} dB/octave (rms), {about:.1f} about their presets' means."
+    counts = np.array([row["recordings"] for row in families.values()])
+    slopes, spreads = (np.array([row[each] for row in families.values()]) for each in ("slope", "spread"))
+    about, means = (np.sqrt(counts @ each**2 / counts.sum()) for each in (spreads, slopes))
+    whole = f"{np.hypot(about, means):.1f} dB/octave (rms)"
+    said = f"Of all {counts.sum()} recordings the tilt is {whole}, {about:.1f} about their presets' means."
     return f"{table(head, rows)}\n\n{said}"
 
 

@@ -55,6 +55,21 @@ def test_strokes_of_a_hand_are_as_peaked_as_recorded_slides_where_one_speed_is_n
     assert 3.5 < mean(steady) < 5.0
 
 
+@pytest.mark.parametrize("surface", ["slate", "concrete"])
+def test_a_drag_to_and_fro_on_the_page_is_more_peaked_than_one_speed(surface):
+    assert 6.0 < mean(kurtosis(dragged(surface, seed)) for seed in range(1, 4)) < 8.5
+
+
+def dragged(surface: str, seed: int) -> np.ndarray:
+    """Return two seconds of a pane under a pointer that goes to and fro once a second, its speed told at each frame."""
+    time = np.arange(0.0, 2.0, 1 / 60)
+    speeds = np.maximum(0.01, 0.7 * np.abs(np.sin(2 * np.pi * time)))
+    begin = f"0 /object/new a glass-plate stereo_width 0\n0 /object/a/slide 0.02 surface {surface} seed {seed} id hand"
+    steered = [f"{at:.4f} /gesture/hand/speed {speed:.4f}" for at, speed in zip(time, speeds, strict=True)]
+    score = "\n".join([begin, *steered])
+    return carom.render(score, RATE, limiter=False, channels=1, seconds=2.0).samples[:, 0].astype(float)
+
+
 def stroked(surface: str, seed: int) -> np.ndarray:
     """Return four strokes of half a second on a pane, whose speed rises and falls evenly."""
     begin = f"0 /object/new a glass-plate stereo_width 0\n0 /object/a/slide 0.02 surface {surface} seed {seed} id hand"
