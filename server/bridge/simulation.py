@@ -97,6 +97,7 @@ class Simulation:
         begin_telling(self._telling, **heard, objects=self._objects, templates=self._templates)
         self._step_time, self._step_points = np.zeros(1), np.zeros(1, np.int32)
         self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
+        self._own_at = self._own.ctypes.data
 
     def telling(self, arrays: int, time: int, points: int, behind: int = 0) -> NDArray[np.void]:
         """Return a record of TELLING, by which steps are told that are at addresses: of a record of ARRAYS, 0 for the
@@ -324,7 +325,7 @@ class Simulation:
     def advance(self, time: float, points: int) -> list[Request]:
         """Take a step, as `step` does, where poses and so many contacts are in `state` already."""
         self._step_time[0], self._step_points[0] = time, points
-        return self.told(self._own, self._tell(self._own.ctypes.data))
+        return self.told(self._own, self._tell(self._own_at))
 
     def told(self, telling: NDArray[np.void], found: int) -> list[Request]:
         """Return the requests of a step that was told, of which `tell` said what it found."""

@@ -68,11 +68,11 @@ def bent(to: ObjectCall) -> float:
     """Return the share of its stiffness on a plane that a contact has at its point: of a ball, or of a body that
     strikes; that of another striker is as its preset says."""
     point, faces = to.values.vectors.get("point"), to.obj.modes.faces
+    if point is None or faces is None:  # as most often: then nobody looks into the striker's file
+        return 1.0
     by_materials = to.by_materials or "what" in to.values.words
     radius = to.contact_radius if by_materials else to.transaction.laws.ball_of(to.striker)
-    if point is None or faces is None or radius is None:
-        return 1.0
-    return stiffness_share(radius, curvatures_at(faces, point))
+    return 1.0 if radius is None else stiffness_share(radius, curvatures_at(faces, point))
 
 
 def law_on(to: ObjectCall, by: PlayedObject | None, surface: SurfacePreset, goes_on: bool, does: str) -> Contact:

@@ -18,6 +18,12 @@ def test_a_bounce_touches_again_and_again_and_its_end_is_told(played):
     assert ends(played) == [("ball", "me")] and played.engine.quiet()
 
 
+def test_a_strikers_file_is_read_for_its_first_blow_alone(played, monkeypatch):
+    say(played, "/object/pane/impact", 0.5, "striker", "steel")
+    monkeypatch.setattr(Presets, "striker", lambda presets, name: pytest.fail(f"{name} was read again"))
+    assert say(played, "/object/pane/impact", 0.7, "striker", "steel") == []
+
+
 def test_an_object_strikes_another(played):
     assert say(played, "/object/pane/impact", 0.5, "by", "cup", "by_position", 0.3) == []
     played.engine.process(640)
