@@ -209,7 +209,7 @@ def _still(modes: Modes, tune: float, channels: int, rate: float) -> _Still:
 def _relief_at(still: _Still, gains: NDArray[np.float64], position: float) -> Relief:
     """Return a relief at a position, heard with gains (channels,)."""
     each = [_shape_at(shape, position) * still.share for shape in still.along]
-    sized = np.stack(each if len(each) == len(gains) else each * len(gains), axis=1) * gains
+    sized = np.array(each if len(each) == len(gains) else each * len(gains)).T * gains
     return Relief(still.frequencies.copy(), still.decays.copy(), sized)
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from os import PathLike
 from threading import Lock
@@ -206,7 +206,8 @@ class Performer:
     def placed(self, name: str) -> Placed:
         """Return the object of that name."""
         obj = self.scene.objects[name]
-        return replace(self.engine.placed[obj.handle.serial], position=obj.preset.position)
+        there = self.engine.placed[obj.handle.serial]
+        return Placed(there.handle, there.modes, there.level, obj.preset.position)
 
     def heard(self, placed: Placed) -> tuple[Settings, NDArray[np.float64]] | None:
         """Return the settings of an object, and its gain in each channel; None before it is there."""

@@ -126,7 +126,7 @@ def about_object(
     table = mode_table(placed.modes, level, settings, gains, position, rate)
     relief = table.relief
     bends = placed.modes.glide > 0.0 or placed.modes.sheet is not None
-    made = int((placed.modes.frequency <= top_of.py_func(rate)).sum())
+    made = int(np.count_nonzero(placed.modes.frequency <= top_of.py_func(rate)))
     return {
         "name": name,
         "preset": preset.name,

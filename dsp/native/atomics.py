@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from .addresses import address_of
 from .jit import Lowered, c_function, carray, cgutils, intrinsic, ir, types
 from .typed import View
 
@@ -71,17 +72,17 @@ def _swap(address: int, before: int, after: int) -> int:
 
 def publish(counter: Any, value: int) -> None:
     """Store value in counter[0] (int64) so that the other thread sees all that was written before."""
-    publish_at(counter.ctypes.data, value)
+    publish_at(address_of(counter), value)
 
 
 def observe(counter: Any) -> int:
     """Load counter[0] (int64). All that its writer wrote before can be read from then on."""
-    return int(_observe(counter.ctypes.data))
+    return int(_observe(address_of(counter)))
 
 
 def swap(counter: Any, before: int, after: int) -> bool:
     """Store `after` in counter[0] (int64) if it holds `before`; return whether it did."""
-    return bool(_swap(counter.ctypes.data, before, after))
+    return bool(_swap(address_of(counter), before, after))
 
 
 def hold_page(address: int) -> None:

@@ -13,6 +13,7 @@ from ..counters import Stats
 from ..engine.memory.capacity import SHAPE_VALUES, USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.memory.commands import Command, Handle, Kind
 from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
+from ..native.addresses import address_of
 from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
@@ -248,7 +249,7 @@ class Engine:
         """Return the next `frames` frames, float32 (frames, width). A limiter begins with `delay` frames of silence,
         which offline callers drop."""
         out = np.empty((frames, self.width), np.float32)
-        callback(None, out.ctypes.data, frames, _NO_TIMES_AT, 0, self._pointer)
+        callback(None, address_of(out), frames, _NO_TIMES_AT, 0, self._pointer)
         return out
 
     def quiet(self) -> bool:
