@@ -19,6 +19,7 @@ from ..scene.transaction import Sent
 from .outfile import OutFile
 
 _OF_OTHER = "by", "by_position", "by_point", "by_direction"
+_SENSORS = "/sensor/"
 _LONGEST_STEM = 50  # characters of a name that is made another's
 
 
@@ -26,8 +27,9 @@ class Log:
     """A score of what was carried out, and when: on the very sample, in order, as it goes on.
 
     Patterns stand as the objects that they matched; what was refused, or forgotten by a panic, is not there. Where the
-    clock was set so that an object came before its namesake had gone, it has another name. An existing file is left as
-    it is until `start`. OSError if it can't be opened.
+    clock was set so that an object came before its namesake had gone, it has another name. Where an object went before
+    a sensor on it came, later sensors may have other channels than they had. An existing file is left as it is until
+    `start`. OSError if it can't be opened.
     """
 
     def __init__(self, engine: Engine, path: Path, head: Sequence[Message] = ()) -> None:
@@ -39,6 +41,7 @@ class Log:
         self._file = OutFile(path)
         self._waiting: dict[int, Sent] = {}  # by the number of the command
         self._names: dict[int, str] = {}  # of the objects that are there, by serial
+        self._sensors: set[str] = set()  # addresses that take those away that are there
         self.error: str | None = None
         """Reason for which it gave up, if it did."""
         engine.note()
@@ -69,7 +72,8 @@ class Log:
             sent = self._waiting.pop(number, None)
             if sent and sample >= 0.0 and not self.error:
                 try:
-                    lines.append(format_line(sample / self._engine.rate, self._named(sent)) + "\n")
+                    if message := self._named(sent):
+                        lines.append(format_line(sample / self._engine.rate, message) + "\n")
                 except ValueError as error:
                     self.error = f"the log {self._file.path} ended: {error}"
         if lost := self._engine.stats.notes_lost:
@@ -82,9 +86,12 @@ class Log:
         if not self.error:
             self._write([f"# {frame / self._engine.rate!r} {text} at frame {frame}\n"])
 
-    def _named(self, sent: Sent) -> Message:
-        """Return a message as it is carried out, on the one object that it is about."""
+    def _named(self, sent: Sent) -> Message | None:
+        """Return a message as it is carried out, on the one object that it is about; None if it takes a sensor away
+        that never was there, as its object went before."""
         message, serial = sent.message, sent.serial
+        if message.address.startswith(_SENSORS):
+            return self._of_sensor(message, serial)
         if message.address == "/object/new":
             stem, *rest = message.args
             name, count = str(stem), 1
@@ -95,12 +102,20 @@ class Log:
             return Message(message.address, (name, *rest))
         if serial not in self._names:
             return message
-        if message.address == SENSOR:
-            sensor, _, *rest = message.args
-            return Message(SENSOR, (sensor, self._names[serial], *rest))
         action = message.address.rsplit("/", 1)[1]
         name = self._names.pop(serial) if action == "free" else self._names[serial]
         return Message(f"/object/{name}/{action}", self._struck(sent) if sent.by else message.args)
+
+    def _of_sensor(self, message: Message, serial: int) -> Message | None:
+        """Return a message that mounts a sensor or takes it away as it is carried out, None as `_named`."""
+        if message.address == SENSOR:
+            sensor, _, *rest = message.args
+            self._sensors.add(f"{_SENSORS}{sensor!s}/free")
+            return Message(SENSOR, (sensor, self._names[serial], *rest))
+        if message.address not in self._sensors:
+            return None
+        self._sensors.remove(message.address)
+        return message
 
     def _struck(self, sent: Sent) -> tuple[Argument, ...]:
         """Return the arguments that name the other object as the log does. Where that was told to go before, a

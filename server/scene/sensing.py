@@ -10,6 +10,7 @@ from ..osc.addresses import Call
 from ..osc.arguments import Refused, Values, require_name, shown
 from ..osc.patterns import is_pattern, match
 from ..osc.sensor_verbs import SENSOR
+from ..osc.wire import Message
 from .sensors import Mounted
 from .touching import sensed_place
 from .transaction import Sent, Transaction
@@ -38,9 +39,10 @@ def _mount(transaction: Transaction, call: Call, values: Values) -> None:
     table = transaction.sensors
     if name == "new" or name in table.there:
         raise Refused(f"name = {name}: expected another name, as there is such a sensor, or such an address")
-    found = {} if is_pattern(target) else transaction.objects.at(target, transaction.time)
+    asked = table.time_of(transaction.time)
+    found = {} if is_pattern(target) else transaction.objects.at(target, asked)
     if target not in found:
-        known = list(transaction.objects.there(transaction.time))
+        known = list(transaction.objects.there(asked))
         near = transaction.suggestion(target, known)
         raise Refused(f"object = {shown(target)}: no such object{f'; {near}' if near else ''}")
     obj = found[target]
@@ -53,7 +55,8 @@ def _mount(transaction: Transaction, call: Call, values: Values) -> None:
         "filter": sensor.filter(transaction.engine.rate),
         "scale": 1.0 / full,
     }
-    time = transaction.objects.start_of(obj, transaction.time)
+    time = transaction.objects.start_of(obj, asked)
+    transaction.on_undo(table.took_place(time))
     command = Command(time, Kind.MOUNT, obj.handle, mounted, value=1.0, channel=number)
     transaction.add(command, Sent(call.message, obj.handle.serial, 0, 0.0))
 
@@ -63,13 +66,15 @@ def _free(transaction: Transaction, call: Call, values: Values) -> None:
     names = [name for name in table.there if match(call.target, name)]
     if not names:
         raise Refused(f"{call.target}: no such sensor; {there_are(table.there)}")
+    time = table.time_of(transaction.time)
+    transaction.on_undo(table.took_place(time))
     for name in names:
         mounted = table.there.pop(name)
         transaction.on_undo(lambda name=name, mounted=mounted: table.there.update({name: mounted}))  # type: ignore[misc]
         nowhere = {"position": 0.0, "on_surface": 0, "spot": (0.0, 0.0, 0.0), "direction": (0.0, 0.0, 0.0)}
         blank = {"acceleration": 0, **nowhere, "filter": (1.0, 0.0, 0.0, 0.0, 0.0), "scale": 0.0}
-        command = Command(transaction.time, Kind.MOUNT, values=blank, channel=mounted.number)
-        transaction.add(command, Sent(call.message, 0, 0, 0.0))
+        command = Command(time, Kind.MOUNT, values=blank, channel=mounted.number)
+        transaction.add(command, Sent(Message(f"/sensor/{name}/free"), 0, 0, 0.0))
 
 
 SENSOR_HANDLERS = {SENSOR: _mount, "/sensor/NAME/free": _free}

@@ -34,6 +34,21 @@ class SensorTable:
         """The name and the sensor of each channel, by number."""
         self.grows = False
         """True if an engine gets a channel for each sensor as it is mounted."""
+        self._latest = 0.0
+
+    def time_of(self, time: float) -> float:
+        """Return the time (samples) of a command about a sensor: sensors come and go in the order of their messages, so
+        that it waits for those before."""
+        return max(time, self._latest) if self._latest > self._engine.position else time
+
+    def took_place(self, time: float) -> Callable[[], None]:
+        """Remember the time (samples) of a command; return how to undo it."""
+        before, self._latest = self._latest, max(self._latest, time)
+
+        def undo() -> None:
+            self._latest = before
+
+        return undo
 
     def free_number(self, name: str) -> int:
         """Return the number of a channel that no sensor has: the last one of this name, else one that no sensor ever

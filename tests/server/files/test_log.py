@@ -256,6 +256,42 @@ def test_a_log_with_sensors_places_and_a_gong_renders_to_its_recording(tmp_path)
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_sensors_that_come_and_go_at_any_time(tmp_path, seed):
+    """One may be taken away, and another one of its name come, before the time at which it comes."""
+    rng = random.Random(seed)
+    made = [Message("/object/new", (name, "triangle")) for name in "ab"]
+
+    def messages():
+        sensor, name = rng.choice("xyz"), rng.choice("ab")
+        kinds = (
+            Message(f"/sensor/{rng.choice((sensor, '*', '[xy]'))}/free"),
+            Message("/sensor/new", (sensor, name, rng.random())),
+            Message("/sensor/new", (sensor, name, rng.random())),
+            Message(f"/object/{name}/impact", (1.0, rng.random())),
+        )
+        return [made.pop() if made else rng.choice(kinds)]
+
+    replay(tmp_path, rng, messages, 100, Serving(sensors=3))
+
+
+def test_a_sensor_whose_object_goes_before_it_comes_is_not_in_the_log(logged, tmp_path):
+    engine, scene, log = logged
+    engine.sensors = 1
+    for when, address, *args in (
+        (1000.0, "/sensor/new", "tip", "a"), (500.0, "/object/a/free", 1), (1500.0, "/sensor/tip/free"),
+        (NOW, "/object/new", "b", "triangle"), (2000.0, "/sensor/new", "tip", "b"),
+    ):  # fmt: skip
+        replies = scene.perform([Message(address, tuple(args))], when)
+        assert not [reply for reply in replies if reply.address == "/fail"]
+    for _ in range(4):
+        engine.process(1024)
+        log.write()
+    sensors = [line.message.args for line in read(tmp_path / "log.txt") if "/sensor" in line.message.address]
+    assert sensors == [("tip", "b")]
+
+
+@pytest.mark.slow
 def test_a_log_s_head_says_channels_full_scale_limiter_and_gain(tmp_path):
     """The log renders to the recording of a server that was started with other values, and changed while it played."""
     options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--full-scale", "0.7Pa")
