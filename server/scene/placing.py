@@ -12,6 +12,7 @@ from ...dsp.space.air import absorption, speed_of_sound
 from ..osc.addresses import Call
 from ..osc.arguments import Refused, Values
 from ..osc.space_verbs import FLOOR, LAYOUTS, LISTENER, ROOM
+from ..osc.wire import Message
 from .engine_messages import send
 from .object_call import ObjectCall
 from .transaction import Transaction
@@ -77,7 +78,10 @@ def _listener(transaction: Transaction, call: Call, values: Values) -> None:
     transaction.space.layout = layout
     transaction.on_undo(lambda: setattr(transaction.space, "layout", before))
     about = pose_values(place, turn, values.number("over"), told)
-    send(transaction, call.message, Command(NOW, Kind.LISTEN, value=1.0, values=about))
+    message = call.message  # in a log it may come after one that was sent later
+    if "layout" not in values.words:
+        message = Message(message.address, (*message.args, "layout", layout))
+    send(transaction, message, Command(NOW, Kind.LISTEN, value=1.0, values=about))
 
 
 def place_object(to: ObjectCall) -> Command:

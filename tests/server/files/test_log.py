@@ -275,6 +275,25 @@ def test_sensors_that_come_and_go_at_any_time(tmp_path, seed):
     replay(tmp_path, rng, messages, 100, Serving(sensors=3))
 
 
+def test_a_listener_without_a_layout_has_that_of_the_message_before(tmp_path):
+    """The log says so, as the one whose layout it lacks may come earlier, though it was sent later."""
+    rng = random.Random(3)
+    wanted = [
+        Message("/object/new", ("a", "triangle")),
+        Message("/object/a/place", (3.0, 1.0, 0.0)),
+        Message("/listener", (0.0, 0.0, 0.0)),
+        Message("/object/a/impact", (1.0,)),
+    ]
+
+    def messages():
+        if wanted:
+            return [wanted.pop(0)]
+        layout = rng.choice(((), (), ("layout", "binaural"), ("layout", "pan")))
+        return [Message("/listener", (rng.uniform(-2.0, 2.0), 0.0, 0.0, *layout)), Message("/object/a/impact", (1.0,))]
+
+    replay(tmp_path, rng, messages, 40)
+
+
 def test_a_sensor_whose_object_goes_before_it_comes_is_not_in_the_log(logged, tmp_path):
     engine, scene, log = logged
     engine.sensors = 1
