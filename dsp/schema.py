@@ -418,7 +418,7 @@ SHATTER = Gesture(
         SPREAD,
         SEED,
     ),
-    fixed=("x", "y", "z"), swarms=ENERGIES, breaks=True, meets=0.2,  # of a piece on its edge, as of a disc
+    fixed=("x", "y", "z"), swarms=ENERGIES, breaks=True, meets=1.0 / 7.0,  # of a piece on a corner, as of a square
 )  # fmt: skip
 GESTURES = {
     gesture.name: gesture

@@ -11,11 +11,15 @@ from where they began (A: TOUGHNESS), so that r is as wide as a piece. A sheet o
 stress holds A^2/(6 E r) for its volume: for a disc of radius R, r = 2 R, it is pi R h A^2/E/12. The strain goes as the
 crack runs round the piece, which rings by that alone.
 
-A flat piece that lands on its rim stops only that: at a small angle a disc's rim meets the floor with a fifth of its
-mass, and the opposite one gets 0.6 of the change, downwards, so that it slaps the floor soon, up to twice as fast
-(Goyal, Papadopoulos and Sullivan, J. Dynamic Systems, Measurement, and Control 120, 1998). At small angles both rims
-fly as free bodies do between the blows of either, and a rim falls at 1.6 g while the other one rests. One that would
-turn over meanwhile lands at an angle at random, with its energy.
+A flat piece touches the floor with its corners, of which fragments of sheets have four in the mean (G. Domokos, D. J.
+Jerolmack, F. Kun and J. Toeroek, PNAS 117, 2020): here those of a square. One that lands stops only itself: at a small
+angle a square's corner meets the floor with a seventh of its mass. The opposite corner gets 5/7 of the change,
+downwards, so that it slaps the floor soon, up to twice as fast, as a disc's rim does (Goyal, Papadopoulos and
+Sullivan, J. Dynamic Systems, Measurement, and Control 120, 1998); the two beside it are lifted by 1/7 of the change.
+So a piece goes on from corner to corner, as polygons do that spin like a coin (T. Baranyai and P. L. Varkonyi,
+Imperfections, impacts, and the singularity of Euler's disk, 2017). At small angles all corners fly as free bodies do
+between blows. A corner that does not bounce rests, alone or with one beside it, and the others fall about it. A piece
+that would turn over meanwhile lands at an angle at random, with its energy.
 
 It bends as well, and rings by what its blows leave it (ringing.py).
 """
@@ -23,12 +27,13 @@ It bends as well, and rings by what its blows leave it (ringing.py).
 import math
 
 from ..native.jit import kernel
+from ..native.typed import View2D
 from ..numerics.constants import STANDARD_GRAVITY
 from ..numerics.elementary import exp, log
 from ..schema import MOST_PIECES
 from .record import SIZES, Swarm
 from .ringing import bent_by, kept_by
-from .times import GAP, MAGNITUDE, OTHER, VARIETY, uniform
+from .times import FORM, GAP, MAGNITUDE, OTHER, VARIETY, uniform
 
 _DECADES = 1000.0
 _THROWN = 0.5
@@ -48,10 +53,13 @@ _ROUND = math.log(2.0 * math.pi / math.sqrt(12.0) / 1500.0)
 """ln of the rms width (s/m) of the time in which a crack runs round a piece, for its radius: at 1500 m/s, as cracks do
 in glass at most (H. Schardin, 1959, as recalled)."""
 SLOWEST = 0.03
-"""m/s: a slower rim stays where it lands, unheard."""
+"""m/s: a slower corner stays where it lands, unheard."""
 TILT = math.sqrt(0.5)
 """Cosine of the angle at which a piece's modes are struck, as they are told."""
-_SPUN = 4.0  # m R^2/I of a disc about its diameter
+SPUN = 6.0
+"""m R^2/I of a square about its diagonal, with its corners a distance R from its middle."""
+_CORNER = math.sqrt(0.5 * math.pi)  # of a square, in the radius of a disc of its area
+_HALF = math.sqrt(2.0) - 1.0  # the tangent of half of 45 degrees
 _DENSITY, _FLAT = 2500.0, 0.1  # kg/m^3, and the thickness of the usual piece in its radius (estimated)
 
 
@@ -78,9 +86,9 @@ def break_up(
         up = _THROWN * speed * (2.0 * uniform(swarm, p, GAP) - 1.0)
         above = height * uniform(swarm, p, VARIETY)
         highest = above + 0.5 * max(up, 0.0) * up / STANDARD_GRAVITY
-        tilt = uniform(swarm, p, OTHER) * min(_radius(swarm, p), highest)
-        falls = math.sqrt(max(up * up + 2.0 * STANDARD_GRAVITY * (above - tilt), 0.0))
-        swarm.fall_of[p], swarm.turn_of[p], swarm.gap_of[p] = falls, 0.0, 2.0 * tilt
+        _tilt(swarm, p, p, uniform(swarm, p, OTHER) * min(_CORNER * _radius(swarm, p), highest))
+        falls = math.sqrt(max(up * up + 2.0 * STANDARD_GRAVITY * (above - _high(swarm, p)), 0.0))
+        swarm.fall_of[p], swarm.turn_of[0, p], swarm.turn_of[1, p] = falls, 0.0, 0.0
         swarm.next_of[p] = (up + falls) / STANDARD_GRAVITY
         swarm.bounced[p] = 0
 
@@ -97,17 +105,53 @@ def freed_by_cracks(swarm: Swarm, whole: float, speed: float) -> float:
 
 
 @kernel
+def _tilt(swarm: Swarm, p: int, number: int, size: float) -> None:
+    """Lay a piece tilted by a size (m: the sine of its angle, times R) in a direction at random, within 45 degrees of
+    its first corner, which is the lowest one then and lands."""
+    t = _HALF * uniform(swarm, number, FORM)
+    scale = size / (1.0 + t * t)
+    swarm.tilt_of[0, p], swarm.tilt_of[1, p] = (1.0 - t * t) * scale, 2.0 * t * scale
+    swarm.corner_of[p] = 0
+
+
+@kernel
+def _at(values: View2D[float], p: int, corner: int) -> float:
+    """Return what a piece has at a corner of a tilt or a turn: the first two are on its axes, opposite the others."""
+    value: float = values[corner & 1, p]
+    return value if corner < 2 else -value
+
+
+@kernel
+def _add_at(values: View2D[float], p: int, corner: int, more: float) -> None:
+    """Add to what a piece has at a corner of a tilt or a turn."""
+    values[corner & 1, p] += more if corner < 2 else -more
+
+
+@kernel
+def _high(swarm: Swarm, p: int) -> float:
+    """Return how high (m) the middle of a piece is as a corner lands: as much as that is deeper."""
+    return _at(swarm.tilt_of, p, swarm.corner_of[p] & 3)
+
+
+@kernel
+def _flat(swarm: Swarm, p: int) -> float:
+    """Return the cosine of the angle at which a piece lies."""
+    x, y, radius = swarm.tilt_of[0, p], swarm.tilt_of[1, p], _CORNER * _radius(swarm, p)
+    return math.sqrt(max(1.0 - (x * x + y * y) / (radius * radius), 0.0))
+
+
+@kernel
 def landing_of(swarm: Swarm, p: int) -> tuple[float, float, float]:
-    """Return how fast a piece's rim meets the floor (m/s), the mass (kg) with which it does, and the cosine of the
+    """Return how fast a piece's corner meets the floor (m/s), the mass (kg) with which it does, and the cosine of the
     angle at which the piece lies."""
-    sine = 0.5 * swarm.gap_of[p] / _radius(swarm, p)
-    flat = math.sqrt(max(1.0 - sine * sine, 0.0))
-    return max(swarm.fall_of[p] + flat * swarm.turn_of[p], 0.0), swarm.mass_of[p] / (1.0 + _SPUN * flat * flat), flat
+    flat = _flat(swarm, p)
+    v = max(swarm.fall_of[p] + flat * _at(swarm.turn_of, p, swarm.corner_of[p] & 3), 0.0)
+    return v, swarm.mass_of[p] / (1.0 + SPUN * flat * flat), flat
 
 
 @kernel
 def flow_of(swarm: Swarm) -> float:
-    """Return how many kilograms a second land: each rim flies for 2 v/g."""
+    """Return how many kilograms a second land: each corner flies for 2 v/g."""
     total = 0.0
     for p in range(swarm.pieces):
         if swarm.next_of[p] < math.inf:
@@ -118,46 +162,102 @@ def flow_of(swarm: Swarm) -> float:
 
 @kernel
 def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
-    """Advance a piece of which a rim lands, with a restitution, to the next landing of a rim, if any."""
+    """Advance a piece of which a corner lands, with a restitution, to the next landing of a corner, if any."""
     v, mass, flat = landing_of(swarm, p)
+    corner, middle = swarm.corner_of[p] & 3, _high(swarm, p)
     left = restitution if v > SLOWEST else 0.0
+    stays = left == 0.0 and swarm.fall_of[p] + flat * _at(swarm.turn_of, p, corner) >= 0.0
     given = (1.0 + left) * v * mass / swarm.mass_of[p]
-    fall, turn, gap = swarm.fall_of[p] - given, swarm.turn_of[p] - _SPUN * flat * given, swarm.gap_of[p]
-    up, down = max(-fall - flat * turn, 0.0), fall - flat * turn
-    up = up if left > 0.0 or v == 0.0 else 0.0
+    swarm.fall_of[p] -= given
+    _add_at(swarm.turn_of, p, corner, -SPUN * flat * given)
     swarm.bounced[p] += 1
-    pull = STANDARD_GRAVITY if up > 0.0 else 2.0 * _SPUN / (1.0 + _SPUN) * STANDARD_GRAVITY
-    lands = math.sqrt(down * down + 2.0 * pull * gap)  # m/s, at which the other rim does
-    if max(up, lands) < SLOWEST or swarm.bounced[p] == BOUNCES:
+    held = _hold(swarm, p, flat, v) if stays else 0
+    x, y, fall = swarm.turn_of[0, p], swarm.turn_of[1, p], swarm.fall_of[p]
+    energy = 0.5 * (fall * fall + (x * x + y * y) / SPUN) + STANDARD_GRAVITY * middle
+    lift = STANDARD_GRAVITY / (SPUN * flat * flat + max(_count(held), 1))
+    time, corner = _next_landing(swarm, p, flat, held, lift)
+    if 2.0 * (1.0 + SPUN) * energy < SLOWEST * SLOWEST or time == math.inf or swarm.bounced[p] == BOUNCES:
         swarm.next_of[p] = math.inf
         return
-    later = 2.0 * gap / (down + lands) if down > 0.0 else (lands - down) / pull
-    again = 2.0 * up / STANDARD_GRAVITY if up > 0.0 else math.inf
-    time = min(later, again)
-    if up == 0.0:
-        energy = fall * fall + turn * turn / _SPUN + STANDARD_GRAVITY * gap
-        swarm.gap_of[p] = 0.0
-        swarm.fall_of[p] = swarm.turn_of[p] = math.sqrt(energy / (1.0 + 1.0 / _SPUN))
-    else:
-        above = (up - 0.5 * STANDARD_GRAVITY * time) * time
-        above = above if later <= again else gap - (down + 0.5 * STANDARD_GRAVITY * time) * time
-        swarm.gap_of[p] = max(above, 0.0)
-        swarm.fall_of[p], swarm.turn_of[p] = fall + STANDARD_GRAVITY * time, -turn if later <= again else turn
-        if above > 2.0 * _radius(swarm, p):
-            time = _turn_over(swarm, p, 0.5 * gap, fall, turn)
+    _move(swarm, p, flat, held, lift, time)
+    swarm.corner_of[p] = corner | held << 2
+    if _flat(swarm, p) == 0.0:
+        time = _turn_over(swarm, p, middle, fall, math.sqrt(x * x + y * y))
     swarm.next_of[p] += time
+
+
+@kernel
+def _count(held: int) -> int:
+    """Return how many corners rest."""
+    return (held & 1) + (held >> 1 & 1) + (held >> 2 & 1) + (held >> 3)
+
+
+@kernel
+def _hold(swarm: Swarm, p: int, flat: float, v: float) -> int:
+    """Return which corners rest after one has landed at a speed (m/s) and stays, as a bit of each: one beside it that
+    rested goes on to, if it is hardly moved. The piece then turns about the edge between both."""
+    corner, before = swarm.corner_of[p] & 3, swarm.corner_of[p] >> 2
+    for side in (1, 3):
+        other = (corner + side) & 3
+        if before == 1 << other and v <= SLOWEST:
+            turns = _at(swarm.turn_of, p, corner), _at(swarm.turn_of, p, other)
+            swing = (swarm.fall_of[p] * flat - (turns[0] + turns[1]) / SPUN) / (flat * flat + 2.0 / SPUN)
+            swarm.fall_of[p] = swing * flat
+            _add_at(swarm.turn_of, p, corner, -swing - turns[0])
+            _add_at(swarm.turn_of, p, other, -swing - turns[1])
+            return before | 1 << corner
+    return 1 << corner
+
+
+@kernel
+def _next_landing(swarm: Swarm, p: int, flat: float, held: int, lift: float) -> tuple[float, int]:
+    """Return the time (s) until the next corner of a piece lands, and which.
+
+    held: a bit of each corner that rests; lift: m/s^2, by which each of them slows its fall.
+    """
+    soonest, found, landed = math.inf, 0, swarm.corner_of[p] & 3
+    for corner in range(4):
+        if held >> corner & 1 == 1:
+            continue
+        gap = max(_high(swarm, p) - _at(swarm.tilt_of, p, corner), 0.0) if corner != landed else 0.0
+        down = swarm.fall_of[p] + flat * _at(swarm.turn_of, p, corner)
+        pull = STANDARD_GRAVITY - _count(held) * lift
+        if held >> (corner ^ 2) & 1 == 1:
+            pull += SPUN * flat * flat * lift
+        lands = math.sqrt(down * down + 2.0 * pull * gap)  # m/s
+        time = math.inf
+        if down > 0.0:
+            time = 2.0 * gap / (down + lands)
+        elif pull > 0.0:
+            time = (lands - down) / pull
+        if time < soonest:
+            soonest, found = time, corner
+    return soonest, found
+
+
+@kernel
+def _move(swarm: Swarm, p: int, flat: float, held: int, lift: float, time: float) -> None:
+    """Move a piece that flies for a time (s), or falls about the corners that rest, as `_next_landing` has it."""
+    slower = SPUN * flat * lift * time
+    swarm.fall_of[p] += (STANDARD_GRAVITY - _count(held) * lift) * time
+    for axis in range(2):
+        swarm.tilt_of[axis, p] += flat * swarm.turn_of[axis, p] * time
+    for corner in range(4):
+        if held >> corner & 1 == 1:
+            _add_at(swarm.turn_of, p, corner, -slower)
+            _add_at(swarm.tilt_of, p, corner, -0.5 * flat * slower * time)
 
 
 @kernel
 def _turn_over(swarm: Swarm, p: int, middle: float, fall: float, turn: float) -> float:
     """Return the time (s) after which a piece lands that turns over before, at an angle at random.
 
-    middle, fall: where its middle is (m), and how fast it falls (m/s); turn: m/s, of a rim about the middle.
+    middle, fall: where its middle is (m), and how fast it falls (m/s); turn: m/s, of a corner about the middle.
     """
-    tilt = _radius(swarm, p) * uniform(swarm, number_of(swarm, p), OTHER)
-    falls = math.sqrt(max(fall * fall + 2.0 * STANDARD_GRAVITY * (middle - tilt), 0.0))
-    swarm.gap_of[p] = 2.0 * tilt
-    swarm.fall_of[p], swarm.turn_of[p] = falls, abs(turn)
+    number, highest = number_of(swarm, p), min(_high(swarm, p), _CORNER * _radius(swarm, p))
+    _tilt(swarm, p, number, highest * uniform(swarm, number, OTHER))
+    falls = math.sqrt(max(fall * fall + 2.0 * STANDARD_GRAVITY * (middle - _high(swarm, p)), 0.0))
+    swarm.fall_of[p], swarm.turn_of[0, p], swarm.turn_of[1, p] = falls, turn, 0.0
     time: float = (falls - fall) / STANDARD_GRAVITY
     return time
 

@@ -164,10 +164,11 @@ class Swarm(Record):
     pieces: int  # that fall; 0: it is of another kind
     cracked: int  # pieces that its cracks set free; 0: it has none
     mass_of: Annotated[View[float], MOST_PIECES]  # kg
-    fall_of: Annotated[View[float], MOST_PIECES]  # m/s, at which the middle of each falls as a rim lands next
-    turn_of: Annotated[View[float], MOST_PIECES]  # m/s, at which that rim goes down about the middle, as it lies flat
-    next_of: Annotated[View[float], MOST_PIECES]  # s, when it does; inf: it lies still
-    gap_of: Annotated[View[float], MOST_PIECES]  # m, by which the opposite rim is higher then
+    fall_of: Annotated[View[float], MOST_PIECES]  # m/s, at which the middle of each falls as a corner lands next
+    tilt_of: Annotated[View2D[float], 2, MOST_PIECES]  # m, by which corners on two axes are deeper then
+    turn_of: Annotated[View2D[float], 2, MOST_PIECES]  # m/s, at which they go down about the middle, as it lies flat
+    next_of: Annotated[View[float], MOST_PIECES]  # s, when it lands; inf: it lies still
+    corner_of: Annotated[View[int], MOST_PIECES]  # that does, and 4 times a bit of each that rests until then
     wide: float  # m/sqrt(kg): a piece's radius over the root of its mass
     usual: float  # kg: of the usual piece
     bends: int  # modes of the usual grain which ring

@@ -64,8 +64,9 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
     """Lay the blows of pieces that land up to a time (s from the beginning); where all lie still, the swarm is over.
 
     A piece and what it falls on change their momenta by the same. A floor that yields takes less than a wall would, and
-    so does a floor under a piece that rings. A rim that still moves downwards after its blow stops there: its further
-    push is not heard. Landings that follow one another soon, of one piece or of all, are a stream: each is fainter.
+    so does a floor under a piece that rings. A corner that still moves downwards after its blow stops there, and its
+    further push is not heard. Landings that follow one another soon, of one piece or of all, are a stream: each is
+    fainter.
     """
     table, blows = state.pulses.tables[swarm.table], state.scratch.batch
     left, often = False, flow_of(swarm) / swarm.m

@@ -217,7 +217,8 @@ def test_what_breaks_does_so_alike_at_any_sampling_rate_and_spends_no_more_than_
         assert engine.ended() == [(7, End.RESTED)] and not engine.state[0]["swarms"]["used"].any()
         swarm = engine.state[0]["swarms"][0]
         pieces = [name for name in swarm.dtype.names if name.endswith("_of") or name == "bounced"]
-        found.append((*drawn(engine)[:3], engine.stats.impacts, *np.ravel([swarm[name] for name in pieces])))
+        told = np.concatenate([swarm[name].ravel() for name in pieces])
+        found.append((*drawn(engine)[:3], engine.stats.impacts, *told))
         spent.append(drawn(engine)[3])
         bands.append(third_octaves(sound, rate))
     assert found[1] == found[0] == found[2]
