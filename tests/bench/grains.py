@@ -46,31 +46,41 @@ SCORES = {
             (" on a table", ROOM, "table-top", PLACES),
         )
     },
+    "glass by default": "0 /object/new a wine-glass\n0 /object/a/shatter seed {}",
+    "glass by default, harder": "0 /object/new a wine-glass\n0 /object/a/shatter 5 seed {}",
     "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {}",
     "dice": "0 /object/new a plastic-cup\n0 /object/a/shake 40 speed 0.5 seed {}",
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {}\n0 /object/a/decay 0.03 over 1.5",
 }
 JUDGED = {
-    "rain": "an even noise out of which a few near drops stand, greatest from 0.8 to 5 kHz, without lines: a sheet "
+    "rain": "an even noise out of which a few near drops stand, greatest from 0.5 to 4 kHz, without lines: a sheet "
     "that is damped; in recordings, of which none says that it rains on a roof, it is greatest from 1.5 to 6 kHz, and "
     "as few drops stand out",
-    "gravel": "crackles that crowd at the heel and the ball of the foot, from 1 to 8 kHz, without lines, as in "
-    "minetest; ufoai has duller ones, from 0.5 to 2 kHz",
-    "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 3 kHz; a "
-    "bin that is emptied crackles as much, without lines",
-    "glass": "a burst of all frequencies, then pieces that clatter for half a second, in short tones of many pitches, "
-    "most above 3 kHz; recordings clatter for a second and more, in rooms",
+    "gravel": "crackles that crowd at the heel and the ball of the foot and as it lifts, greatest from 0.5 to 6 kHz, "
+    "without lines, as in minetest; ufoai has duller ones, from 0.5 to 2 kHz",
+    "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 5 kHz; "
+    "a bin that is emptied crackles as much, without lines",
+    "glass": "a burst of all frequencies, then pieces that clatter for 0.4 s, in short tones from 2 to 19 kHz, and "
+    "single ones until 0.6 s; recordings clatter for 1.3 s and more, in rooms",
     "glass in a room": "the same, and the room fills the pauses as in recordings, which have more below 3 kHz",
-    "glass on a table": "the same, and the table knocks where pieces land, as loud below 5 kHz as recordings are",
-    "goblet": "as the glass, which has neither stem nor foot: more of it lies below 5 kHz",
-    "goblet in a room": "the same, and the room fills the pauses",
-    "goblet on a table": "the same, and the table knocks, most below 5 kHz",
-    "bottle": "as the glass, lower, from 1 kHz on",
+    "glass on a table": "the same, and the table fills the picture below 5 kHz where pieces land, as recordings are "
+    "filled",
+    "goblet": "as the glass, which has neither stem nor foot: large pieces ring from 1 to 4 kHz as well",
+    "goblet in a room": "the same, and the room fills the pauses; it is over after 0.7 s",
+    "goblet on a table": "the same, and the table is heard below 5 kHz in place of the large pieces",
+    "bottle": "as the goblet, louder below 7 kHz; a last large piece comes down at 0.45 s",
     "bottle in a room": "the same, and the room fills the pauses; recordings clatter for longer",
-    "bottle on a table": "the same, and the table knocks, most below 3 kHz, louder than the pieces ring",
-    "pane": "clicks as it falls, then pieces that clatter for 0.3 s on boards, which are loudest below 5 kHz",
-    "dice": "bursts of blows from 0.5 to 10 kHz with pauses between, as recorded; the cup rings on at 1 kHz for 50 ms",
-    "rice": "the bowl's lines at first, which drown in noise as rice covers it; less bright than shakers are",
+    "bottle on a table": "the same, and the table is louder than the pieces are, below 5 kHz",
+    "glass by default": "the cracks, then pieces that clatter on boards for 0.25 s, with pauses, then two single ones; "
+    "it is over after 0.45 s, long before ufoai's recordings are",
+    "glass by default, harder": "the same, then 0.1 s of silence until those pieces come down that flew up, from 0.4 "
+    "to 0.75 s; ufoai's recordings have no such pause",
+    "pane": "a crack, then pieces that clatter on boards from 0.1 to 0.5 s, loudest below 5 kHz, and single ones until "
+    "0.75 s; recordings are loudest in their first 0.1 s, and have single pieces until 0.5 to 0.8 s",
+    "dice": "bursts of blows up to 10 kHz and more with pauses between, as recorded; the cup rings on at 0.8 kHz for "
+    "50 ms",
+    "rice": "the bowl's lines from 1 to 19 kHz, which fade as rice covers it, and then noise from 4 to 10 kHz; less "
+    "bright than shakers are",
 }
 """A sentence on each spectrogram, as it was looked at."""
 _MINETEST = "usr/share/games/minetest/games/minetest_game/mods/default/sounds/default_"
@@ -88,6 +98,8 @@ RECORDINGS = {
         for what in ("glass", "goblet", "bottle")
         for place in ("", " in a room", " on a table")
     },
+    "glass by default": (_UFO + "misc/breakglass0[2-5].ogg",),
+    "glass by default, harder": (_UFO + "misc/breakglass0[2-5].ogg",),
     "pane": (_MINETEST + "break_glass.*.ogg",),
     "dice": ("usr/share/gnubg/sounds/roll.wav",),
     "rice": (_FLUID + "GM.sf2/Maracas(L)", _FLUID + "GM.sf2/Small Shaker (L)", _FLUID + "GM.sf2/Cabasa(L)"),
