@@ -1,6 +1,8 @@
 """The parts of a sample that lasting contacts take in blocks (block.py): by how stiff they are, and how much they lose.
 
-One part follows a soft contact, two or three follow stiffer ones, none the stiffest: those go by steps.
+One part follows a soft contact, two or three follow stiffer ones, none the stiffest: those go by steps. So do stiff
+ones that lose little: their phase is kept for the stiffness at rest (block_tables.py), and drifts as the force changes
+it.
 """
 
 import math
@@ -19,6 +21,17 @@ LOSSIEST = np.array([0.0, 0.3, 0.6, 2.0])
 """The same of what rolls or slides, for its loss: the share of its speed that the contact takes in a sample. Where it
 takes all within a part, a kink of the path leaves a speed behind that nothing takes."""
 
+IN_STEP = 20e-3
+"""s: over which what rolls, slides or strikes is to stay in step, if its loss does not end a swing before."""
+
+STAYS = 30.0
+"""Fourth power of such a swing in a part, times the swing over that time, from which on one part more is worth it:
+what is left of the phase (block_tables.py) grows with it."""
+
+OUT_OF_STEP = np.array([300.0, 100.0])
+"""The same of the most parts, from which on no block follows it within -50 dB, and within -60 dB; found on random rolls
+and slides."""
+
 LONGEST_PART = 25e-6
 """s: a longer sample takes one part more. On a rough path modes near its Nyquist frequency, which are heard as low as
 that, feel the moments that are left out."""
@@ -36,7 +49,7 @@ def parts_for(contact: Coupled, least: int, rests: bool, stays: bool, rolls: boo
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight, or
     gets with its energy; 0 if no number does. A soft rest takes one. rests: it is a rest; stays: and one that hardly
     loses anything is to stay in step for as long as it swings."""
-    swing = _swing(contact)
+    swing = swing_of(contact)
     if rests and swing < _SOFT:
         return 1
     loss = contact.mu * contact.rest_force * contact.period / contact.mass
@@ -57,8 +70,15 @@ def parts_along(swing: float, loss: float, period: float, least: int, rolls: boo
     within -50 dB that does no harm."""
     if rolls and least > 1:
         loss *= 2.0
+    swings = swing * min(IN_STEP / period, 1.0 / max(loss, period))
+    bound: float = OUT_OF_STEP[1 if least > 1 else 0]
+    least = max(least, 1)
     if period > LONGEST_PART:
         least = min(least + 1, MOST_PARTS)
+    while least < MOST_PARTS and (swing / least) ** 4 * swings > STAYS:
+        least += 1
+    if least == MOST_PARTS and (swing / least) ** 4 * swings > bound:
+        return 0
     for parts in range(least, MOST_PARTS + 1):
         if swing < STIFFEST[parts] and loss < LOSSIEST[parts]:
             return parts
@@ -68,11 +88,11 @@ def parts_along(swing: float, loss: float, period: float, least: int, rolls: boo
 @kernel
 def is_long(contact: Coupled) -> bool:
     """True if a blow lasts for so long that a block is worth its tables, and one part follows it within -60 dB."""
-    return _swing(contact) < _LONG
+    return swing_of(contact) < _LONG
 
 
 @kernel
-def _swing(contact: Coupled) -> float:
+def swing_of(contact: Coupled) -> float:
     """Return the swing of body and object on the contact, in rad a sample."""
     return math.sqrt(_stiffness(contact) / contact.mass) * contact.period
 
@@ -81,9 +101,17 @@ def _swing(contact: Coupled) -> float:
 def _stiffness(contact: Coupled) -> float:
     """Return the stiffness (N/m) of a contact under its weight, or as deep as its energy or its push compress it."""
     if contact.rest_force > 0.0:
-        return contact.a * contact.rest_force / contact.rest_compression
+        return stiffness_at_rest(contact)
     energy = elastic(contact.motion[0], contact.k, contact.a) + 0.5 * contact.m * contact.v * contact.v
     deepest = ((contact.a + 1.0) * energy / contact.k) ** (1.0 / (contact.a + 1.0))
     deepest = max(deepest, (max(contact.push, 0.0) / contact.k) ** (1.0 / contact.a))
     stiffness: float = contact.a * contact.k * deepest ** (contact.a - 1.0)
     return stiffness
+
+
+@kernel
+def stiffness_at_rest(contact: Coupled) -> float:
+    """Return the stiffness (N/m) of a contact under its weight; 0 if it has none."""
+    if contact.rest_force > 0.0:
+        return contact.a * contact.rest_force / contact.rest_compression
+    return 0.0

@@ -8,6 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..contact.block import begin_block, end_block, step_blocks
+from ..contact.block_parts import stiffness_at_rest
 from ..contact.block_records import ROWS, Block, Net, moments_of
 from ..contact.block_sizes import MOMENTS_AHEAD
 from ..contact.block_tables import feel, settle_tables, take_answers, take_rows
@@ -38,7 +39,7 @@ def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: tu
     """Find what the force of one contact does to its own point."""
     modes, work, moments = bank.modes, bank.work, bank.moments
     block.parts = parts
-    settle_tables(block.tables[0], contact.answer, parts)
+    settle_tables(block.tables[0], contact.answer, parts, stiffness_at_rest(contact))
     n = len(modes.y1)
     struck = Modes(work[:n], work[n : 2 * n], modes.a1, modes.a2, modes.balance, modes.response)
     for j in range(moments_of(block)):

@@ -8,6 +8,7 @@ its own.
 
 import math
 
+from ...contact.block_parts import stiffness_at_rest
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of
 from ...contact.block_tables import (
     AT_BEGIN,
@@ -96,7 +97,8 @@ def _settle_between(state: State, net: Net) -> None:
         for j in range(net.size):
             if _moves(state, net, i, j):
                 share = 0.5 * (net.begin + net.stop) / QUANTUM
-                mix_tables(block, block.tables[j], share, LINE, state.scratch.fine)
+                stiffness = stiffness_at_rest(state.contacts[net.contact[i]].coupled) if i == j else 0.0
+                mix_tables(block, block.tables[j], share, LINE, state.scratch.fine, stiffness)
         if state.contacts[net.contact[i]].travel > 0.0:
             put_amid(state, net, state.contacts[net.contact[i]])
 
@@ -160,7 +162,8 @@ def _settle_with(state: State, net: Net, i: int, j: int, samples: int) -> None:
     contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
     block, tables = state.blocks[net.block[i]], state.blocks[net.block[i]].tables[j]
     _find_answer(state, contact, other)
-    settle_tables(tables, state.scratch.fine, block.parts)
+    stiffness = stiffness_at_rest(contact.coupled) if i == j else 0.0
+    settle_tables(tables, state.scratch.fine, block.parts, stiffness)
     _lay_all(state, contact, other, block, tables, samples, 0)
     if bends_under(other):
         place = lay_answers(state, block.parts, contact, other, BENT, samples)

@@ -10,7 +10,7 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from carom.dsp.contact.block import end_block, step_blocks
-from carom.dsp.contact.block_parts import parts_for
+from carom.dsp.contact.block_parts import parts_along, parts_for
 from carom.dsp.contact.block_records import ROWS, Block, Net
 from carom.dsp.contact.block_sizes import MOMENTS_AHEAD
 from carom.dsp.contact.block_tables import feel
@@ -120,8 +120,8 @@ def run(case, v, path, least=2):
     return out, int(contacts[0]["coupled"]["steps"]) - len(path)
 
 
-def reference(case, v, path):
-    """Return the course of the point's velocity by DOP853, from kink to kink of the path."""
+def reference(case, v, path, of_body=False):
+    """Return the course of the point's velocity by DOP853, from kink to kink of the path, or the body's."""
     omega, sigma, n = 2 * np.pi * case.frequency, case.sigma, len(case.frequency)
     rest = case.m * GRAVITY
     y = np.concatenate([np.zeros(2 * n), [0.0, v]])  # q, q', the body's place and velocity towards the object
@@ -145,7 +145,7 @@ def reference(case, v, path):
             rise += 2 * bend * (end - begin)
             if end == kink:
                 rise, bend = rise + jump, bend + curve
-        found.append(case.phi @ y[n : 2 * n])
+        found.append(y[-1] if of_body else case.phi @ y[n : 2 * n])
     return np.array(found)
 
 
@@ -184,6 +184,30 @@ def test_rolls_against_dop853(light, height, steps, parts, bound):
     leaves = 2.0 if steps > 0 else 0.0  # dB: it lands amid samples, too
     near = decibels(found[:, 0], reference(case, 0.0, path)) < bound + leaves
     assert near and (fine <= steps or parts == 3)
+
+
+@pytest.mark.parametrize(("parts", "swing"), [(1, 0.45), (2, 0.85), (3, 1.4)])
+def test_a_stiff_contact_without_loss_stays_in_step_with_dop853(parts, swing):
+    """A body swings on a spring and slow modes for 20 ms; Gauss's nodes alone leave its motion -45 to -56 dB off."""
+    case = object_of(3, 1.0, seed=3, m=0.001)
+    case = replace(case, frequency=np.array([150.0, 400.0, 900.0]), k=0.0005 * (swing * RATE) ** 2, mu=0.0, a=1.0)
+    flat = np.tile([0.0, 0.0, 0.5, 0.0, 0.0], (15 * AHEAD, 1))
+    found, fine = run(case, 1e-6, flat, parts)
+    assert fine == 0 and decibels(found[:, 1], reference(case, 1e-6, flat, of_body=True)) < -60
+
+
+@njit(error_model="numpy")
+def _parts(swing, loss, least):
+    return parts_along(swing, loss, 1.0 / RATE, least, False)
+
+
+@pytest.mark.parametrize(
+    ("swing", "loss", "least", "parts"),
+    [(0.5, 1e-5, 1, 1), (0.59, 1e-5, 1, 2), (0.59, 0.01, 1, 1), (1.4, 1e-5, 2, 3), (2.4, 1e-5, 2, 0),
+     (2.4, 0.05, 2, 3), (1.9, 1e-5, 1, 3), (1.9, 1e-5, 2, 0)],
+)  # fmt: skip
+def test_a_block_takes_as_many_parts_as_stay_in_step_while_the_loss_lets_it_swing(swing, loss, least, parts):
+    assert _parts(swing, loss, least) == parts
 
 
 def test_a_body_that_lands_and_leaves_gently_stays_in_blocks():
