@@ -132,7 +132,8 @@ def test_a_contact_of_closed_form_goes_on_coupled_when_it_is_moved():
 
 
 def test_two_that_need_more_steps_than_a_sample_has_gain_no_energy():
-    """A slow blow lies on a light body as a fast one comes, both so stiff that some samples end in held steps."""
+    """A slow blow lies on a light body as a fast one comes, both so stiff that some samples take all steps there are:
+    wider tolerances bring them to their ends, and no force is held."""
     phi = np.array(
         [
             [-0.0555, -0.293, 0.231, -0.493, -0.119, -0.26, 0.105, -0.687],
@@ -143,7 +144,6 @@ def test_two_that_need_more_steps_than_a_sample_has_gain_no_energy():
     modes = listed(
         frequency=frequency, t60=1e12, modal_mass=1e-6, mass=1.0, top=10_000, positions=[0.0, 1.0], gains=phi.T
     )  # fmt: skip
-    held = 0
     for time in (3.7, 4.03, 4.1):
         engine = Engine(8_000)
         engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
@@ -156,8 +156,7 @@ def test_two_that_need_more_steps_than_a_sample_has_gain_no_energy():
         left += energy(engine, handle, felt(engine, handle))
         given = 0.5 * (5.25 * 0.0049**2 + 1.34 * 24.5**2)
         assert not strikers["touching"].any() and abs(left / given - 1) < GROWTH.bound
-        held += engine.stats.held
-    assert held > 0
+        assert engine.stats.held == 0
 
 
 def test_twenty_strokes_in_a_tenth_of_a_second_all_sound():
