@@ -33,8 +33,10 @@ LIGHT = 1.0
 LIGHT_TOLERANCE = np.array([2e-2, 6e-3, 2e-3, 1e-4, 1e-9])
 """Tolerances there."""
 
-SLIDING_TOLERANCE = np.array([6e-2, 2e-2, 6e-3, 1e-4, 1e-9])
-"""Tolerances for bodies that slide: their contacts stay near their load, and err less by a step."""
+STEPS_A_RADIAN = 0.32 * LIGHT_TOLERANCE**-0.25
+"""Steps that a contact which rolls or slides takes for each radian of its swing, at these tolerances: 1.5 at -60, 57 at
+`exact`. Their error is of the fourth order; 0.32 is the median of 50 random rolls and slides at `exact`, and within a
+third at -80 where kinks of the path take no more."""
 
 _HEAVY = 0.25  # sum r_i P_i from which on an object is too light
 _CAUGHT_UP = 0.8  # of the speed a striker leaves with: swinging back with .94 of it, an object caught it up

@@ -18,9 +18,10 @@ _LAW = "mass 0.015 stiffness 7.8e8 exponent 1.5 surface wood force 1 sweep 0.1"
 _SECONDS, _BEGUN = 0.4, 0.1  # s
 
 
-def heard(count: int, on_one: bool, budget: str) -> tuple[float, float, int]:
+def heard(count: int, on_one: bool, budget: str, accuracy: str = "-60") -> tuple[float, float, int]:
     """Return the level (dB) of so many slides, the processor's seconds for one of sound, and forces that were held."""
-    lines = ["0 /limiter off", f"0 /budget {budget}", *(f"0 /object/new b{n} {_BLOCK}" for n in range(count + 1))]
+    lines = ["0 /limiter off", f"0 /accuracy {accuracy}", f"0 /budget {budget}"]
+    lines += [f"0 /object/new b{n} {_BLOCK}" for n in range(count + 1)]
     for n in range(count):
         under, by = (0, "striker steel") if on_one else (n, f"by b{n + 1} by_position 0.5")
         lines.append(f"0 /object/b{under}/slide 0.2 0.5 {by} {_LAW} id s{n} seed {n}")

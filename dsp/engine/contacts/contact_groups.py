@@ -12,9 +12,7 @@ from ..memory.state import COUPLING, State
 from .contact_force import drive, find_transfer, gain_of, observe_points
 from .contact_list import share_object
 from .coupled_rolls import lead_roll
-from .solver_choice import choose_tolerance, count_steps
-
-_CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
+from .solver_choice import choose_tolerance, count_steps, price_of
 
 
 @noinline_kernel
@@ -105,7 +103,7 @@ def _solve(state: State) -> None:
     """Find the moments of all forces in `together` over the coming sample, and have them act."""
     group = state.scratch.together
     _sort(group)
-    price = 1 + group.size * group.size // _CHEAP
+    price = price_of(group.size)
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
         if contact.trait.along == 1:

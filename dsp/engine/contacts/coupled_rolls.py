@@ -2,9 +2,9 @@
 
 On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
 solved a quantum at a time where it can be (blocks.py). Where it can't, and the object hardly gives way, where steps
-are held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the effective
-mass on the contact), and under a bow the object is a dashpot, which costs as much for any number of modes
-(rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is off by -15 to -40 dB.
+are held, where `/budget` has no room or too few steps, and under a bow the object is a dashpot, which costs as much for
+any number of modes (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is
+off by -15 to -40 dB.
 It is one, too, beside as many coupled contacts as a block takes, if steps have a bound: those that are solved together
 by samples take more steps than the sum of each, and a force that is held among them gains energy.
 
@@ -20,9 +20,9 @@ import math
 
 import numpy as np
 
-from ...contact.accuracy import LEVELS, PARTS
+from ...contact.accuracy import LEVELS, PARTS, STEPS_A_RADIAN
 from ...contact.block import renew_block
-from ...contact.block_parts import parts_along
+from ...contact.block_parts import parts_along, swing_of
 from ...contact.block_records import TOGETHER
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
@@ -35,7 +35,7 @@ from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
 from ..memory.records import SLID, Contact
 from ..memory.state import COUPLING, QUANTUM, State
 from .contact_list import share_object
-from .solver_choice import tolerance_of
+from .solver_choice import price_of, tolerance_of
 
 GIVING = np.array([1e-3, 1e-3, 3e-4, 1e-6, 0.0])
 """Sum, by accuracy, above which a roll feels each of the object's modes even where no block follows it. Where four
@@ -78,7 +78,7 @@ def couple_roll(state: State, contact: Contact) -> None:
     if contact.trait.slips == 1 and _friction_of(contact) * turn * turn > _TURNED:
         return
     crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
-    if crowded or (steps > 0 and (1.0 + turn > steps or _count_beside(state, contact) >= TOGETHER)):
+    if crowded or (steps > 0 and _needed(state, contact, turn, follows) > steps):
         state.stats.over_budget += 1
         return
     roll.mobility = 0.0
@@ -88,6 +88,25 @@ def couple_roll(state: State, contact: Contact) -> None:
     state.stats.coupled_modes += modes
     begin_coupled_roll(roll, contact.coupled, state.rate, tolerance_of(state, contact))
     renew_block(state.blocks[contact.roll])
+
+
+@noinline_kernel
+def _needed(state: State, contact: Contact, turn: float, follows: bool) -> float:
+    """Return the steps in a sample that a contact which swings by `turn` rad in one takes.
+
+    What no block follows takes them with those coupled already that share objects with it, or with another of them: as
+    many as the stiffest, on an object that is as light against all of them. From TOGETHER others on they are more than
+    there can be.
+    """
+    count, together = _count_beside(state, contact), 1
+    if count >= TOGETHER:
+        return math.inf
+    if not follows:
+        together += count
+        for i in range(1, together):
+            turn = max(turn, swing_of(state.contacts[state.scratch.candidates[i]].coupled))
+    per_radian: float = STEPS_A_RADIAN[state.choices.accuracy]
+    return price_of(together) * (1.0 + per_radian * turn * math.sqrt(together))
 
 
 @noinline_kernel

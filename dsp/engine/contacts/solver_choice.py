@@ -6,7 +6,7 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 
 import math
 
-from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, SLIDING_TOLERANCE, TOLERANCE, closed_form_will_do
+from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
 from ...contact.closed_form import find_nodes, find_power
 from ...contact.coupled_step import HELD
 from ...contact.pulse_record import Pulse
@@ -19,6 +19,7 @@ from ..memory.state import CLOSED, COUPLING, SAMPLING, State
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _BURST = 256  # times its steps per sample that a coupled contact may need at once: a blow at `exact` takes 4,000
 _BURST_OF_ALL = 1024  # the same of all coupled contacts, in a quantum
+_CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
 _FINER_AT_REST = 0.1  # share of the tolerance: a rest feels each step of a slow blow, and errs by all of them
 _FINEST = float(LIGHT_TOLERANCE.min())
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
@@ -29,9 +30,6 @@ def tolerance_of(state: State, contact: Contact) -> float:
     """Return the tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
     if holds_steps(state):
         return HELD
-    if contact.trait.slips == 1:
-        sliding: float = SLIDING_TOLERANCE[state.choices.accuracy]
-        return sliding
     tolerance: float = (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
     return max(_FINER_AT_REST * tolerance, _FINEST) if contact.trait.rests == 1 else tolerance
 
@@ -43,6 +41,12 @@ def choose_tolerance(state: State, contact: Contact) -> None:
     if steps > 0 and (contact.debt > _BURST * steps or state.steps_taken > _BURST_OF_ALL * steps):
         tolerance = HELD
     contact.coupled.tolerance = tolerance
+
+
+@kernel
+def price_of(size: int) -> int:
+    """Return the price of a step of a group of a size for each of its contacts, against those of one that is alone."""
+    return 1 + size * size // _CHEAP
 
 
 @kernel
