@@ -246,21 +246,22 @@ def _columns(sines: Row) -> tuple[Array, Array, Array]:
 
 
 class _Course(NamedTuple):
-    """The way of a force, (n,) each: the places between which a shape goes as a line, how far on it is, and the place
-    whose rows of the shape's table it keeps."""
+    """The way of a force, (n,) each: the places between which a shape goes as a line, how far on it is, the place whose
+    rows of the shape's table it keeps, and its own place, at which it acts where those rows are too few for a line."""
 
     begin: Array
     end: Array
     share: Array
     kept: Array
+    own: Array
 
     def shape(self, table: Array) -> Array:
         """Return a shape under the force in each frame."""
         row = _row_of(table, self.kept)
         here, there = (_along(table, place, row) for place in (self.begin, self.end))
         far = np.abs(self.end - self.begin) * (len(table) - 1) > 1.0  # beyond the rows that a line keeps
-        share = np.where(far & (self.kept == self.begin), 0.0, self.share)
-        return np.asarray(here + share * (there - here))
+        passes = far & (self.kept == self.begin)
+        return np.where(passes, _along(table, self.own), here + self.share * (there - here))
 
 
 def _course(places: Array, lines: int) -> _Course:
@@ -271,7 +272,7 @@ def _course(places: Array, lines: int) -> _Course:
     begin = places[begins]
     end = places[last] + (places[last] - places[np.maximum(last - 1, begins)])  # what is steered goes on elsewhere
     share = (frame - begins) / (last + 1 - begins)
-    return _Course(begin, end, share, begin if lines == LINE else begin + share * (end - begin))
+    return _Course(begin, end, share, begin if lines == LINE else begin + share * (end - begin), places)
 
 
 def _row_of(table: Array, place: Array) -> Array:

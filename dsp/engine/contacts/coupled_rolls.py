@@ -215,17 +215,16 @@ def turns(contact: Contact, frame: int, stop: int) -> bool:
 
 @kernel
 def put_on_line(state: State, contact: Contact, frame: int, drift: View[float]) -> None:
-    """Put what rolls or slides where it is at a frame: shapes under what travels go as lines for LINE frames. `drift`
-    gets what its weights change by in a frame."""
+    """Put what rolls or slides where it is at a frame: shapes under what travels go as lines for LINE frames, if it
+    does not pass too many rows of them. `drift` gets what its weights change by in a frame."""
     obj, point = state.objects[contact.point[0].slot], contact.point[0]
     begin = frame // LINE * LINE
-    end = position_of(contact, begin + LINE)
-    keeps = contact.travel > 0.0 and keeps_rows(obj.rows, position_of(contact, begin), end)
+    keeps = contact.travel > 0.0 and keeps_line(contact, obj.rows, frame)
     put(state, obj, contact, position_of(contact, begin if keeps else frame))
     for i in range(4):
         drift[i] = 0.0
     if keeps and point.on_surface == 0:
-        weigh(drift, end * (obj.rows - 1) - point.row)
+        weigh(drift, position_of(contact, begin + LINE) * (obj.rows - 1) - point.row)
         for i in range(4):
             drift[i] = (drift[i] - point.weights[i]) / LINE
             point.weights[i] += (frame - begin) * drift[i]
@@ -238,8 +237,17 @@ def keeps_rows(rows: int, begin: float, end: float) -> bool:
 
 
 @kernel
-def line_position_of(contact: Contact, frame: int) -> float:
-    """Return the position of what rolls or slides, as a line for LINE frames."""
+def keeps_line(contact: Contact, rows: int, frame: int) -> bool:
+    """True if what rolls or slides keeps its rows of shapes over the LINE frames about one."""
+    begin = frame // LINE * LINE
+    return keeps_rows(rows, position_of(contact, begin), position_of(contact, begin + LINE))
+
+
+@kernel
+def line_position_of(contact: Contact, rows: int, frame: int) -> float:
+    """Return the position of what rolls or slides, as a line for LINE frames where it keeps its rows of shapes."""
+    if not keeps_line(contact, rows, frame):
+        return position_of(contact, frame)
     begin = frame // LINE * LINE
     here = position_of(contact, begin)
     return here + (frame - begin) / LINE * (position_of(contact, begin + LINE) - here)

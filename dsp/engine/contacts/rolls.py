@@ -20,7 +20,7 @@ from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending, 
 from ..bodies.surface import put
 from ..memory.records import Contact, Through
 from ..memory.state import BEHIND, LEAD, QUANTUM, Object, State
-from .coupled_rolls import put_on_line
+from .coupled_rolls import keeps_line, put_on_line
 
 
 @noinline_kernel
@@ -97,7 +97,9 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
     moves = _moves(state, obj)
     frame = start
     while frame < stop:
-        end = min(stop, frame - frame % LINE + LINE) if moves else stop
+        end = stop
+        if moves:
+            end = min(stop, frame - frame % LINE + LINE) if _go_on_lines(state, obj, frame) else frame + 1
         count, driven = _drivers(state, obj, frame)
         if obj.sensors > 0:
             _push_sensed(state, obj, count, driven, frame)
@@ -132,6 +134,18 @@ def _moves(state: State, obj: Object) -> bool:
         moves = moves or (entry % 2 == 0 and contact.travel > 0.0)
         entry = contact.point[entry % 2].next_roll
     return moves
+
+
+@kernel
+def _go_on_lines(state: State, obj: Object, frame: int) -> bool:
+    """True if all rolls on an object keep their rows of shapes over the LINE frames about one."""
+    keep = True
+    entry = obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        keep = keep and (entry % 2 == 1 or contact.travel == 0.0 or keeps_line(contact, obj.rows, frame))
+        entry = contact.point[entry % 2].next_roll
+    return keep
 
 
 @kernel

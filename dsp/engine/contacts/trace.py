@@ -65,8 +65,10 @@ def trace_roll(state: State, contact: Contact, feed: View2D[float], frames: tupl
     to the second; fed: as in Trace."""
     if state.trace.on == 0:
         return
+    rows = state.objects[contact.point[0].slot].rows
     for n in range(frames[0], frames[1]):
-        entry = _trace_moving(state, contact, state.position + n - 1, line_position_of(contact, n), 1.0, feed[n])
+        place = line_position_of(contact, rows, n)
+        entry = _trace_moving(state, contact, state.position + n - 1, place, 1.0, feed[n])
         if entry >= 0:
             state.trace.entries[entry].fed = fed
             _publish(state)

@@ -136,6 +136,17 @@ def test_a_clip_with_an_object_that_is_gone_is_refused(tmp_path, gesture):
         carom.rebuild(row)
 
 
+@pytest.mark.parametrize("gesture", ["slide 3 0.166 striker bowling-ball", "roll 3 0.166 striker glass-marble"])
+def test_what_passes_more_than_a_row_of_shapes_in_a_line_is_rebuilt(tmp_path, gesture):
+    """A contact that feels the modes is at its own place in each frame."""
+    row = followed(
+        tmp_path, f"0.01 /object/o/{gesture} seed 661 surface wood travel 0.1338", rate=8_000, preset="marimba-bar"
+    )
+    rows = len(row["objects"][0]["places"]["modes"][0])
+    assert not row["contacts"][0]["fed"] and 3 / 0.1338 * 16 / 8_000 * (rows - 1) > 1
+    assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
+
+
 def test_a_slide_that_travels_is_rebuilt_when_it_is_put_elsewhere(tmp_path):
     """The quantum before ends where the slide would have gone on to."""
     slide = "0 /object/cup/slide 0.2 0.5 striker chair-leg surface wood travel 0.3 id leg seed 5"
