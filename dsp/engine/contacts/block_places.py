@@ -97,7 +97,7 @@ def _settle_between(state: State, net: Net) -> None:
         for j in range(net.size):
             if _moves(state, net, i, j):
                 share = 0.5 * (net.begin + net.stop) / QUANTUM
-                stiffness = stiffness_at_rest(state.contacts[net.contact[i]].coupled) if i == j else 0.0
+                stiffness = _stiffness_in_step(state.contacts[net.contact[i]]) if i == j else 0.0
                 mix_tables(block, block.tables[j], share, LINE, state.scratch.fine, stiffness)
         if state.contacts[net.contact[i]].travel > 0.0:
             put_amid(state, net, state.contacts[net.contact[i]])
@@ -162,13 +162,20 @@ def _settle_with(state: State, net: Net, i: int, j: int, samples: int) -> None:
     contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
     block, tables = state.blocks[net.block[i]], state.blocks[net.block[i]].tables[j]
     _find_answer(state, contact, other)
-    stiffness = stiffness_at_rest(contact.coupled) if i == j else 0.0
+    stiffness = _stiffness_in_step(contact) if i == j else 0.0
     settle_tables(tables, state.scratch.fine, block.parts, stiffness)
     _lay_all(state, contact, other, block, tables, samples, 0)
     if bends_under(other):
         place = lay_answers(state, block.parts, contact, other, BENT, samples)
         own = contact.coupled.period**2 / contact.m if i == j else 0.0
         take_missed(block, tables, state.scratch.rows, place, own)
+
+
+@kernel
+def _stiffness_in_step(contact: Contact) -> float:
+    """Return the stiffness (N/m) for which a body that rolls or slides is kept in step. Others take more parts: between
+    bodies that swing on each other for long, the correction leaves more than it takes."""
+    return stiffness_at_rest(contact.coupled) if contact.trait.along == 1 else 0.0
 
 
 @kernel
