@@ -79,9 +79,10 @@ def stroked(surface: str, seed: int) -> np.ndarray:
 
 @pytest.mark.parametrize(("name", "kind"), [("glass-plate", "slide"), ("iron-pan", "roll"), ("wood-board", "roll")])
 def test_bursts_leave_the_sound_its_colour(name, kind, even):
-    """Third octaves that are loud, less one gain, are those of an even surface."""
+    """Third octaves that are loud, less one gain, are those of an even surface. One mode's band of an iron pan
+    differs by 1.5 dB from four rolls to four others."""
     varying, plain = (
-        10 * np.log10(np.mean([thirds(played(name, kind, seed, folders)) for seed in range(1, 5)], axis=0))
+        10 * np.log10(np.mean([thirds(played(name, kind, seed, folders)) for seed in range(1, 13)], axis=0))
         for folders in ((), even)
     )
     loud = plain > plain.max() - 30.0

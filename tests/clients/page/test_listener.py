@@ -61,7 +61,7 @@ def test_the_listener_is_dragged_and_steps_by_the_arrows(play):
     assert np.allclose(spot(table), (x - 100, y - 150), atol=1.0)
     metres = 3.0 / table.ask("carom.table.w")
     moved = table.until_last("/listener", table.lines("/listener")[0].message.args[0] + 150 * metres, 0.01)[-1].message
-    assert moved.args[1] == pytest.approx(100 * metres, abs=0.01) and moved.args[3:] == ("over", 0.05)
+    assert moved.args[1] == pytest.approx(100 * metres, abs=0.01) and moved.args[3:] == ("over", 0.05, "layout", "pan")
     page.keyboard.press("ArrowRight")
     assert spot(table)[0] == pytest.approx(x - 100 + 0.02 * table.ask("carom.table.w"), abs=1.0)
     before = len(table.lines("/church-bell/place"))
