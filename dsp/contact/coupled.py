@@ -111,6 +111,20 @@ def begin_within(contact: Coupled, x: float, v: float, v_relative: float, step: 
 
 
 @kernel
+def begin_at_rest(contact: Coupled, v: float, fraction: float, step: float) -> None:
+    """Lay on a striker that `begin_coupled` began and that has its weight, after `fraction` in [0, 1) of the coming
+    sample: compressed as at rest, at v (m/s).
+
+    step: samples to try first.
+    """
+    if fraction == 0.0:
+        begin_within(contact, contact.rest_compression, v, 0.0, step)
+    else:
+        contact.wait, contact.next = fraction, step
+        contact.v = v - contact.push / contact.m * fraction * contact.period
+
+
+@kernel
 def respond_with(contact: Coupled, receptance: View[float]) -> None:
     """Set how the modes of a receptance (FINE, m/(N s)) respond to the contact: at its beginning, and when they are
     retuned."""
@@ -178,10 +192,34 @@ def look(contact: Coupled, observed: View[float]) -> None:
     h = contact.period
     contact.motion[1] += h * contact.v + contact.rise
     contact.motion[2] += 0.5 * h * h * contact.push / contact.m + contact.bend
-    if contact.rest_force > 0.0:
-        contact.motion[2] -= 0.5 * h * h * contact.rest_force / contact.m
-        lift(contact, contact.answer, contact.rest_force)
+    if contact.rest_force > 0.0 and contact.wait < 0.0:
+        _bear(contact)
     pass_kinks(contact, 0.0)
+
+
+@kernel
+def _bear(contact: Coupled) -> None:
+    """Take the weight off, which the force at rest bears, and undo how far the point gives way to it."""
+    h = contact.period
+    contact.motion[2] -= 0.5 * h * h * contact.rest_force / contact.m
+    lift(contact, contact.answer, contact.rest_force)
+
+
+@kernel
+def lay_on(contact: Coupled, at: float, powers: View[float]) -> None:
+    """Lay a body on at a time in the sample, with the force at rest; its part of the sample's moments, as in `move`, is
+    as if it had lain there before."""
+    contact.position += contact.rest_compression - contact.motion[0]
+    contact.motion[0] = contact.rest_compression
+    _bear(contact)
+    for j in range(NODES):
+        contact.force[j] = contact.step.f[j] = contact.rest_force
+    begin_touch(contact, at)
+    impulse, power, begin = 0.5 * contact.period * contact.rest_force, 1.0, -1.0
+    for k in range(FINE):
+        power *= 2.0 * at - 1.0
+        powers[k] += impulse * (power - begin) / (k + 1)
+        begin = -begin
 
 
 @kernel

@@ -15,7 +15,7 @@ can't gain energy either.
 from ..native.jit import kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import FINE
-from .coupled import lift, look, move, move_to_end, pass_kinks, settle, until_kink
+from .coupled import lay_on, lift, look, move, move_to_end, pass_kinks, settle, until_kink
 from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_records import Coupled, CoupledGroup, Member
@@ -69,7 +69,10 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
         at = 1.0 if eta >= left else at + eta
         for i in range(group.size):
             contact = contacts[group.member[i]].coupled
-            _settle(contact, at, group.event[i])
+            if contact.wait >= 0.0 and contact.rest_force > 0.0 and group.event[i] == MEETS:
+                _lay_on(contacts, group, i, at)
+            else:
+                _settle(contact, at, group.event[i])
             pass_kinks(contact, at)
     _widen(contacts, group, 1.0 / widened)
     for i in range(group.size):
@@ -89,11 +92,27 @@ def _widen(contacts: Items[Member], group: CoupledGroup, factor: float) -> None:
 def _lift_others(contacts: Items[Member], group: CoupledGroup) -> None:
     """Undo how far each point gives way to the weight of the other strikers at rest."""
     for j in range(group.size):
-        force = contacts[group.member[j]].coupled.rest_force
-        if force > 0.0:
-            for i in range(group.size):
-                if i != j:
-                    lift(contacts[group.member[i]].coupled, group.answer[i, j], force)
+        if contacts[group.member[j]].coupled.wait < 0.0:
+            _lift_from(contacts, group, j)
+
+
+@kernel
+def _lift_from(contacts: Items[Member], group: CoupledGroup, j: int) -> None:
+    """Undo it for the weight of one of them, from now on."""
+    force = contacts[group.member[j]].coupled.rest_force
+    if force > 0.0:
+        for i in range(group.size):
+            if i != j:
+                lift(contacts[group.member[i]].coupled, group.answer[i, j], force)
+
+
+@kernel
+def _lay_on(contacts: Items[Member], group: CoupledGroup, i: int, at: float) -> None:
+    """Lay a body at rest on the object at a time in the sample."""
+    contact = contacts[group.member[i]].coupled
+    contact.wait = -1.0
+    lay_on(contact, at, group.moments[i])
+    _lift_from(contacts, group, i)
 
 
 @kernel

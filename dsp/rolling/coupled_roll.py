@@ -9,7 +9,7 @@ Steered, speed, mass and gravity go on sample by sample.
 
 import math
 
-from ..contact.coupled import ContactLaw, begin_coupled, begin_within
+from ..contact.coupled import ContactLaw, begin_at_rest, begin_coupled
 from ..contact.coupled_records import KINKS, Coupled
 from ..native.jit import kernel
 from .body import look_ahead, modulate, steer
@@ -21,9 +21,9 @@ _FIRST = 0.2  # of a radian of its swing: the first step to try
 
 
 @kernel
-def begin_coupled_roll(roll: Roll, contact: Coupled, rate: float, tolerance: float) -> None:
-    """Put a body, by `begin_roll`, on an object that it moves, at rest against the path: to be called before its first
-    sample."""
+def begin_coupled_roll(roll: Roll, contact: Coupled, fraction: float, rate: float, tolerance: float) -> None:
+    """Put a body, by `begin_roll`, on an object that it moves, at rest against the path after `fraction` in [0, 1) of
+    the coming sample: to be called before that."""
     roll.span = 0.0
     steer(roll)
     modulate(roll)
@@ -31,7 +31,7 @@ def begin_coupled_roll(roll: Roll, contact: Coupled, rate: float, tolerance: flo
     law = ContactLaw(roll.m, roll.stiffness, roll.mu, roll.a)
     begin_coupled(contact, -roll.w, law, 0.0, 0.0, rate, tolerance)
     _weigh(roll, contact)
-    begin_within(contact, contact.rest_compression, -roll.w, 0.0, _FIRST / contact.swing * rate)
+    begin_at_rest(contact, -roll.w, fraction, _FIRST / contact.swing * rate)
 
 
 @kernel

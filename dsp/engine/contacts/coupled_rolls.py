@@ -86,7 +86,8 @@ def couple_roll(state: State, contact: Contact) -> None:
     contact.modes, contact.light, contact.unsettled, contact.debt = modes, 1, 1, 0
     state.stats.coupled += 1
     state.stats.coupled_modes += modes
-    begin_coupled_roll(roll, contact.coupled, state.rate, tolerance_of(state, contact))
+    fraction = contact.origin - math.floor(contact.origin)
+    begin_coupled_roll(roll, contact.coupled, fraction, state.rate, tolerance_of(state, contact))
     renew_block(state.blocks[contact.roll])
 
 

@@ -16,7 +16,7 @@ that a rest that slept and one that did not are the same to the bit, but for wha
 
 import math
 
-from ...contact.coupled import begin_within
+from ...contact.coupled import begin_at_rest
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.constants import HARDEST_REST
 from ..bodies.objects import is_heard, least_heard
@@ -44,7 +44,7 @@ def begin_rest(state: State, contact: Contact) -> bool:
     contact.solver = COUPLING
     couple(state, contact)
     _press(contact, _load_of(contact))
-    begin_within(coupled, coupled.rest_compression, 0.0, 0.0, _FIRST / (coupled.swing * coupled.period))
+    begin_at_rest(coupled, 0.0, contact.fraction, _FIRST / (coupled.swing * coupled.period))
     return True
 
 

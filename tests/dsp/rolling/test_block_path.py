@@ -27,7 +27,7 @@ def _follow(rolls, contacts, blocks, lines, kinks):
     """Take one body over samples evenly, and back and over them as parabolas, and another by parabolas alone."""
     same, even = True, True
     for i in range(2):
-        begin_coupled_roll(rolls[i], contacts[i], RATE, 1e-3)
+        begin_coupled_roll(rolls[i], contacts[i], 0.0, RATE, 1e-3)
         lead_coupled_roll(rolls[i], contacts[i], 0.0)
     for n in range(len(lines)):
         begin_evenly(rolls[0], blocks[0], contacts[0].period)

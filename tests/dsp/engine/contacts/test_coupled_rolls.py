@@ -394,6 +394,29 @@ def test_two_bodies_on_one_object_are_as_one_of_twice_the_mass(level, bound):
     assert apart(*found) < bound
 
 
+LAID = {"roll": ROLL, "rest": {"load": 0.2}}
+
+
+@pytest.mark.parametrize("level", ["-60", "exact"])
+@pytest.mark.parametrize("kind", LAID)
+@pytest.mark.parametrize("others", [[], [(0.0, 11)], [(0.0, 11), (10.6, 12)]])
+def test_what_is_laid_on_an_object_that_rings_amid_a_sample(level, kind, others):
+    """A body is laid on 10.75 samples after a blow, beside none, one or two that roll: at four times the rate, where
+    that is at a sample's beginning, the sound is the same."""
+    heard = []
+    for factor in (1, 4):
+        engine = Engine(factor * RATE)
+        handle = engine.add(light(t60=1.0), 0.05)
+        blow = gesture("impact", handle, (0.002, 1e7, 0.5, 1.5), 0.0, 7, velocity=0.02)
+        laid = [gesture(kind, handle, LAW, factor * 10.75, 8, **LAID[kind])]
+        for n, (time, seed) in enumerate(others):
+            laid.append(gesture("roll", handle, LAW, factor * time, 9 + n, **{**ROLL, "seed": seed}))
+        engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level)), blow, *laid])
+        heard.append(engine.process(factor * 16 * QUANTUM)[::factor, 0].astype(np.float64))
+        assert engine.stats.coupled == len(laid) + 1
+    assert apart(*heard) < -100
+
+
 @pytest.mark.parametrize("level", ["-60", "exact"])
 @pytest.mark.parametrize(
     ("preset", "gesture", "speed", "travel"), [("steel-plate", "slide", 2.0, 0.02), ("tin-lid", "roll", 1.0, 0.01)]
