@@ -1,9 +1,12 @@
 """Fixtures: the command line, rendering, JACK, a server that plays on no device."""
 
+import atexit
 import os
 import shutil
 import signal
 import subprocess
+import sys
+import tempfile
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -20,6 +23,13 @@ settings.load_profile("carom")
 
 # In the background of a shell interrupts are ignored, which the processes that tests start would inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Hundreds of processes start; one that renders a blow takes 1.1 s of CPU without bytecode, 0.3 s with it. Where it may
+# not be written beside the sources, this run keeps it in a folder of its own.
+if sys.dont_write_bytecode:
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    os.environ["PYTHONPYCACHEPREFIX"] = tempfile.mkdtemp(prefix="carom-bytecode-")
+    atexit.register(shutil.rmtree, os.environ["PYTHONPYCACHEPREFIX"], ignore_errors=True)
 
 
 REAL_TIME = {"jack", "play", "serving", "server", "time"}
