@@ -3,12 +3,12 @@
 import math
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from .checks import Array
 
 _LOBES = 10  # of the windowed sinc on each side, at the lower of both rates
 _KAISER = 5.0  # its window's beta
-_TOGETHER = 1 << 22  # products that are in memory at once
 
 
 def resampled(samples: Array, up: int, down: int) -> Array:
@@ -21,14 +21,13 @@ def resampled(samples: Array, up: int, down: int) -> Array:
     filtering = np.sinc(at / max(up, down)) * np.kaiser(len(at), _KAISER)
     filtering *= up / filtering.sum()
     taps = 2 * half // up + 1
-    padded = np.pad(samples, ((taps, taps), (0, 0)))
-    count = math.ceil(len(samples) * up / down)
-    made = np.zeros((count, samples.shape[1]))
-    step = max(1, _TOGETHER // taps)
-    for first in range(0, count, step):
-        place = np.arange(first, min(first + step, count))[:, None] * down
-        near = -((half - place) // up) + np.arange(taps)
-        tap = place - near * up + half
+    windows = sliding_window_view(np.pad(samples, ((taps, taps), (0, 0))), taps, axis=0)
+    made = np.zeros((math.ceil(len(samples) * up / down), samples.shape[1]))
+    phases = up // math.gcd(up, down)
+    for phase in range(min(phases, len(made))):  # each lies between two samples as all have that come `phases` later
+        near = (phase * down - half + up - 1) // up
+        tap = phase * down + half - (near + np.arange(taps)) * up
         weight = np.where(tap >= 0, filtering[np.maximum(tap, 0)], 0.0)
-        made[first : first + len(place)] = np.einsum("kt,ktc->kc", weight, padded[near + taps])
+        count = len(made[phase::phases])
+        made[phase::phases] = windows[near + taps :: phases * down // up][:count] @ weight
     return made
