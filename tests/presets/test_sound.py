@@ -119,7 +119,8 @@ def test_no_striker_gives_more_energy_than_it_brings(name):
     """Every built-in striker at 1 m/s, at the edge and inside: sum |z|^2/2 of the modes once the contact is over.
 
     A plate whose modes are coupled has its stretching besides. A dome's is below 0 while it is pushed in: its modes,
-    which count what stretches linearly, have more by that.
+    which count what stretches linearly, have more by that. Such a plate takes ten times as long as others: every other
+    striker meets its edge, the rest its inside.
     """
     engine = Engine(RATE)
     scene = Session(engine, PRESETS)
@@ -127,9 +128,10 @@ def test_no_striker_gives_more_energy_than_it_brings(name):
     engine.process(64)
     place = engine.state["objects"][0][scene.objects["a"].handle.slot]
     span = slice(place["first"], place["first"] + place["felt"])
-    for striker in PRESETS.names("strikers"):
+    coupled = "nonlinear_modes" in PRESETS.object(name).geometry
+    for n, striker in enumerate(PRESETS.names("strikers")):
         mass = PRESETS.striker(striker).mass
-        for position in (0.01, 0.3):
+        for position in (0.01, 0.3)[n % 2 :: 2] if coupled else (0.01, 0.3):
             strike = Message("/object/a/impact", (1.0, position, "striker", striker))
             assert scene.perform([Message("/panic"), strike], NOW) == []
             engine.process(64)
