@@ -1,7 +1,7 @@
 """Each preset is as loud as others at its defaults, and so are the gestures that suit it."""
 
 import math
-from statistics import median
+from itertools import islice
 
 import numpy as np
 import pyloudnorm
@@ -47,9 +47,10 @@ def limited(name, times):
 
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_one_strike_is_not_limited_and_eight_within_50_ms_are_by_6_db_at_most(name):
-    """The median of five times eight at random: how their waves add up is a matter of chance."""
+    """The median of five times eight at random: how their waves add up is a matter of chance. Three within it do."""
     assert limited(name, [0.01]) == 0.0
-    assert median(limited(name, times) for times in 0.05 * np.random.default_rng(0).uniform(size=(5, 8))) <= 6.0
+    draws = 0.05 * np.random.default_rng(0).uniform(size=(5, 8))
+    assert len([*islice((times for times in draws if limited(name, times) <= 6.0), 3)]) == 3
 
 
 def test_every_gesture_suits_some_objects_and_none_suits_all():
