@@ -1,5 +1,7 @@
 """The sounds beside the README are those of its scores."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import soundfile
@@ -26,13 +28,12 @@ def test_a_sound_is_its_scores(name):
     assert rate == RATE and abs(len(kept) - len(made)) < 0.1 * RATE, "run `make sounds`"
     assert kept.shape[1] == made.shape[1]
     for ear in range(made.shape[1]):
-        compare(kept[:, ear], made[:, ear], spread(name))
+        compare(kept[:, ear], made[:, ear], name)
 
 
+@cache
 def spread(name):
-    """Return by how much (dB) a chaotic sound's octaves differ if its score changes in the tenth digit; else 0."""
-    if name not in CHAOTIC:
-        return 0.0
+    """Return by how much (dB) a chaotic sound's octaves differ if its score changes in the tenth digit."""
     words, changed = CHAOTIC[name]
     text = score(name).read_text(encoding="utf-8")
     assert words in text
@@ -40,10 +41,14 @@ def spread(name):
     return np.ptp([bands(rendered(name, other)) for other in others], axis=0)
 
 
-def compare(kept, made, spread):
-    """Compare the octaves, within their spread, and the loudness over time of two channels."""
+def compare(kept, made, name):
+    """Compare the octaves and the loudness over time of two channels; octaves of a chaotic sound within their spread,
+    which is found where it is needed: it takes eight renders."""
     loud = bands(made) > HEARD
-    assert (np.abs(bands(kept) - bands(made)) - spread)[loud].max() < CLOSE, "run `make sounds`"
+    apart = np.abs(bands(kept) - bands(made))
+    if name in CHAOTIC and apart[loud].max() >= CLOSE:
+        apart -= spread(name)
+    assert apart[loud].max() < CLOSE, "run `make sounds`"
     before, now = (np.array([np.std(part) for part in np.array_split(each[: len(made)], 20)]) for each in (kept, made))
     loud = now > 10 ** (HEARD / 20) * now.max()
     assert np.abs(20 * np.log10(before[loud] / now[loud])).max() < CLOSE, "run `make sounds`"
