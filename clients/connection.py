@@ -4,11 +4,11 @@ import select
 import socket
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 from ..server.osc import wire
-from ..server.osc.framing import Sized
+from ..server.osc.framing import Framing, Sized, framing
 
 _PATIENCE = 5.0  # s that a server may take to accept what is sent over TCP
 
@@ -21,7 +21,9 @@ class Connection:
         self.on_compiling: Callable[[float, float], object] = lambda share, seconds: None
         """Function called while a server compiles its engine: with the share that is done, and the seconds that are
         left."""
-        self._stream = Sized() if tcp else None
+        self._tcp = tcp
+        self._stream: Framing | None = None  # of the server, which answers as it is spoken to, once it was
+        self._ended = ""  # reason for which a TCP server ends the stream
         self._inbox: deque[wire.Message] = deque()  # read from the socket, but not asked for yet
         if tcp:
             with self._reaching(), self._finding():
@@ -43,7 +45,12 @@ class Connection:
     def transmit(self, packet: bytes) -> None:
         """Send a packet; over TCP, wait until the system has taken it."""
         with self._reaching():
-            self._socket.sendall(self._stream.framed(packet) if self._stream else packet)
+            try:
+                self._socket.sendall(Sized.framed(packet) if self._tcp else packet)
+            except (BrokenPipeError, ConnectionResetError):
+                while self._receive(0.0):  # what it said as it left, up to the end, which raises
+                    pass
+                raise
 
     def messages(self, seconds: float) -> Iterator[wire.Message]:
         """Yield the messages that arrive within some seconds, as they come. One that is not taken stays for the next
@@ -67,13 +74,26 @@ class Connection:
         if not select.select([self._socket], [], [], seconds)[0]:
             return False
         with self._reaching():
-            data = self._socket.recv(wire.MAX_DATAGRAM)
-        if self._stream and not data:
-            raise ConnectionResetError(f"{self.server} has closed the connection")
-        for packet in self._stream.packets(data) if self._stream else [data]:
-            for bundle in wire.parse(packet):
-                self._inbox.extend(bundle.messages)
+            try:
+                data = self._socket.recv(wire.MAX_DATAGRAM)
+            except ConnectionResetError:
+                if not self._tcp:
+                    raise
+                data = b""
+        for packet in self._packets(data) if self._tcp else [data]:
+            for message in (each for bundle in wire.parse(packet) for each in bundle.messages):
+                if self._tcp and message.address == "/fail" and message.args[:1] == ("stream",):
+                    self._ended = f": {message.args[-1]}"
+                else:
+                    self._inbox.append(message)
         return True
+
+    def _packets(self, data: bytes) -> Iterable[bytes]:
+        """Return the packets of a TCP server that are whole once `data` has come."""
+        if not data:
+            raise ConnectionResetError(f"{self.server} has closed the connection{self._ended}")
+        self._stream = self._stream or framing(data[0])
+        return self._stream.packets(data)
 
     @contextmanager
     def _finding(self) -> Iterator[None]:

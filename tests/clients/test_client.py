@@ -12,7 +12,7 @@ from carom.clients.actions import CommandError
 from carom.clients.client import Client
 from carom.server.osc import wire
 from carom.server.osc.addresses import VERBS
-from carom.server.osc.framing import Sized
+from carom.server.osc.framing import Sized, Slip
 from carom.server.osc.wire import Bundle, Message
 from tests.support import serving
 
@@ -347,6 +347,26 @@ def test_tcp_to_nobody_and_to_who_leaves() -> None:
             listener.accept()[0].close()
             with pytest.raises(ConnectionError, match="closed the connection"):
                 client.ask("/status")
+
+
+def test_a_tcp_server_that_has_no_place_says_so() -> None:
+    """A server that was not spoken to yet does not know the framing, and refuses in SLIP."""
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        port = listener.getsockname()[1]
+        for spoken in (False, True):
+            with Client(port=port, tcp=True) as client:
+                here, _ = listener.accept()
+                here.sendall(Slip.framed(wire.encode("/fail", "stream", "all places are taken")))
+                here.close()
+                with pytest.raises(ConnectionResetError, match=f"{port} has closed the connection: all places are"):
+                    if spoken:
+                        for _ in range(20):  # the first is sent before the system knows that nobody listens
+                            client.send("/object/a/impact")
+                            time.sleep(0.05)
+                    else:
+                        client.ask("/status")
 
 
 @pytest.mark.slow
