@@ -3,9 +3,10 @@
 Each is a dataclass of what a preset's section of the same name says, and becomes modes of the body. They are driven by
 the contacts' forces as all modes are, wherever along the path it is struck, and hold the losses that they are given.
 
-Levels are in dB against the loudest of the shape's own modes: that of the highest rms along the path of its shape times
-its sound pressure. So much louder or softer a partial rings after an ideal blow, infinitely short, at a point
-where that mode moves by its rms. A fit to a recording first divides the recording by the spectrum of its blow's force.
+Levels are in dB against the loudest of the shape's own modes up to 20 kHz, at any sampling rate: that of the highest
+rms along the path of its shape times its sound pressure. So much louder or softer a partial rings after an ideal blow,
+infinitely short, at a point where that mode moves by its rms. A fit to a recording first divides the recording by the
+spectrum of its blow's force.
 
 The mass of added modes does not change the sound, only how far a contact feels them. Unless it is said, all modes of a
 section together yield to a force as a rigid body of LOAD times the body's mass does: contacts don't feel that.
@@ -25,6 +26,8 @@ from .material import Array, Material
 from .modes import MOST_MODES, Modes, columns
 
 LOAD = 100.0
+
+_WHOLE = 20_000.0  # Hz: up to which the shape's modes are that levels are told against
 
 Values = float | tuple[float, ...]
 
@@ -130,10 +133,8 @@ class Complete:
     def __call__(self, *, top: float, **arguments: Any) -> Modes:
         """Return the modes up to `top` (Hz); where there would be more than MOST_MODES, without the shape's highest."""
         own = self.make(top=top, **arguments)
-        loudness = np.sqrt(np.mean(own.strike**2, axis=0) * np.mean(own.pressure**2, axis=0))
-        parts = [
-            _modes(each.lines(float(own.frequency[0])), float(loudness.max()), own.mass, top) for each in self.added
-        ]
+        loudest = _loudest(own if top >= _WHOLE else self.make(top=_WHOLE, **arguments))
+        parts = [_modes(each.lines(float(own.frequency[0])), loudest, own.mass, top) for each in self.added]
         most, added = max(MOST_MODES, own.frequency.size), sum(part.frequency.size for part in parts)
         room = most - added
         if room < 1:
@@ -155,6 +156,11 @@ class Complete:
             strike=np.concatenate(strikes, axis=1)[:, order],
             pressure=np.concatenate([own.pressure[:, :room], *(part.pressure for part in parts)], axis=1)[:, order],
         )
+
+
+def _loudest(own: Modes) -> float:
+    """Return the loudness (Pa per N s) of the loudest of a shape's own modes."""
+    return float(np.sqrt(np.mean(own.strike**2, axis=0) * np.mean(own.pressure**2, axis=0)).max())
 
 
 def _modes(lines: Lines, loudest: float, mass: float, top: float) -> Modes:

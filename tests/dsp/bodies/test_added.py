@@ -42,6 +42,15 @@ def test_partials_are_as_long_and_as_loud_as_they_are_given():
         assert np.array_equal(array[..., own], other)
 
 
+def test_a_partial_is_as_loud_at_any_sampling_rate():
+    """The bar's loudest mode is at 7.1 kHz; at a rate of 8 kHz those up to 3.8 kHz are heard."""
+    partials = Partials(frequency=(700.0, 3000.0), t60=(2.0, 0.5), level=(-6.0, -30.0))
+    low, high = (completed(partials, top=top, thickness=0.005) for top in (3800.0, 20000.0))
+    for frequency in (700.0, 3000.0):
+        levels = [loudness(each)[each.frequency == frequency] for each in (low, high)]
+        assert levels[0] == pytest.approx(levels[1], rel=1e-12)
+
+
 def test_a_partial_is_as_loud_wherever_the_body_is_struck():
     modes = completed(Partials(frequency=(700.0,), t60=1.0, level=-6.0))
     (column,) = modes.strike[:, ~own_and_added(modes)].T
