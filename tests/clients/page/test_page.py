@@ -50,6 +50,27 @@ def test_a_tap_strikes_where_the_finger_is(play):
     assert keys(table.until("/impact", 5)[-1].message) == {"striker": "rubber"}
 
 
+@pytest.mark.parametrize("width", [1024, 1280, 1920])
+def test_the_palette_shows_all_of_its_buttons(play, width):
+    """Each preset's button that plays it lies within the palette, and so does its name, whose words are whole."""
+    table = play(viewport={"width": width, "height": 800})
+    table.settle("document.querySelectorAll('.preset .hear').length > 50")
+    hidden = table.ask("""[...document.querySelectorAll(".preset")].flatMap((row) => {
+      const [add, hear] = row.children, name = add.querySelector("span");
+      const end = document.querySelector("#search").getBoundingClientRect().right;
+      const text = name.firstChild, whole = [...text.data.matchAll(/\\S+/g)].every(({ 0: word, index }) => {
+        const range = document.createRange();
+        range.setStart(text, index);
+        range.setEnd(text, index + word.length);
+        return range.getClientRects().length === 1;
+      });
+      const inside = hear.getBoundingClientRect().right <= end + 1;
+      const beside = name.getBoundingClientRect().right <= hear.getBoundingClientRect().left;
+      return inside && beside && whole ? [] : [name.textContent];
+    })""")
+    assert hidden == []
+
+
 def test_two_fingers_strike_two_objects(play):
     table = play(has_touch=True)
     touch = table.page.context.new_cdp_session(table.page)
