@@ -29,8 +29,8 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "--material",
         action="append",
         metavar="M",
-        help="a preset's name: glass; of a model's bodies of which none is said. Again, as handle=wood: that of a part "
-        "that is of another one, by its name in the file",
+        help="a material's preset, such as glass; for a model, that of bodies whose material it does not name. Give it "
+        "again as handle=wood for a part of another material, by the part's name in the file",
     )
     parser.add_argument("--wall", type=number, metavar="M", help="thickness of a sheet or of a hollow body, m")
     parser.add_argument("--scale", type=number, metavar="M", help="the mesh's unit in m: 0.001 for mm (1)")

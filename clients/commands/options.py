@@ -77,7 +77,7 @@ def add_server(parser: argparse.ArgumentParser) -> None:
     """Add the options that say where the server is; `client` reads them."""
     parser.add_argument("--host", default="127.0.0.1", help="the server's name or address (%(default)s)")
     parser.add_argument("--port", type=_port, default=DEFAULT_PORT, help="the server's port (%(default)s)")
-    parser.add_argument("--tcp", action="store_true", help="use TCP, which loses nothing, as for another host, not UDP")
+    parser.add_argument("--tcp", action="store_true", help="over TCP, which loses nothing; to another host always")
 
 
 def client(arguments: argparse.Namespace) -> Client:

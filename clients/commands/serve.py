@@ -42,7 +42,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--port", type=whole, default=DEFAULT_PORT, help="port for UDP and TCP, 0 for any free one (%(default)s)"
     )
     parser.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: for this machine only)")
-    text = "answer all that hosts of this network ask over UDP, and tell them on; others get 3 times what they sent"
+    text = "send all answers and /notify to hosts of this network over UDP; others get 3 times the bytes they sent"
     parser.add_argument("--trust", action="append", default=[], metavar="NET", help=text)
     parser.add_argument(
         "--device",
