@@ -151,7 +151,7 @@ MEANINGS = {
     ("bar", "tube_length"): "of the tube; in tune with the bar if not given",
     ("bar", "tube_gap"): "between the bar's middle and the tube; 0.012 if not given",
     ("bar", "tube_detuning"): "by what fraction it is above the bar's pitch, without `tube_length`; 0 if not given",
-    ("bar", "tube_flow"): "how fast the air in its mouth swings: its edge sheds vortices, which cost energy; 0: none",
+    ("bar", "tube_flow"): "how fast the air in its mouth swings; its vortices take energy, add odd overtones; 0: none",
     ("bar", "fan"): "turns per second of a vibraphone's disc in the tube, each closes it twice; 0 if not given",
     ("bar", "fan_depth"): "share of the tube's sound that the disc takes away at most; 0.5 if not given",
     ("bar", "cords"): "resistance of either cord that holds it where its lowest mode stands still; 0 if not given",

@@ -117,6 +117,53 @@ def test_vortices_at_the_mouth_take_their_power_from_the_air_in_the_tube(flow):
     assert shedding.frequency == pytest.approx(still.frequency)
 
 
+@pytest.mark.parametrize("flow", [0.4, 2.0])
+def test_vortices_add_odd_multiples_of_a_sound(flow):
+    """A bar and its tube, whose mouth resists by |u|^(2/3) u, integrated in time: the third and fifth multiples, over
+    the first, where this passes the amplitude `flow`."""
+    tube, bar = Tube(0.052, flow=flow).tuned(262.0), 262.0
+    air, area = replace(tube, flow=0.0).resonances(1500.0), math.pi * 0.026**2
+    x = (np.arange(4096) + 0.5) * 2 * np.pi / 4096
+    first = 2 * np.mean(np.abs(np.cos(x)) ** (2 / 3) * np.cos(x) ** 2)
+    around = math.pi * SPEED / (2 * (tube.length + tube.end)) * 0.026 / flow
+    stiff = DENSITY * 0.6 * around ** (1 / 3) * flow ** (1 / 3) / first
+    mass = np.diag([1.0, air.mass, air.mass, air.mass])
+    mass[0, 1:] = mass[1:, 0] = 0.02
+    weight, inverse = np.array([1.0, *3 * [air.mass]]), np.linalg.inv(mass)
+    omega, loss = 2 * np.pi * np.array([bar, *air.frequency]), 2 * np.array([4.0, *air.decay])
+
+    def moving(t, x):
+        mouth = x[5:].sum() / area
+        vortices = np.array([0.0, *3 * [stiff * abs(mouth) ** (2 / 3) * mouth]])
+        return np.concatenate([x[4:], inverse @ (-weight * (omega**2 * x[:4] + loss * x[4:]) - vortices)])
+
+    rate = 24_000
+    times = np.arange(0, 0.6, 1 / rate)
+    begin = np.concatenate([np.zeros(4), 1.3 * flow * inverse[:, 0]])
+    found = solve_ivp(moving, (0, 0.6), begin, "DOP853", times, rtol=1e-8, atol=1e-9 * flow).y
+    mouth, size = found[5:].sum(axis=0) / area, rate // 20
+    windows = [mouth[at : at + size] * np.blackman(size) for at in range(0, mouth.size - size, 300)]
+    turns = np.exp(-2j * np.pi * bar / rate * np.outer([1, 3, 5], np.arange(size)))
+    levels = np.array([np.abs(turns @ each) / np.blackman(size).sum() * 2 for each in windows])
+    falling = np.argmax(levels[:, 0])
+    passes = falling + np.argmin(np.abs(levels[falling:, 0] - flow))
+    assert levels[passes, 0] == pytest.approx(flow, rel=0.1)
+    heard = dict(tube.overtones(np.array([bar]), tube.resonances(1500.0), 1500.0))
+    for column, order in enumerate((3, 5), 1):
+        assert heard[order][0] == pytest.approx(order * levels[passes, column] / levels[passes, 0], rel=0.25)
+    fall = np.log(levels[passes - 4] / levels[passes])
+    assert fall[1] / fall[0] == pytest.approx(5 / 3, rel=0.15)
+
+
+def test_vortices_overtones_ring_where_the_bar_has_no_partial():
+    still, shedding = (bodies.bar(METAL, **BAR, tube_diameter=0.05, tube_flow=each) for each in (0.0, 1.0))
+    assert len(shedding.frequency) > len(still.frequency)
+    first = np.argmax(still.frequency > 100.0)
+    near = np.abs(shedding.frequency / (3 * shedding.frequency[first]) - 1) < 1e-9
+    assert near.sum() == 1
+    assert shedding.decay[near] == pytest.approx(5 / 3 * shedding.decay[first])
+
+
 @pytest.mark.parametrize(("column", "decay"), [((200.0, 7.0), 0.5), ((203.0, 2.0), 0.3), ((190.0, 20.0), 4.0)])
 def test_the_coupled_modes_are_those_of_the_equations_in_time(column, decay):
     """Weakly and strongly coupled, in tune and out of it; Dormand and Prince's method integrates the equations."""
