@@ -23,6 +23,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import find_peaks
 
+from .gliding import unwound
 from .recordings import PAIRS, SOUNDFONT, from_onset, strike
 from .soundfont import Recording, SoundFont
 from .sources import Font, Pair, further, there
@@ -51,6 +52,9 @@ MORE: tuple[Pair, ...] = (
 )
 """Recordings beside those of `PAIRS`: notes within half an octave of the preset, as `tune` leaves the T60 as it is."""
 
+GLIDING = {"tom": 93.0}
+"""Presets whose partials glide in pitch by more than bands are wide, as recorded ones do: their lowest partial (Hz)."""
+
 HEADS = "preset", "partials", "within", "ours/real", "one", "two", "others", "itself", "as near"
 LINE = "{:17} {:>8} {:>7} {:>9} {:>6} {:>6} {:>6} {:>6} {:>7}"
 FLUID, HALF_OCTAVE = "FluidR3", 6  # semitones
@@ -61,9 +65,14 @@ Rows = list[tuple[float, float, float]]
 """Hz, T60 (s) of a recording's partial, and that of what is compared with it."""
 
 
-def decays(sound: Recording) -> Decays:
-    """Return the decays of the strongest partials that fall far enough before the sound ends, from low to high."""
+def decays(sound: Recording, lowest: float | None = None) -> Decays:
+    """Return the decays of the strongest partials that fall far enough before the sound ends, from low to high.
+
+    lowest: the lowest partial (Hz) of what glides in pitch after a blow.
+    """
     samples = from_onset(sound)
+    if lowest:
+        samples = unwound(samples, sound.rate, lowest)
     found = ((at, decay(samples, sound.rate, at)) for at in partials(samples, sound.rate))
     return sorted((at, t60) for at, t60 in found if t60 is not None)
 
@@ -175,7 +184,9 @@ def measured(pairs: Iterable[tuple[str, Font, Pair]]) -> Iterator[Measured]:
         sound = source.recording(name)
         real = Recording(name, sound.unlooped, sound.rate)
         ours = strike(preset, changes, len(real.samples) / real.rate)
-        yield Measured(preset, name, float(changes.get("tune", 0.0)), decays(real), decays(ours), instrument)
+        tune = float(changes.get("tune", 0.0))
+        lowest = GLIDING[preset] * 2 ** (tune / 12) if preset in GLIDING else None
+        yield Measured(preset, name, tune, decays(real, lowest), decays(ours, lowest), instrument)
 
 
 def among(recordings: list[Measured], kind: str = "all") -> Rows:

@@ -33,6 +33,22 @@ def test_beats_leave_the_decay():
     assert decay(pair, RATE, 1002.0) == pytest.approx(1.2, rel=0.15)
 
 
+def gliding(*partials: tuple[float, float, float]) -> np.ndarray:
+    """Return partials as `ringing` does, that glide down together by a fifth."""
+    time = np.arange(round(1.5 * RATE)) / RATE
+    turns = np.cumsum(np.sqrt(1 + 0.44 * np.exp(-7 * time))) / RATE
+    return sum(a * np.sin(2 * np.pi * f * turns) * 10 ** (-3 * time / t60) for f, t60, a in partials)
+
+
+def test_partials_that_glide_together_keep_their_decays():
+    known = [(90.0, 1.5, 1.0), (232.0, 0.8, 0.5), (520.0, 0.4, 0.4)]
+    sound = Recording("", gliding(*known), RATE)
+    found = decays(sound, 93.0)
+    assert [at for at, _ in found] == pytest.approx([90, 232, 520], rel=0.02)
+    assert [t60 for _, t60 in found] == pytest.approx([1.5, 0.8, 0.4], rel=0.15)
+    assert [t60 for _, t60 in decays(sound)] != pytest.approx([1.5, 0.8, 0.4], rel=0.15)
+
+
 def test_what_hardly_falls_is_left_out():
     assert decay(ringing(0.3, (1000.0, 10.0, 1.0)), RATE, 1000.0) is None
 
