@@ -12,6 +12,7 @@ of an instrument are one recording at two speeds (`alike`). Mallet and place are
 nearest to the preset's note counts.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import combinations, product
 from statistics import mean
@@ -205,27 +206,45 @@ def agree(bars: list[Bar]) -> tuple[int, int]:
     return sum(each <= WITHIN for each in apart), len(apart)
 
 
+def recorded(font: SoundFont) -> list[tuple[str, Font, Pair]]:
+    """Return the recorded bars over tubes of FluidR3 and of what else is there."""
+    return [*(("FluidR3", font, pair) for pair in BARS), *(each for each in further() if each[2][1] in NOTES)]
+
+
+def compared(instrument: str, source: Font, pair: Pair) -> tuple[Bar, Recording]:
+    """Return a recorded bar beside the preset's of its length, and how that sounds."""
+    name, preset, changes = pair
+    sound, semitones = source.recording(name), changes.get("tune", 0.0)
+    lowest = NOTES[preset] * 2 ** (semitones / 12)
+    shorter, place = shortened(preset, semitones)
+    real, struck = Recording(name, sound.unlooped, sound.rate), strike(preset, shorter, FIRST + 0.1, position=place)
+    levels = [over_the_rest(each, lowest, lasting(real)) for each in (real, struck)]
+    return Bar(instrument, lowest, *levels, real), struck
+
+
+def beside(pairs: Iterable[tuple[str, Font, Pair]]) -> dict[str, list[Bar]]:
+    """Return recorded bars beside the presets', by preset."""
+    found: dict[str, list[Bar]] = {}
+    for each in pairs:
+        found.setdefault(each[2][1], []).append(compared(*each)[0])
+    return found
+
+
 def bars(font: SoundFont) -> None:
     """Print how far the lowest partial exceeds the rest, of each recorded bar and of the preset's."""
-    recorded: list[tuple[str, Font, Pair]] = [("FluidR3", font, pair) for pair in BARS]
-    recorded += [each for each in further() if each[2][1] in NOTES]
     found: dict[str, list[Bar]] = {preset: [] for preset in NOTES}
     head = "real    ours  ours less real  as it may be played  swell: real  ours"
     print(f"dB of the lowest partial over all others               {head}")
-    for instrument, source, (name, preset, changes) in recorded:
-        sound = source.recording(name)
-        semitones = changes.get("tune", 0.0)
-        lowest = NOTES[preset] * 2 ** (semitones / 12)
-        shorter, place = shortened(preset, semitones)
-        pair = Recording(name, sound.unlooped, sound.rate), strike(preset, shorter, FIRST + 0.1, position=place)
-        seconds = lasting(pair[0])
-        real, ours = (over_the_rest(each, lowest, seconds) for each in pair)
-        others = played(preset, shorter, lowest, seconds)
-        swells = [swell(each, lowest) for each in pair]
-        found[preset].append(Bar(instrument, lowest, real, ours, pair[0]))
-        row = f"{real:7.1f} {ours:7.1f} {ours - real:10.1f} {min(others):14.1f} to {max(others):.1f}"
+    for instrument, source, pair in recorded(font):
+        name, preset, changes = pair
+        bar, struck = compared(instrument, source, pair)
+        assert bar.sound is not None
+        found[preset].append(bar)
+        others = played(preset, shortened(preset, changes.get("tune", 0.0))[0], bar.lowest, lasting(bar.sound))
+        swells = [swell(each, bar.lowest) for each in (bar.sound, struck)]
+        row = f"{bar.real:7.1f} {bar.ours:7.1f} {bar.ours - bar.real:10.1f} {min(others):14.1f} to {max(others):.1f}"
         row += f" {swells[0]:12.1f} {swells[1]:6.1f}"
-        print(f"  {instrument[:8]:8} {name:15} {preset:15} {lowest:6.0f} Hz {row}")
+        print(f"  {instrument[:8]:8} {name:15} {preset:15} {bar.lowest:6.0f} Hz {row}")
     for notes in (found, {preset: own(rows, NOTES[preset]) for preset, rows in found.items()}):
         everything = [bar for rows in notes.values() for bar in rows]
         print("all notes" if notes is found else "each recording once")

@@ -13,6 +13,7 @@ GMRockKit has the sounds of hydrogen's Black Pearl. Samples of SoundFonts that l
 import argparse
 import json
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 from statistics import mean, pstdev
 
@@ -22,16 +23,17 @@ from . import decays, recordings
 from .harmonics import (
     HIGHEST,
     LOWEST,
+    NOTES,
     WITHIN,
     as_it_may_be_bowed,
     bowed,
+    compared,
     fall,
     lasting,
-    over_the_rest,
     played,
     shortened,
 )
-from .sources import MEZZO_FORTE, Pair, Source, further, there
+from .sources import MEZZO_FORTE, Font, Pair, Source, further, there
 
 _KITS = "usr/share/hydrogen/data/drumkits"
 
@@ -207,20 +209,21 @@ def by_decays() -> dict[str, dict[str, float | None]]:
     }
 
 
+def bars_held() -> Iterator[tuple[str, Font, Pair]]:
+    """Yield the recorded bars over tubes."""
+    return (each for each in further(HELD) if each[2][1] in NOTES)
+
+
 def by_harmonics() -> None:
     """Print how far the lowest partials of bars with tubes exceed the rest, and how a cello falls."""
-    for instrument, font, (name, preset, changes) in further(HELD):
-        if preset != "xylophone-bar":
-            continue
-        real = font.recording(name)
-        shorter, place = shortened(preset, changes.get("tune", 0.0))
-        lowest = 523.3 * 2 ** (changes.get("tune", 0.0) / 12)
-        struck = recordings.strike(preset, shorter, 0.4, position=place)
-        levels = [over_the_rest(each, lowest, lasting(real)) for each in (real, struck)]
-        near = "within" if abs(levels[1] - levels[0]) <= WITHIN else "beyond"
-        others = played(preset, shorter, lowest, lasting(real))
-        ours = f"{levels[1]:.1f} (as it may be played: {min(others):.1f} to {max(others):.1f})"
-        print(f"{instrument}, {name}: lowest over the rest {levels[0]:.1f} dB, ours {ours}: {near} {WITHIN}")
+    for instrument, font, pair in bars_held():
+        name, preset, changes = pair
+        bar, _ = compared(instrument, font, pair)
+        assert bar.sound is not None
+        near = "within" if abs(bar.ours - bar.real) <= WITHIN else "beyond"
+        others = played(preset, shortened(preset, changes.get("tune", 0.0))[0], bar.lowest, lasting(bar.sound))
+        ours = f"{bar.ours:.1f} (as it may be played: {min(others):.1f} to {max(others):.1f})"
+        print(f"{instrument}, {name}: lowest over the rest {bar.real:.1f} dB, ours {ours}: {near} {WITHIN}")
     for _, font in there((CELLO,)):
         slopes, bows = [fall(font.recording(name))[1] for name, *_ in CELLO.pairs], as_it_may_be_bowed()
         real = f"{mean(slopes):.1f} (notes: {min(slopes):.1f} to {max(slopes):.1f})"
