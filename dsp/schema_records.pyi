@@ -79,9 +79,11 @@ class Values(Record):
     delay: float  # s
     pulses: float
     whole: float  # kg
+    friction: float
     own_stiffness: float  # N/m^a
     own_dissipation: float  # s/m
-    own_gain: float
+    own_level: float
+    level: float
     stage: float
     gravity: float  # m/s^2
     irregularity: float
@@ -90,7 +92,6 @@ class Values(Record):
     radius: float  # m
     roughness: float  # times
     asymmetry: float
-    friction: float
     corners: float
     travel: float  # m
     speed: float  # m/s

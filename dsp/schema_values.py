@@ -26,11 +26,13 @@ _PRESSED = Parameter(
 )  # fmt: skip
 _PULSES = Parameter("pulses", 0, np.inf, "", "number of the table of a swarm's pulses", default=0.0)
 _WHOLE = Parameter("whole", 0.0, np.inf, "kg", "mass of what breaks", default=0.0)
+_FRICTION = Parameter("friction", 0.0, np.inf, "", "coefficient, of pieces on what they fall on", default=0.0)
 _OWN_LAW = (
     Parameter("own_stiffness", 0.0, np.inf, "N/m^a", "of pieces if they fall on nothing", default=0.0),
     Parameter("own_dissipation", 0.0, np.inf, "s/m", "the same", default=0.0),
-    Parameter("own_gain", 0.0, np.inf, "", "the same", default=0.0),
+    Parameter("own_level", 0.0, np.inf, "", "the same", default=0.0),
 )
+_LEVEL = Parameter("level", 0.0, np.inf, "", "of what breaks: its gain as loud as it is", default=1.0)
 _STAGE = Parameter(
     "stage", 0, 2, "", "of what breaks: 0 its cracks, 1 its pieces on an object, 2 on nothing", default=0.0
 )  # fmt: skip
@@ -45,7 +47,7 @@ SHARED = {
     each.name: each
     for each in (
         VELOCITY, *STRIKE, *POINT, BY_POSITION, *BY_POINT, *DIRECTION, *BY_DIRECTION, *_ON_SURFACE, *_SOUND, _PRESSED,
-        _DELAY, _PULSES, _WHOLE, *_OWN_LAW, _STAGE,
+        _DELAY, _PULSES, _WHOLE, _FRICTION, *_OWN_LAW, _LEVEL, _STAGE,
     )
 }  # fmt: skip
 """Parameters that every gesture has, by name."""

@@ -54,15 +54,16 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
         "position": values.numbers.get("position", 0.5),
         "spread": values.number("spread"),
         "seed": to.seed(number),
+        "gain": GAIN.in_engine(values.number("gain")),
+        "friction": to.transaction.laws.sliding_of(to.striker)["dynamic"],
     }
     sound = None if to.is_point_mass else to.transaction.laws.sound_of(to.striker)
     motion |= engine.lay_out_striker(sound) if sound else {}
-    gain = GAIN.in_engine(values.number("gain"))
     own = {"own_stiffness": law.stiffness, "own_dissipation": law.dissipation}
     below, here = onto or to.obj, to.obj.handle
     level = min(scale.at(0.0), scale.object(to.obj.preset))  # of all of it: a strike's would be too loud
-    own["own_gain"] = motion["gain"] = gain * (level / scale.object(to.obj.preset))
-    own["gain"] = gain * (level / scale.object(below.preset))
+    own["own_level"] = motion["level"] = level / scale.object(to.obj.preset)
+    own["level"] = level / scale.object(below.preset)
     pieces = {**motion, **landing._asdict(), **own, "stage": 1.0 if onto else 2.0}
     _add(
         to,

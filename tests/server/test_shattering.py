@@ -126,3 +126,14 @@ def test_what_breaks_sounds_as_loud_as_the_same_in_pascals():
         for each in (False, True)
     )
     assert np.abs(played - told / 4.0).max() < 1e-4 * np.abs(played).max()
+
+
+@pytest.mark.parametrize("steered", ["", " over 0.05"])
+def test_a_gain_that_steers_pieces_is_as_loud_as_the_same_that_they_begin_with(steered):
+    """A bowl and its floor have levels of their own, by which a gain of the pieces jumped."""
+    score = "0 /object/new bowl wine-glass\n0 /object/bowl/shatter 2 gain -3 seed 1 id pieces\n"
+    kept, told = (
+        carom.render(score + more, RATE, channels=1, seconds=0.4).samples
+        for more in ("", f"0.1 /gesture/pieces/gain -3{steered}\n")
+    )
+    assert np.abs(kept[4_800:]).max() > 0.0 and np.abs(told - kept).max() < 1e-6 * np.abs(kept).max()

@@ -144,7 +144,7 @@ def _let_pieces_fall(state: State, event: Event) -> None:
             values = event.values
             event.slot, event.serial, values.stage = event.by_slot, event.by_serial, 2.0
             values.stiffness, values.dissipation = values.own_stiffness, values.own_dissipation
-            values.gain = values.own_gain
+            values.level = values.own_level
         event.by_slot = event.by_serial = 0
 
 

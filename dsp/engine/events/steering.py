@@ -14,6 +14,7 @@ from ..memory.ramp_list import drop_ramps, takes_time
 from ..memory.records import Contact
 from ..memory.state import Object, State
 
+_GAIN = STEERABLE.index("gain")
 _GRAVITY, _FORCE = STEERABLE.index("gravity"), STEERABLE.index("force")
 _POSITION, _POINT = STEERABLE.index("position"), STEERABLE.index(POINT[0].name)
 _BY_POSITION, _BY_POINT = STEERABLE.index("by_position"), STEERABLE.index(BY_POINT[0].name)
@@ -54,14 +55,16 @@ def steer(state: State, event: Event) -> None:
 @kernel
 def target_of(state: State, contact: Contact, parameter: int) -> float:
     """Return the value that one parameter of a contact was last set to; for a roll's speed, as far as friction has
-    slowed it."""
+    slowed it; for a gain, what was asked for."""
     target = state.rolls[contact.roll].target if contact.trait.rolls == 1 else contact.target
-    return field(target, parameter)
+    value: float = field(target, parameter)
+    return value / contact.level if parameter == _GAIN and contact.level > 0.0 else value
 
 
 @kernel
 def set_target(state: State, contact: Contact, parameter: int, value: float) -> None:
     """Give one parameter of a contact a new target."""
+    value = value * contact.level if parameter == _GAIN else value
     set_field(contact.target, parameter, value)
     if parameter == _POSITION:
         contact.point[0].on_surface = 0

@@ -69,6 +69,7 @@ class Contact(Record):
     w: float  # mu v_in, where a restitution was given: each contact then has a mu of its own; else 0
     now: Steered  # what can be steered, gliding
     target: Steered  # to this
+    level: float  # by which a gain that is asked for counts: of pieces, which sound as loud as they are; else 1
     start: int  # sample at or before the contact's beginning
     fraction: float  # from there to the beginning
     origin: float  # samples: when the gesture began

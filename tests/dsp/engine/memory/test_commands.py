@@ -57,6 +57,8 @@ ALL = {
         "delay",
         "pulses",
         "whole",
+        "friction",
+        "level",
         "stage",
     ),
     *("x", "y", "z", "by_x", "by_y", "by_z", "on_surface", "by_on_surface"),
