@@ -21,6 +21,16 @@ Imperfections, impacts, and the singularity of Euler's disk, 2017). At small ang
 between blows. A corner that does not bounce rests, alone or with one beside it, and the others fall about it. A piece
 that would turn over meanwhile lands at an angle at random, with its energy.
 
+Along the floor it flies with what is left of half of the speed. A blow's friction brakes the corner, by its coefficient
+times the push or by what stops the corner. The middle is above the corner: so it turns the piece, as one that trips
+does. A turn about the vertical is not followed: each blow finds the piece turned at random. Corners that rest are
+braked by the weight that they carry.
+
+Where others lie a piece lands on one of these. Pieces of n in all that fly to all sides have, at a time, the density
+n/(2 pi r^2) about each other in the mean, where r is the rms of their ways: as friction brakes these from the start.
+What lies there passes the blow on to the floor, and rings by it as a free plate that is struck anywhere, along its
+normal.
+
 It bends as well, and rings by what its blows leave it (ringing.py).
 """
 
@@ -56,9 +66,13 @@ SLOWEST = 0.03
 """m/s: a slower corner stays where it lands, unheard."""
 TILT = math.sqrt(0.5)
 """Cosine of the angle at which a piece's modes are struck, as they are told."""
+MIDDLE = math.sqrt(0.5)
+"""Share in which a blow along the normal, anywhere on a piece, moves a free square's modes in the mean (rms): they are
+told at TILT and at a corner, where their shape is twice its rms value."""
 SPUN = 6.0
 """m R^2/I of a square about its diagonal, with its corners a distance R from its middle."""
 _CORNER = math.sqrt(0.5 * math.pi)  # of a square, in the radius of a disc of its area
+_NARROW, _COVERED = 1e-12, 40.0  # m^2; times: of a floor that is covered for sure
 _HALF = math.sqrt(2.0) - 1.0  # the tangent of half of 45 degrees
 _DENSITY, _FLAT = 2500.0, 0.1  # kg/m^3, and the thickness of the usual piece in its radius (estimated)
 
@@ -73,7 +87,7 @@ def break_up(
     """
     total, rest = 0.0, 1.0 - steepness
     least = 1.0 - exp(rest * math.log(_DECADES))
-    swarm.pieces = min(max(count, 1), MOST_PIECES)
+    swarm.pieces, swarm.hit, swarm.height = min(max(count, 1), MOST_PIECES), speed, height
     for p in range(swarm.pieces):
         swarm.mass_of[p] = exp(log(1.0 - uniform(swarm, p, MAGNITUDE) * least) / rest)
         total += swarm.mass_of[p]
@@ -81,16 +95,44 @@ def break_up(
     swarm.finer = (SIZES - 1) * 3.0 / math.log(_DECADES)
     swarm.usual = usual
     swarm.wide = exp(log(usual / (math.pi * _DENSITY * _FLAT)) / 3.0) / math.sqrt(usual)
+    swarm.whole = whole
     for p in range(swarm.pieces):
         swarm.mass_of[p] *= whole / total
-        up = _THROWN * speed * (2.0 * uniform(swarm, p, GAP) - 1.0)
-        above = height * uniform(swarm, p, VARIETY)
+        up, above = _thrown(swarm, p)
         highest = above + 0.5 * max(up, 0.0) * up / STANDARD_GRAVITY
         _tilt(swarm, p, p, uniform(swarm, p, OTHER) * min(_CORNER * _radius(swarm, p), highest))
         falls = math.sqrt(max(up * up + 2.0 * STANDARD_GRAVITY * (above - _high(swarm, p)), 0.0))
         swarm.fall_of[p], swarm.turn_of[0, p], swarm.turn_of[1, p] = falls, 0.0, 0.0
+        swarm.slide_of[p] = math.sqrt(max(_THROWN * speed * _THROWN * speed - up * up, 0.0))
         swarm.next_of[p] = (up + falls) / STANDARD_GRAVITY
         swarm.bounced[p] = 0
+
+
+@kernel
+def _thrown(swarm: Swarm, p: int) -> tuple[float, float]:
+    """Return how fast a piece flies up (m/s; below 0: down) as it comes free, and how high it is then (m)."""
+    return _THROWN * swarm.hit * (2.0 * uniform(swarm, p, GAP) - 1.0), swarm.height * uniform(swarm, p, VARIETY)
+
+
+@kernel
+def piece_below(swarm: Swarm, p: int, time: float) -> int:
+    """Return the piece on which a piece lands at a time (s), of those that lie on the floor by then; -1: on none."""
+    u = _THROWN * swarm.hit * math.sqrt(2.0 / 3.0)
+    brakes = swarm.friction * STANDARD_GRAVITY
+    since = time if brakes * time < u else u / brakes
+    reach = (u - 0.5 * brakes * since) * since
+    covered = 0.5 * swarm.wide * swarm.wide * swarm.whole / max(reach * reach, _NARROW)
+    chance = 1.0 - exp(-min(covered, _COVERED))
+    share = uniform(swarm, number_of(swarm, p), MAGNITUDE) / chance
+    if share >= 1.0:
+        return -1
+    below, left = 0, share * swarm.whole - swarm.mass_of[0]
+    while left > 0.0 and below < swarm.pieces - 1:
+        below += 1
+        left -= swarm.mass_of[below]
+    up, above = _thrown(swarm, below)
+    lies = STANDARD_GRAVITY * time > up + math.sqrt(up * up + 2.0 * STANDARD_GRAVITY * above)
+    return below if lies and below != p else -1
 
 
 @kernel
@@ -170,8 +212,12 @@ def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
     given = (1.0 + left) * v * mass / swarm.mass_of[p]
     swarm.fall_of[p] -= given
     _add_at(swarm.turn_of, p, corner, -SPUN * flat * given)
-    swarm.bounced[p] += 1
+    if stays:
+        _brake(swarm, p, swarm.friction * given)
+    else:
+        _rub(swarm, p, middle, swarm.friction * given)
     held = _hold(swarm, p, flat, v) if stays else 0
+    swarm.bounced[p] += 1
     x, y, fall = swarm.turn_of[0, p], swarm.turn_of[1, p], swarm.fall_of[p]
     energy = 0.5 * (fall * fall + (x * x + y * y) / SPUN) + STANDARD_GRAVITY * middle
     lift = STANDARD_GRAVITY / (SPUN * flat * flat + max(_count(held), 1))
@@ -184,6 +230,30 @@ def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
     if _flat(swarm, p) == 0.0:
         time = _turn_over(swarm, p, middle, fall, math.sqrt(x * x + y * y))
     swarm.next_of[p] += time
+
+
+@kernel
+def _brake(swarm: Swarm, p: int, less: float) -> None:
+    """Subtract so many m/s from a piece's speed along the floor, until it stops."""
+    swarm.slide_of[p] = max(swarm.slide_of[p] - less, 0.0)
+
+
+@kernel
+def _rub(swarm: Swarm, p: int, high: float, most: float) -> None:
+    """Stop the corner of a piece along the floor, or slow it by a change (m/s) of the piece's speed if that is less.
+
+    high: m, of the piece's middle."""
+    arm, along = high / (_CORNER * _radius(swarm, p)), 2.0 * math.pi * uniform(swarm, number_of(swarm, p), GAP)
+    u, w = swarm.slide_of[p] * math.cos(along), swarm.slide_of[p] * math.sin(along)
+    x, y = u - arm * swarm.turn_of[0, p], w - arm * swarm.turn_of[1, p]
+    speed = math.sqrt(x * x + y * y)
+    if speed == 0.0:
+        return
+    less = min(most, speed / (1.0 + SPUN * arm * arm)) / speed
+    swarm.turn_of[0, p] += SPUN * arm * less * x
+    swarm.turn_of[1, p] += SPUN * arm * less * y
+    u, w = u - less * x, w - less * y
+    swarm.slide_of[p] = math.sqrt(u * u + w * w)
 
 
 @kernel
@@ -239,6 +309,7 @@ def _next_landing(swarm: Swarm, p: int, flat: float, held: int, lift: float) -> 
 def _move(swarm: Swarm, p: int, flat: float, held: int, lift: float, time: float) -> None:
     """Move a piece that flies for a time (s), or falls about the corners that rest, as `_next_landing` has it."""
     slower = SPUN * flat * lift * time
+    _brake(swarm, p, swarm.friction * _count(held) * lift * time)
     swarm.fall_of[p] += (STANDARD_GRAVITY - _count(held) * lift) * time
     for axis in range(2):
         swarm.tilt_of[axis, p] += flat * swarm.turn_of[axis, p] * time
@@ -284,10 +355,10 @@ def piece_beside(swarm: Swarm, u: float) -> int:
 
 @kernel
 def bend_piece(
-    swarm: Swarm, p: int, mass: float, width: float, flat: float, given: float
+    swarm: Swarm, p: int, mass: float, width: float, flat: float, given: float, below: int
 ) -> tuple[float, float, float]:
-    """Return the factor on the momentum of a piece's blow that moves its modes as its blows do, by how much ln of their
-    width is less, and the restitution that they leave it.
+    """Return the factor on the momentum of a piece's blow that moves its modes, in their direction, and those of the
+    piece below it, if there is one (else -1); by how much ln of its width is less, and the restitution that they leave.
 
     mass, width, given: as it would meet the floor if it were rigid, in kg, ln of s, and in m v. Its modes have
     frequencies as the inverse of its mass, and masses as that; flat: the cosine of the angle at which it lies, as they
@@ -295,9 +366,13 @@ def bend_piece(
     """
     piece, toward = swarm.mass_of[p], flat / TILT
     mass_ratio, at = toward * toward * swarm.bending * mass / piece, width + log(swarm.usual / piece)
-    kept, shorter, bent = kept_by(swarm.bend, swarm.bends, mass_ratio, at, given, swarm.a)
+    other_ratio, there = 0.0, at
+    if below >= 0:
+        other = swarm.mass_of[below]
+        other_ratio, there = MIDDLE * MIDDLE * swarm.bending * mass / other, width + log(swarm.usual / other)
+    kept, shorter, bent = kept_by(swarm.bend, swarm.bends, (mass_ratio, other_ratio), (at, there), given, swarm.a)
     left = (given - 1.0) * math.sqrt(1.0 - given * given * bent * kept)
-    return math.sqrt(kept) * toward, shorter, left
+    return math.sqrt(kept), shorter, left
 
 
 @kernel

@@ -167,8 +167,14 @@ class Swarm(Record):
     fall_of: Annotated[View[float], MOST_PIECES]  # m/s, at which the middle of each falls as a corner lands next
     tilt_of: Annotated[View2D[float], 2, MOST_PIECES]  # m, by which corners on two axes are deeper then
     turn_of: Annotated[View2D[float], 2, MOST_PIECES]  # m/s, at which they go down about the middle, as it lies flat
+    slide_of: Annotated[View[float], MOST_PIECES]  # m/s, at which each goes along the floor
     next_of: Annotated[View[float], MOST_PIECES]  # s, when it lands; inf: it lies still
     corner_of: Annotated[View[int], MOST_PIECES]  # that does, and 4 times a bit of each that rests until then
+    friction: float  # coefficient, of pieces on the floor
+    whole: float  # kg: of all pieces
+    hit: float  # m/s: at which what broke hit
+    height: float  # m: up to which its pieces began
+    hard: float  # as k, where a piece lands on another
     wide: float  # m/sqrt(kg): a piece's radius over the root of its mass
     usual: float  # kg: of the usual piece
     bends: int  # modes of the usual grain which ring
@@ -200,7 +206,9 @@ class Blows(Record):
     loss: Annotated[View[float], BATCH]  # w/(1 + w)
     width: Annotated[View[float], BATCH]  # ln of the rms width (s)
     heard: Annotated[View[float], BATCH]  # of a drop: its share by its distance; of a piece: its momentum in m v
-    alike: Annotated[View[float], BATCH]  # of the momentum, moves a piece's modes as its blows on the floor do
+    alike: Annotated[View[float], BATCH]  # of the momentum, moves a grain's modes
+    toward: Annotated[View[float], BATCH]  # of that, moves a piece's, by the angle at which it lies
+    below: Annotated[View[int], BATCH]  # the piece on which a piece lands; -1: none
     shorter: Annotated[View[float], BATCH]  # by so much ln of the width is less then
     ratio: Annotated[View[float], BATCH]  # of the mass that the object leaves it
     momentum: Annotated[View[float], BATCH]  # N s

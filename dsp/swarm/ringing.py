@@ -31,18 +31,25 @@ def bent_by(frequencies: View[float], count: int, mass_ratio: float, width: floa
 
 @kernel
 def kept_by(
-    frequencies: View[float], count: int, mass_ratio: float, width: float, given: float, exponent: float
+    frequencies: View[float],
+    count: int,
+    mass_ratio: tuple[float, float],
+    width: tuple[float, float],
+    given: float,
+    exponent: float,
 ) -> tuple[float, float, float]:
     """Return the share that is left of the energy which a rigid body's blow would give its modes, by how much ln of the
     blow's width is less as they give way, and m' M then.
 
-    given: the momentum in m' v; exponent: the contact law's.
+    mass_ratio, width: as `bent_by` has them, of the body, and of one like it that it meets, whose ratio is 0 if it does
+    not ring; given: the momentum in m' v; exponent: the contact law's.
     """
-    bent = bent_by(frequencies, count, mass_ratio, width)
-    shorter = 0.0
-    for _ in range(2):  # what gives way has a shorter pulse, which reaches more modes
-        shorter = log(1.0 + bent) / (exponent + 1.0)
-        bent = bent_by(frequencies, count, mass_ratio, width - shorter)
+    bent = shorter = 0.0
+    for step in range(3):  # what gives way has a shorter pulse, which reaches more modes
+        shorter = log(1.0 + bent) / (exponent + 1.0) if step > 0 else 0.0
+        bent = bent_by(frequencies, count, mass_ratio[0], width[0] - shorter)
+        if mass_ratio[1] > 0.0:
+            bent += bent_by(frequencies, count, mass_ratio[1], width[1] - shorter)
     return 1.0 / (1.0 + 2.0 * given * given * bent), shorter, bent
 
 

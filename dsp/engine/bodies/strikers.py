@@ -181,7 +181,7 @@ def share_of_blow(state: State, contact: Contact) -> float:
     given = rigid * pulse.momentum / (contact.m * contact.v_in)
     mass_ratio = contact.trait.meets * striker.mobility / striker.bends
     width = log(_WIDTH * pulse.duration / state.rate)
-    kept, _, _ = kept_by(striker.bend, striker.bends, mass_ratio, width, given, contact.a)
+    kept, _, _ = kept_by(striker.bend, striker.bends, (mass_ratio, 0.0), (width, width), given, contact.a)
     return share * math.sqrt(kept * left_by(rigid, _ratio_of(contact)))
 
 

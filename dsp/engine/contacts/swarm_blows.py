@@ -14,7 +14,9 @@ from ...swarm.blows import STREAM, draw_blows, known_of, mean_mass, pulse_of, yi
 from ...swarm.grid import HALF, LEAST, lay_pulse
 from ...swarm.pieces import (
     BOUNCES,
+    MIDDLE,
     SLOWEST,
+    TILT,
     bend_piece,
     bent_by_crack,
     bounce_piece,
@@ -22,6 +24,7 @@ from ...swarm.pieces import (
     freed_within,
     landing_of,
     number_of,
+    piece_below,
     piece_beside,
     piece_of,
     size_of,
@@ -80,13 +83,14 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
             if v < SLOWEST:
                 bounce_piece(swarm, p, 0.0)
                 continue
-            light = log(mass / swarm.k)
+            below = piece_below(swarm, p, swarm.next_of[p])
+            light = log(mass / (swarm.k if below < 0 else swarm.hard))
             loss, width = pulse_of(swarm, table, light, v)
             given = known_of(table.momentum, loss)
-            blows.alike[n], blows.shorter[n], bounces = bend_piece(swarm, p, mass, width, flat, given)
+            blows.alike[n], blows.shorter[n], bounces = bend_piece(swarm, p, mass, width, flat, given, below)
             blows.time[n], blows.number[n], blows.v[n], blows.mass[n] = swarm.next_of[p], number, v, mass
             blows.place[n] = int(uniform(swarm, number, PLACE) * swarm.places)
-            blows.loss[n], blows.width[n] = loss, width
+            blows.loss[n], blows.width[n], blows.toward[n], blows.below[n] = loss, width, flat / TILT, below
             blows.heard[n] = 1.0 + bounces
             blows.alike[n] *= given / blows.heard[n]
             ratio, _, _ = _yielded(swarm, blows, n, 0.0)  # the same bits at any rate, whatever falls beside it
@@ -126,9 +130,18 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
         if sizes:
             c, alike = _size_of_blow(state, contact, swarm, blows, n, width - swarm.log_rate)
             width -= blows.shorter[n]
-            end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], at, width, loss, alike * momentum)
-            swarm.size_busy[c] = max(swarm.size_busy[c], end)
+            _ring(state, swarm, c, at, width, loss, alike * momentum)
+            if swarm.pieces > 0 and blows.below[n] >= 0:
+                c, alike = _size_of_piece(state, contact, swarm, blows, n, blows.below[n])
+                _ring(state, swarm, c, at, width, loss, MIDDLE * alike * momentum)
         swarm.impulse += momentum
+
+
+@kernel
+def _ring(state: State, swarm: Swarm, c: int, at: float, width: float, loss: float, momentum: float) -> None:
+    """Lay a pulse onto the grid of a size of grains."""
+    end = lay_pulse(state.pulses, swarm.table, swarm.size_grid[c], at, width, loss, momentum)
+    swarm.size_busy[c] = max(swarm.size_busy[c], end)
 
 
 @kernel
@@ -190,23 +203,33 @@ def _size_of_blow(
         at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + uniform(swarm, blows.number[n], SIZE)
         c = min(max(int(at_size), 0), SIZES - 1)
         return c, blows.alike[n] * swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
+    if swarm.pieces > 0:
+        c, alike = _size_of_piece(state, contact, swarm, blows, n, piece_of(blows.number[n]))
+        return c, blows.toward[n] * alike
+    u = uniform(swarm, blows.number[n], SIZE)
+    piece = swarm.mass_of[piece_beside(swarm, u)]
+    freed = max(width, freed_within(swarm, piece))
+    blows.shorter[n] = width - freed
+    at_size = (math.log(contact.trait.meets * piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
+    alike = _left_to(state, swarm, blows, n) / (1.0 + ratio * bent_by_crack(swarm, mass, piece, freed))
+    return min(max(int(at_size), 0), SIZES - 1), alike
+
+
+@kernel
+def _size_of_piece(state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, piece: int) -> tuple[int, float]:
+    """Return the size by which a piece rings, and the factor on a blow's momentum with which a grain of that size moves
+    as fast as the piece does."""
+    mass = contact.trait.meets * swarm.mass_of[piece]
+    c = min(max(int((size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5), 0), SIZES - 1)
+    alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
+    return c, _left_to(state, swarm, blows, n) * blows.alike[n] * alike
+
+
+@kernel
+def _left_to(state: State, swarm: Swarm, blows: Blows, n: int) -> float:
+    """Return the factor on a blow's momentum that moves what rings, by the energy that the object leaves it."""
     given = known_of(state.pulses.tables[swarm.table].momentum, blows.loss[n])
-    alike = math.sqrt(left_by(given, ratio)) if swarm.bends > 0 else 1.0
-    if swarm.cracked > 0:
-        u = uniform(swarm, blows.number[n], SIZE)
-        piece = swarm.mass_of[piece_beside(swarm, u)]
-        freed = max(width, freed_within(swarm, piece))
-        blows.shorter[n] = width - freed
-        at_size = (math.log(contact.trait.meets * piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
-        alike /= 1.0 + ratio * bent_by_crack(swarm, mass, piece, freed)
-    else:
-        mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
-        at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5
-        alike *= blows.alike[n]
-    c = min(max(int(at_size), 0), SIZES - 1)
-    if swarm.cracked == 0:
-        alike *= swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
-    return c, alike
+    return math.sqrt(left_by(given, blows.ratio[n])) if swarm.bends > 0 else 1.0
 
 
 @kernel

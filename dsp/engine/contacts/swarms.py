@@ -110,6 +110,8 @@ def _break(state: State, contact: Contact, event: Event) -> None:
     """Begin the cracks of what breaks, or the fall of its pieces."""
     values, swarm = event.values, state.swarms[contact.swarm]
     usual = contact.m / contact.trait.meets
+    swarm.friction = values.friction
+    swarm.hard = values.own_stiffness if values.own_stiffness > 0.0 else contact.k
     break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height, usual, values.steepness)
     swarm.smallest += math.log(contact.trait.meets) / 3.0
     swarm.sized = int(contact.sound >= 0)

@@ -10,19 +10,20 @@ from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.swarm.pieces import (
     BOUNCES,
     SLOWEST,
-    TILT,
     bend_piece,
     bounce_piece,
     break_up,
     freed_by_cracks,
     freed_within,
     landing_of,
+    number_of,
+    piece_below,
     piece_beside,
 )
 from carom.dsp.swarm.record import SWARM
 from carom.dsp.swarm.ringing import bent_by
 from carom.dsp.swarm.tables import contact_form
-from carom.dsp.swarm.times import seed_swarm
+from carom.dsp.swarm.times import GAP, seed_swarm, uniform
 
 
 def broken(seed, count=200, whole=0.25, speed=3.0, height=0.5, steepness=1.35):
@@ -82,10 +83,14 @@ def energy_of(swarm, p):
 
 
 def test_pieces_bring_the_energy_that_throws_them_and_of_their_fall():
-    swarm = broken(5)
-    most = 0.25 * 0.5 * 0.25 * 3.0**2 + 0.25 * STANDARD_GRAVITY * 0.5
-    energy = sum(energy_of(swarm, p) for p in range(200))
-    assert 0.25 * most < energy < most  # they fall from half of the height, in the mean
+    """Each flies at half of the speed, to any side alike: so up and down is even between both ends."""
+    swarm, thrown = broken(5), 0.5 * 1.5**2
+    for p in range(200):
+        fallen = (
+            energy_of(swarm, p) / swarm["mass_of"][p] + 0.5 * swarm["slide_of"][p] ** 2 - thrown
+        ) / STANDARD_GRAVITY
+        assert -1e-9 < fallen < 0.5 + 1e-9
+    assert np.mean(swarm["slide_of"][:200] ** 2) == pytest.approx(2 / 3 * 1.5**2, rel=0.06)
 
 
 def test_a_piece_that_is_hardly_thrown_stays_low():
@@ -120,6 +125,76 @@ def test_a_piece_that_clatters_loses_what_its_blows_take_and_nothing_else(restit
         blows.append(heard)
     assert max(swarm["bounced"][:40]) < BOUNCES or restitution != 0.6
     assert np.mean(blows) > {0.0: 5, 0.3: 12, 0.6: 26, 0.85: 60}[restitution]
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.4, 2.0])
+def test_friction_brakes_pieces_by_what_the_floor_pushes_up_and_gives_nothing(friction):
+    """A piece whose corners give the floor so much is braked by the friction of that at most, and what it loses is at
+    least what its blows take. Its corners rub by turning as well, so that they brake less in the mean."""
+    swarm, braked = broken(5, 40), []
+    swarm["friction"] = friction
+    for p in range(40):
+        begin, pushed, mass = swarm["slide_of"][p], 0.0, swarm["mass_of"][p]
+        while swarm["next_of"][p] < math.inf:
+            at, before = swarm["next_of"][p], energy_of(swarm, p) + 0.5 * mass * swarm["slide_of"][p] ** 2
+            v, light, _ = landing_of(swarm, p)
+            left = 0.5 if v > SLOWEST else 0.0
+            slides, given = swarm["slide_of"][p], (1 + left) * v * light / mass
+            bounce_piece(swarm, p, left)
+            if swarm["next_of"][p] < math.inf:
+                after = energy_of(swarm, p) + 0.5 * mass * swarm["slide_of"][p] ** 2
+                assert after < before - 0.5 * light * v**2 * (1 - left**2) + 1e-9 * mass
+                weighs = STANDARD_GRAVITY * (swarm["next_of"][p] - at)
+                assert abs(swarm["slide_of"][p] - slides) < friction * (given + weighs) + 1e-9
+                pushed += given
+        braked.append((begin - swarm["slide_of"][p], friction * pushed))
+    less, most = np.sum(braked, axis=0)
+    assert less > 0.3 * most if friction == 0.1 else less > 0.5 * swarm["slide_of"][:40].sum()
+
+
+def test_a_corner_that_friction_stops_stands_as_one_of_a_rigid_square_does():
+    """The change along the floor that stops it, by the mass with which a rigid lamina's corner moves that way, from its
+    tensor of inertia (without a turn about the vertical)."""
+    swarm = square((0.5 * radius_of(broken(3, 1), 0), 0.0), 0.0)
+    swarm["slide_of"][0], swarm["friction"], swarm["turn_of"][:, 0] = 2.0, 100.0, (0.5, 0.3)
+    r, mass, high = radius_of(swarm, 0), swarm["mass_of"][0], high_of(swarm, 0)
+    along = 2 * math.pi * uniform(swarm, number_of(swarm, 0), GAP)
+    flat = math.sqrt(1 - (high / r) ** 2)
+    given = 1.5 * landing_of(swarm, 0)[0] / (1 + 6 * flat**2)
+    u, turn = 2.0 * np.array([math.cos(along), math.sin(along)]), np.array([0.5 - 6 * flat * given, 0.3])
+    spin = np.array([turn[1], -turn[0], 0.0]) / r * -1.0  # the vector about which the first axis goes down
+    corner = np.array([*u, 0.0]) + np.cross(spin, [0.0, 0.0, -high])
+    arm = np.cross(np.eye(3), [0.0, 0.0, -high])
+    give = (np.eye(3) / mass + arm @ arm.T / (mass * r**2 / 6))[:2, :2]
+    wanted = u - np.linalg.solve(give, corner[:2]) / mass
+    bounce_piece(swarm, 0, 0.5)
+    assert swarm["slide_of"][0] == pytest.approx(np.hypot(*wanted), rel=1e-9)
+
+
+@pytest.mark.parametrize(("speed", "time"), [(1.0, 0.3), (3.0, 0.3), (3.0, 1.0)])
+def test_pieces_land_on_others_as_often_as_these_cover_where_they_fly(speed, time):
+    """Pieces as discs that fly to all sides as fast as a gas does, with the same energy: points of them, by chance."""
+    found, swarms = [], [broken(seed, 60, 0.25, speed, 0.1) for seed in range(30)]
+    for swarm in swarms:
+        for p in range(60):
+            below = piece_below(swarm, p, time)
+            assert below != p
+            found.append(below >= 0)
+    numbers, covered = np.random.default_rng(1), []
+    reach = 0.5 * speed * time * math.sqrt(2 / 3) / math.sqrt(2)  # on each axis, rms
+    for swarm in swarms:
+        places, radius = reach * numbers.normal(size=(60, 2)), swarm["wide"] * np.sqrt(swarm["mass_of"][:60])
+        apart = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + np.diag(np.full(60, 9.0))
+        covered += list((apart < radius[None]).any(axis=1))
+    assert np.mean(found) == pytest.approx(np.mean(covered), abs=0.06)
+
+
+def test_a_piece_lands_on_one_that_has_landed_before():
+    """Soon after they come free, while those that flew up are in the air, pieces are on those that flew down."""
+    swarm = broken(3, 60, 0.25, 3.0, 0.0)
+    down = {p for p in range(60) if uniform(swarm, p, GAP) < 0.5}
+    below = {piece_below(swarm, p, 1e-3) for p in range(60)} - {-1}
+    assert below and below <= down
 
 
 def square(tilt, fall=1.0):
@@ -184,13 +259,15 @@ def test_a_piece_falls_about_the_edge_between_two_corners_that_rest():
 SHARD = np.array([4130.0, 5990.0, 7440.0, 10640.0, 10680.0, 18690.0])  # Hz, of 2.8 g
 
 
-def shard(scale, restitution, width):
-    """Return what a shard that lies flat does: `bend_piece`'s answer for one `scale` as heavy as glass-shards."""
+def shard(scale, restitution, width, below=0.0):
+    """Return what a shard that lies flat does: `bend_piece`'s answer for one `scale` as heavy as glass-shards, on a
+    floor or on another that is `below` as heavy."""
     swarm = np.zeros(1, SWARM)[0]
     swarm["usual"], swarm["bends"], swarm["bending"], swarm["a"] = 0.0028, 6, 2.0, 1.5
     swarm["bend"][:6] = SHARD
-    swarm["mass_of"][0] = 0.0028 * scale
-    return bend_piece(swarm, 0, 0.0028 * scale / 7, math.log(width), 1.0, 1 + restitution)
+    swarm["mass_of"][:2] = 0.0028 * scale, 0.0028 * below
+    other = 1 if below else -1
+    return bend_piece(swarm, 0, 0.0028 * scale / 7, math.log(width), 1.0, 1 + restitution, other)
 
 
 @pytest.mark.parametrize("scale", [0.01, 0.25, 1.0, 4.0, 100.0])
@@ -199,15 +276,18 @@ def test_a_piece_rings_with_at_most_half_of_what_its_blow_brings(scale, restitut
     for width in (1e-6, 1e-5, 1e-4):
         alike, shorter, left = shard(scale, restitution, width)
         bent = bent_by(SHARD / scale, 6, 2.0 * 2.0 / 7, math.log(width) - shorter)
-        rings = (TILT * alike * (1 + restitution)) ** 2 * bent  # of m v^2/2; the modes of TILT have twice the mass
+        rings = (alike * (1 + restitution)) ** 2 * bent  # of m v^2/2; the modes of TILT have twice the mass
         assert rings < 0.5 and left**2 + rings < 1.0 and 0.0 < left <= restitution
 
 
-def dropped(mass, frequency, v, stiffness=8.3e8, dissipation=0.25, step=2e-7):
+def dropped(mass, frequency, v, stiffness=8.3e8, dissipation=0.25, step=2e-7, below=0.0):
     """Return the restitution of a flat square with modes of its own that lands on a corner, and these modes' share of
-    the energy, step by step: Hunt and Crossley's contact, which touches as often as it will."""
-    omega, phi = 2 * np.pi * frequency, 4.0 / mass
-    rigid, speed, q, p, apart = 0.0, v, np.zeros(6), np.zeros(6), 0
+    the energy, step by step: Hunt and Crossley's contact, which touches as often as it will. below: kg, of a like one
+    that lies there, whose middle is struck: its modes have a quarter of phi^2 there."""
+    omega, phi = 2 * np.pi * frequency, np.full(6, 4.0 / mass)
+    if below > 0.0:
+        omega, phi = np.append(omega, omega * mass / below), np.append(phi, np.full(6, 1.0 / below))
+    rigid, speed, q, p, apart = 0.0, v, np.zeros(len(phi)), np.zeros(len(phi)), 0
     while apart < 1_000:
         x, rate = rigid + q.sum(), speed + p.sum()
         force = max(stiffness * x**1.5 * (1 + dissipation * rate), 0.0) if x > 0 else 0.0
@@ -216,7 +296,7 @@ def dropped(mass, frequency, v, stiffness=8.3e8, dissipation=0.25, step=2e-7):
         rigid += speed * step
         p -= (omega**2 * q + force * phi) * step
         q += p * step
-    return -speed / v, 0.5 * (p**2 + (omega * q) ** 2).sum() / phi / (0.5 * v**2 * mass / 7)
+    return -speed / v, 0.5 * ((p**2 + (omega * q) ** 2) / phi).sum() / (0.5 * v**2 * mass / 7)
 
 
 @pytest.mark.parametrize("scale", [0.25, 1.0, 4.0])
@@ -230,6 +310,21 @@ def test_a_piece_bounces_and_rings_as_one_that_is_computed_step_by_step(scale):
     _, _, left = shard(scale, e, width)
     assert left == pytest.approx(bounced, abs=0.15)
     assert 1 - (left / e) ** 2 == pytest.approx(rings, abs=0.15)
+
+
+@pytest.mark.parametrize("below", [0.5, 1.0, 4.0])
+def test_a_piece_that_lands_on_another_shares_its_blow_with_that(below):
+    """Both are computed step by step, as above; together they ring with half of what the blow brings at most."""
+    bounced, rings = dropped(0.0028, SHARD, 1.0, below=0.0028 * below)
+    form = contact_form(0.25, 1.5)
+    width, e = form.width * (0.0028 / 7 / 8.3e8) ** 0.4, form.momentum - 1.0
+    kept, shorter, left = shard(1.0, e, width, below)
+    at = math.log(width) - shorter
+    shares = [bent_by(SHARD, 6, 4.0 / 7, at), bent_by(SHARD / below, 6, 1.0 / 7 / below, at)]
+    modes = (kept * (1 + e)) ** 2 * sum(shares)
+    assert modes == pytest.approx(1 - (left / e) ** 2) and shares[1] > 0.05 * shares[0]
+    assert left == pytest.approx(bounced, abs=0.15) and modes == pytest.approx(rings, abs=0.15) and modes < 0.5
+    assert left < shard(1.0, e, width)[2]
 
 
 def test_cracks_let_go_a_quarter_of_the_energy_or_the_strain_that_pieces_hold():
