@@ -6,8 +6,9 @@ writes a sound (WAV, in pascals over 4) and a spectrogram (PNG) of each (to buil
 keeps the figures, the means over SEEDS, in tests/measured/grains.json, from where they come into tests/swarms.md: the
 level in dB SPL at 1 m, the slope of third octaves from 500 Hz to 16 kHz in dB an octave, the kurtosis of the sound and
 of what of it is within 40 dB of its loudest 20 ms, and the onsets a second: rises by 6 dB within 2 ms over the last
-20 ms. All but the levels are told of recordings, too, where the packages of RECORDINGS are installed, or unpacked in
-ROOT; else those are kept that there were.
+20 ms; and by how many dB the sound falls within 60 ms, the tenth of these times in which it falls fastest, which tells
+of a room. All but the levels are told of recordings, too, where the packages of RECORDINGS are installed, or unpacked
+in ROOT; else those are kept that there were.
 """
 
 import argparse
@@ -31,7 +32,8 @@ RATE, SECONDS = 48_000, 2.0
 SEEDS = range(1, 13)
 ROOM = "0 /listener 0 0 0.5\n0 /room 5 4 2.5 x -2.5 y -2 t60 0.3\n"
 """A room to record in, 1 m from it: EBU Tech 3276 (1998, as recalled) has a T60 of 0.2 to 0.4 s."""
-PLACES = "0 /object/a/place 0.8 0.3 0.05\n0 /object/b/place 0.8 0.3 0\n"
+PLACE = "0 /object/a/place 0.8 0.3 0.05\n"
+PLACES = PLACE + "0 /object/b/place 0.8 0.3 0\n"
 SCORES = {
     "rain": "0 /object/new a tin-roof\n0 /object/a/rain seed {}",
     "gravel": "0 /object/new a gravel-path\n0 /object/a/step 700 seed {}",
@@ -46,8 +48,12 @@ SCORES = {
             (" on a table", ROOM, "table-top", PLACES),
         )
     },
-    "glass by default": "0 /object/new a wine-glass\n0 /object/a/shatter seed {}",
-    "glass by default, harder": "0 /object/new a wine-glass\n0 /object/a/shatter 5 seed {}",
+    **{
+        f"glass by default{harder}{place}": f"{before}0 /object/new a wine-glass\n{there}"
+        f"0 /object/a/shatter{speed} seed {{}}"
+        for harder, speed in (("", ""), (", harder", " 5"))
+        for place, before, there in (("", "", ""), (" in a room", ROOM, PLACE))
+    },
     "pane": "0 /object/new a glass-plate\n0 /object/a/shatter 2 height 0.5 seed {}",
     "dice": "0 /object/new a plastic-cup\n0 /object/a/shake 40 speed 0.5 seed {}",
     "rice": "0 /object/new a ceramic-bowl\n0 /object/a/pour 1000 seed {}\n0 /object/a/decay 0.03 over 1.5",
@@ -60,23 +66,25 @@ JUDGED = {
     "without lines, as in minetest; ufoai has duller ones, from 0.5 to 2 kHz",
     "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 5 kHz; "
     "a bin that is emptied crackles as much, without lines",
-    "glass": "a burst of all frequencies, then pieces that clatter for 0.4 s, in short tones from 2 to 19 kHz, and "
-    "single ones until 0.6 s; recordings clatter for 1.3 s and more, in rooms",
+    "glass": "a burst of all frequencies, then pieces that clatter for 0.35 s, in short tones from 2 to 19 kHz, and "
+    "single ones until 0.5 s; glasses in rooms clatter for 1.3 s and more, panes for 0.3 s",
     "glass in a room": "the same, and the room fills the pauses as in recordings, which have more below 3 kHz",
     "glass on a table": "the same, and the table fills the picture below 5 kHz where pieces land, as recordings are "
     "filled",
     "goblet": "as the glass, which has neither stem nor foot: large pieces ring from 1 to 4 kHz as well",
-    "goblet in a room": "the same, and the room fills the pauses; it is over after 0.7 s",
+    "goblet in a room": "the same, and the room fills the pauses; it is over after 0.75 s",
     "goblet on a table": "the same, and the table is heard below 5 kHz in place of the large pieces",
-    "bottle": "as the goblet, louder below 7 kHz; a last large piece comes down at 0.45 s",
+    "bottle": "as the goblet, louder below 7 kHz; a last large piece comes down at 0.43 s",
     "bottle in a room": "the same, and the room fills the pauses; recordings clatter for longer",
     "bottle on a table": "the same, and the table is louder than the pieces are, below 5 kHz",
-    "glass by default": "the cracks, then pieces that clatter on boards for 0.25 s, with pauses, then two single ones; "
-    "it is over after 0.45 s, long before ufoai's recordings are",
-    "glass by default, harder": "the same, then 0.1 s of silence until those pieces come down that flew up, from 0.4 "
-    "to 0.75 s; ufoai's recordings have no such pause",
-    "pane": "a crack, then pieces that clatter on boards from 0.1 to 0.5 s, loudest below 5 kHz, and single ones until "
-    "0.75 s; recordings are loudest in their first 0.1 s, and have single pieces until 0.5 to 0.8 s",
+    "glass by default": "the cracks, then pieces that clatter on boards for 0.35 s, with pauses; it is over after "
+    "0.45 s, recorded panes 40 dB below their loudest after 0.45 to 0.76 s, glasses in rooms after 1.4 s and more",
+    "glass by default in a room": "the same, and the room fills the pauses; it is over after 0.6 s",
+    "glass by default, harder": "the same, then 0.05 s of silence until those pieces come down that flew up, from 0.4 "
+    "to 0.75 s; a recorded pane has such pauses between its last pieces, glasses in rooms have none",
+    "glass by default, harder in a room": "the same, and the room fills the pause; it is over after 0.9 s",
+    "pane": "a crack, then pieces that clatter on boards from 0.1 to 0.55 s, loudest below 5 kHz, and single ones "
+    "until 0.7 s; recorded panes are loudest in their first 0.1 s, and have single pieces until 0.5 to 0.8 s",
     "dice": "bursts of blows up to 10 kHz and more with pauses between, as recorded; the cup rings on at 0.8 kHz for "
     "50 ms",
     "rice": "the bowl's lines from 1 to 19 kHz, which fade as rice covers it, and then noise from 4 to 10 kHz; less "
@@ -93,14 +101,8 @@ RECORDINGS = {
     ),
     "gravel": (_MINETEST + "gravel_footstep.*.ogg", _UFO + "footsteps/gravel?.ogg"),
     "can": ("usr/share/games/minetest/mods/homedecor/homedecor_trash_cans/sounds/homedecor_trash_all.ogg",),
-    **{
-        what + place: (_UFO + "misc/breakglass0[2-5].ogg",)
-        for what in ("glass", "goblet", "bottle")
-        for place in ("", " in a room", " on a table")
-    },
-    "glass by default": (_UFO + "misc/breakglass0[2-5].ogg",),
-    "glass by default, harder": (_UFO + "misc/breakglass0[2-5].ogg",),
-    "pane": (_MINETEST + "break_glass.*.ogg",),
+    "broken in rooms": (_UFO + "misc/breakglass0[2-5].ogg",),
+    "broken nearly dry": (_MINETEST + "break_glass.*.ogg",),
     "dice": ("usr/share/gnubg/sounds/roll.wav",),
     "rice": (_FLUID + "GM.sf2/Maracas(L)", _FLUID + "GM.sf2/Small Shaker (L)", _FLUID + "GM.sf2/Cabasa(L)"),
 }  # fmt: skip
@@ -108,15 +110,18 @@ RECORDINGS = {
 break), ufoai-sound (CC BY-SA 3.0: steps on gravel, glass), minetest-mod-homedecor (CC BY-SA 4.0: a bin that is
 emptied), gnubg-data (GPL 3: dice that are rolled), gcompris-qt-data (Free Art: rain in a garden), fluid-soundfont-gs
 and -gm (MIT: rain on what is not said; a maraca, a shaker and a cabasa, whose small grains hit a thin shell)."""
+BROKEN = "broken in rooms", "broken nearly dry"
+"""Recordings of what breaks, by whether they fall as fast within 60 ms as ours do without a room."""
 TOPS = {"rain": 8_000.0, "dice": 8_000.0}
 """Hz: up to where the slope is told, where a recording ends sooner."""
-COMPARED = "slope_db_per_octave", "kurtosis", "kurtosis_within_40_db", "onsets_per_second", "centroid_hz"
+COMPARED = "slope_db_per_octave", "kurtosis", "kurtosis_within_40_db", "onsets_per_second", "centroid_hz", "falls_db"
 KIN = {"rice": ("slope_db_per_octave", "centroid_hz")}
 """Figures that are told of recordings of other things of the kind: a single stroke of a shaker has no rate."""
 MEASURED = Path(__file__).parents[1] / "measured" / "grains.json"
 _LOW, _HIGH = 500.0, 16_000.0  # Hz
 _FRAME = 96  # 2 ms, of which the loudness is looked at for onsets
 _LONG, _QUIET = 960, 40.0  # frames: 20 ms; dB
+_TEN, _FALL, _NEAR = 480, 6, 35.0  # frames: 10 ms; of these; dB
 _RISE = 6.0  # dB over the mean of the last 20 ms
 
 
@@ -139,6 +144,7 @@ def figures(sound: NDArray[np.float64], top: float = _HIGH) -> dict[str, float]:
         "kurtosis_within_40_db": _kurtosis(_loud(heard)),
         "onsets_per_second": np.count_nonzero(rises[1:] & ~rises[:-1]) * RATE / len(heard),
         "centroid_hz": (frequency * power).sum() / power.sum(),
+        "falls_db": _falls(heard),
     }
     return {name: round(float(value), 2) for name, value in found.items()}
 
@@ -147,6 +153,15 @@ def _kurtosis(sound: NDArray[np.float64]) -> float:
     """Return the kurtosis of a sound: 3 of Gaussian noise."""
     centred = sound - sound.mean()
     return float((centred**4).mean() / (centred**2).mean() ** 2)
+
+
+def _falls(sound: NDArray[np.float64]) -> float:
+    """Return by how many dB a sound falls within _FALL, the tenth of these times in which it falls fastest, of those
+    that begin within _NEAR of its loudest frame of 10 ms."""
+    frames = (sound[: len(sound) // _TEN * _TEN].reshape(-1, _TEN) ** 2).mean(axis=1)
+    level = 10.0 * np.log10(frames + 1e-20)
+    falls = level[:-_FALL] - level[_FALL:]
+    return float(np.quantile(falls[level[:-_FALL] > level.max() - _NEAR], 0.9)) if len(falls) else 0.0
 
 
 def _loud(sound: NDArray[np.float64]) -> NDArray[np.float64]:

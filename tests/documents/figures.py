@@ -169,14 +169,17 @@ def space() -> str:
 def swarms() -> str:
     """Return what sounds of swarms are like, beside recordings, and how each is judged."""
     found = json.loads(grains.MEASURED.read_text(encoding="utf-8"))
-    head = "sound", "dB SPL", "peak", "dB an octave", "kurtosis", "within 40 dB", "onsets a second", "centroid, Hz"
+    head = ("sound", "dB SPL", "peak", "dB an octave", "kurtosis", "within 40 dB", "onsets a second", "centroid, Hz",
+            "falls, dB")  # fmt: skip
     rows = []
     for name, told in found["rendered"].items():
-        beside = found["recorded"].get(name, {})
+        sets = grains.BROKEN if "shatter" in grains.SCORES[name] else (name,)
+        beside = [found["recorded"][each] for each in sets if each in found["recorded"]]
         cells = [f"{told[key]:.0f}" for key in ("level_db_spl", "peak_db_spl")]
         for key in grains.COMPARED:
             digits = 1 if key == "slope_db_per_octave" else 0
-            cells.append(f"{told[key]:.{digits}f}" + (f" ({beside[key]:.{digits}f})" if key in beside else ""))
+            others = ", ".join(f"{each[key]:.{digits}f}" for each in beside if key in each)
+            cells.append(f"{told[key]:.{digits}f}" + (f" ({others})" if others else ""))
         rows.append((name, *cells))
     lines = [f"- {name.capitalize()}: {text}." for name, text in grains.JUDGED.items()]
     judged = "\n".join(textwrap.fill(line, 118, subsequent_indent="  ") for line in lines)
