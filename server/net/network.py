@@ -290,10 +290,12 @@ class Network:
         """Disconnect a client whose stream has ended, after all its packets were carried out."""
         if not connection.wrong and self.reaches(connection):
             self._lingering[connection] = time.monotonic() + _LINGER  # it may still read replies
-            return
-        if self.reaches(connection):
+        reason = connection.wrong or connection.cut
+        if reason and self.reaches(connection):
             with suppress(OSError):
-                self.send(Message("/fail", ("stream", str(connection.wrong))), connection)
+                self.send(Message("/fail", ("stream", reason)), connection)
+        if connection in self._lingering:
+            return
         self._leave(connection)
 
     def _leave(self, connection: Connection) -> None:

@@ -29,6 +29,8 @@ class Connection:
         """True once its stream has ended."""
         self.wrong: str | None = None
         """Reason for which the server ended the stream, or None."""
+        self.cut = ""
+        """Words about a packet amid which the stream ended; empty if there is none."""
         self._framing: Framing | None = None
         self._unsent = bytearray()
 
@@ -41,6 +43,8 @@ class Connection:
             return
         self.heard_at = time.monotonic()
         if not data:
+            if self._framing and self._framing.rest:
+                self.cut = f"it ended amid a packet, {len(self._framing.rest)} bytes: expected {self._framing.last}"
             self.over = True
             return
         try:

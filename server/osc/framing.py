@@ -23,18 +23,22 @@ class Broken(CaromError, ValueError):
 class Slip:
     """RFC 1055: packets between END bytes; what looks like END or ESC inside is escaped."""
 
+    last = "an END (c0) after each packet"
+    """End of a packet, in words."""
+
     def __init__(self) -> None:
-        self._rest = b""
+        self.rest = b""
+        """Bytes of a packet that has not ended."""
 
     def packets(self, data: bytes) -> Iterator[bytes]:
         """Yield the packets that are whole once `data` has come; raise Broken for a wrong escape or one longer than a
         datagram."""
-        *frames, self._rest = (self._rest + data).split(_END)
+        *frames, self.rest = (self.rest + data).split(_END)
         for frame in frames:
             if frame:
                 yield _unescaped(frame)
-        if len(self._rest) > 2 * MAX_DATAGRAM:  # all of it escaped
-            raise Broken(f"SLIP: {len(self._rest)} bytes without an END: expected packets up to {MAX_DATAGRAM} bytes")
+        if len(self.rest) > 2 * MAX_DATAGRAM:  # all of it escaped
+            raise Broken(f"SLIP: {len(self.rest)} bytes without an END: expected packets up to {MAX_DATAGRAM} bytes")
 
     @staticmethod
     def framed(packet: bytes) -> bytes:
@@ -54,12 +58,16 @@ def _unescaped(frame: bytes) -> bytes:
 class Sized:
     """OSC 1.0 on a stream: each packet after its size, a big-endian int32."""
 
+    last = "as many bytes as the size before them says"
+    """End of a packet, in words."""
+
     def __init__(self) -> None:
-        self._rest = b""
+        self.rest = b""
+        """Bytes of a packet that has not ended, and its size."""
 
     def packets(self, data: bytes) -> Iterator[bytes]:
         """Yield the packets that are whole once `data` has come; raise Broken for a size that none can have."""
-        stream = self._rest + data
+        stream = self.rest + data
         at = 0
         while len(stream) - at >= _SIZE.size:
             (size,) = _SIZE.unpack_from(stream, at)
@@ -69,7 +77,7 @@ class Sized:
                 break
             at += _SIZE.size + size
             yield stream[at - size : at]
-        self._rest = stream[at:]
+        self.rest = stream[at:]
 
     @staticmethod
     def framed(packet: bytes) -> bytes:

@@ -42,6 +42,26 @@ def test_a_packet_in_pieces_and_many_in_one(net, stack):
     assert len(taken(net)) >= 1000
 
 
+@pytest.mark.parametrize(
+    ("framing", "cut", "words"),
+    [
+        (Slip, A, "it ended amid a packet, 12 bytes: expected an END (c0) after each packet"),
+        (Sized, Sized.framed(A)[:-4], "it ended amid a packet, 12 bytes: expected as many bytes as the size"),
+    ],
+)
+def test_a_stream_that_ends_amid_a_packet_is_told(net, stack, framing, cut, words):
+    """Whole packets are carried out. One without its end, as Pd's netsend writes it, would be lost without a word."""
+    whole, none = client(net, stack), client(net, stack)
+    whole.sendall(framing.framed(A) + cut)
+    none.sendall(framing.framed(A))
+    for each in (whole, none):
+        each.shutdown(socket.SHUT_WR)
+    assert [packet for packet, _ in taken(net)] == [A, A]
+    (message,) = replies(whole, framing())
+    assert message.address == "/fail" and message.args[0] == "stream" and message.args[1].startswith(words)
+    assert replies(none, framing()) == []
+
+
 @pytest.mark.slow
 def test_what_came_before_the_end_is_answered(net, stack):
     one = client(net, stack)
