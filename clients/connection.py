@@ -83,7 +83,7 @@ class Connection:
         for packet in self._packets(data) if self._tcp else [data]:
             for message in (each for bundle in wire.parse(packet) for each in bundle.messages):
                 if self._tcp and message.address == "/fail" and message.args[:1] == ("stream",):
-                    self._ended = f": {message.args[-1]}"
+                    self._ended = ": " + " ".join(map(str, message.args[1:]))
                 else:
                     self._inbox.append(message)
         return True

@@ -63,7 +63,8 @@ class Sound:
     it was computed without a limiter: as many pascals as `scale` says. rate: Hz. start: s on the scene's clock
     at which it begins. report: what happened meanwhile.
     stems: for each object, float32 (frames, channels), its part of the sound before the limiter: without one, the sum
-    of the stems is the sound, up to rounding; None unless they were asked for.
+    of the stems is the sound, up to rounding, but for a room's late part, which is in none; None unless they were asked
+    for.
     contacts: every contact as it was played, by start; None unless they were asked for.
     sensors: the signal of each sensor, a Sensed by name; a file has them as channels after those of the sound.
     scale: whether samples are pascals (`calibrated`), else the pressure (Pa) of full scale (`full_scale`).

@@ -81,6 +81,22 @@ def test_an_object_out_of_space_is_placed_by_its_pan():
     assert np.abs(left[:, 0]).max() > 100 * np.abs(left[:, 1]).max()
 
 
+@pytest.mark.parametrize("late", [0.0, 1.0])
+def test_stems_have_all_of_a_room_but_its_late_part(late):
+    """The sum of the stems is the sound, with its reflections, up to what all objects share."""
+    with carom.Scene(calibrated=True, stems=True) as scene:
+        scene.listener(0, 0, 1.5)
+        scene.room(6, 5, 3, t60=0.3, late=late)
+        for name, side in (("bar", 1), ("bell", -1)):
+            each = scene.new(name, "marimba-bar" if side > 0 else "church-bell")
+            each.place(1, side, 1)
+            each.impact(1.0)
+        sound = scene.render(0.4)
+    assert sound.stems
+    missing = np.abs(sound.samples - sum(sound.stems.values())).max() / np.abs(sound.samples).max()
+    assert (missing < 1e-6) == (late == 0.0)
+
+
 def world_of_a_ball(listener, keep=False, moves=0.0):
     """Return the sound of a ball that is struck at 5 m, with a body `head` that moves away."""
     world = carom.World(listener=listener, keep=keep)
