@@ -1,4 +1,4 @@
-"""How near any one preset could be to recordings of its kind, as these scatter: beside how near ours are.
+"""The most that any one preset could agree with recordings of its kind, as these scatter, beside what ours do.
 
 `python -m tests.bench.scatter` measures the recordings that presets were compared with as they were made (`sources`),
 and those held out (`held`). `--json FILE` keeps the figures, as tests/measured/scatter.json.
@@ -24,7 +24,7 @@ from .soundfont import SoundFont
 from .sources import Font, Pair, further, there
 
 WINDOW = np.log((1 + decays.SAME) / (1 - decays.SAME))
-"""Of the logarithms of T60 that agree with one."""
+"""The range of logarithms of T60 that agree with one."""
 Curve = dict[int, float]
 """T60 (s) by octave above 1 kHz."""
 

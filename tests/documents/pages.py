@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from carom.server.osc.tables import address_table, key_table
-from tests.documents import commands, figures, methods, presets, protocol, recipes, records
+from tests.documents import commands, figures, methods, presets, protocol, recipes, records, scattered
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("server", "clients", "presets", "dsp", "tests")
@@ -46,6 +46,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "yielding": figures.yielding,
     "fits": figures.fits,
     "held": figures.held,
+    "scatter": scattered.near,
     "endurance": figures.endurance,
 }
 """Function that writes each part, by the part's name."""
