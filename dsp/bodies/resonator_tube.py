@@ -166,7 +166,8 @@ class Column(NamedTuple):
         """Return the size of the flow (m^3/s) out of the mouth for a pressure of 1 Pa in it, at frequencies (Hz)."""
         omega, own = 2 * math.pi * frequency[:, None], 2 * math.pi * self.frequency
         each = 1j * omega / (self.mass * (own**2 - omega**2 + 2j * self.decay * omega))
-        return np.abs(each.sum(axis=1))
+        flow: Array = np.abs(each.sum(axis=1))
+        return flow
 
 
 def wall_loss(radius: float, frequency: Array) -> Array:
