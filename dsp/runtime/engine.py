@@ -13,7 +13,7 @@ from ..counters import Stats
 from ..engine.memory.capacity import SHAPE_VALUES, USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.memory.commands import Command, Handle, Kind
 from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
-from ..native.addresses import address_of
+from ..native.addresses import address_of, as_bytes
 from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
@@ -312,7 +312,7 @@ class Engine:
         if first == last:
             return entries[:0].copy()
         kind = entries.dtype
-        whole = entries.view(f"V{kind.itemsize}") if kind.names else entries  # to copy field by field is slow
+        whole = as_bytes(entries) if kind.names else entries
         if last <= len(entries):
             taken: NDArray[Any] = whole[first:last].copy()
         else:
@@ -387,6 +387,10 @@ class Engine:
         Returns the values `sound` and `sound_serial`, which the commands of its gestures take.
         """
         return self._strikers.lay_out(sound)
+
+    def striker_at(self, place: int) -> StrikerSound | None:
+        """Return the striker at a place that `lay_out_striker` gave; None for -1, where nothing sounds."""
+        return self._strikers.at(place)
 
     @property
     def had_plates(self) -> bool:

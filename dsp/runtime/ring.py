@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..engine.memory.commands import COMMAND, Command, write
+from ..engine.memory.commands import Command, write
 from ..engine.memory.state import EVENTS, RING
+from ..native.addresses import as_bytes
 from ..native.atomics import observe, publish
 from .arena import EngineFull
 
@@ -30,7 +31,7 @@ class Ring:
         self.entries: NDArray[np.void] = self._ring["entries"]
         """The commands, by their numbers modulo RING. Whoever writes them has asked for room, sets their numbers, and
         publishes."""
-        self.bytes = self.bytes_of(self.entries)
+        self.bytes = as_bytes(self.entries)
 
     @property
     def sent(self) -> int:
@@ -48,10 +49,6 @@ class Ring:
         for number, command in enumerate(commands, written):
             write(self.entries[number % RING], number, command)
         publish(self._ring["written"], written + len(commands))
-
-    def bytes_of(self, commands: NDArray[np.void]) -> NDArray[np.void]:
-        """Return commands as bytes, which are copied together and not field by field."""
-        return commands.view(f"V{COMMAND.itemsize}")
 
     def publish(self, number: int) -> None:
         """Publish to the engine what was written into `entries` before a number."""

@@ -5,10 +5,10 @@ from collections import OrderedDict
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..bodies.striker import Snap, StrikerSound
-from ..engine.memory.striker_state import STRIKER_MODES, STRIKERS
+from ..engine.memory.striker_state import STRIKER, STRIKERS
+from ..native.addresses import as_bytes
 from ..resonator.simd import LANES
 from ..resonator.sizes import CLICK_MODES
 
@@ -23,6 +23,7 @@ class Strikers:
     def __init__(self, record: np.void, top: float) -> None:
         """Prepare the places of `record`; modes above `top` (Hz) are left out."""
         self._places = record["strikers"]
+        self._bytes = as_bytes(self._places)
         self._top = top
         self._known: OrderedDict[StrikerSound, dict[str, float]] = OrderedDict()
         self._serial = 0
@@ -36,37 +37,43 @@ class Strikers:
         if place == STRIKERS:
             place = int(self._known.popitem(last=False)[1]["sound"])
         self._serial += 1
-        self._write(self._places[place], sound)
+        self._write(place, sound)
         self._known[sound] = {"sound": place, "sound_serial": self._serial}
         return self._known[sound]
 
-    def _write(self, entry: np.void, sound: StrikerSound) -> None:
-        entry["serial"] = entry["prepared"] = 0  # nobody takes what is half written
-        columns, count = _columns(sound, self._top)
-        entry["clicks"] = CLICK_MODES if sound.click else 0
-        entry["frequency"], entry["sigma"], entry["weight"] = columns
-        entry["size"] = max(1, math.ceil(count / LANES)) * LANES
-        entry["radius"] = sound.radius
-        snap = sound.snap or Snap(0.0, 1.0, 0.0, 0.0)
-        entry["momentum"], entry["exponent"], entry["scatter"], entry["delay"] = (
-            snap.momentum, snap.exponent, snap.scatter, snap.delay,
-        )  # fmt: skip
-        bends = sound.ringing.frequency if sound.ringing else ()
-        entry["bends"], entry["bend"][: len(bends)] = len(bends), bends
-        entry["mobility"] = sound.ringing.mobility * sound.mass if sound.ringing else 1.0
-        entry["serial"] = self._serial
+    def at(self, place: int) -> StrikerSound | None:
+        """Return the sound that is laid out at a place; None where there is none."""
+        return next((sound for sound, laid in self._known.items() if laid["sound"] == place), None)
+
+    def _write(self, place: int, sound: StrikerSound) -> None:
+        self._places["serial"][place] = 0  # nobody takes what is half written
+        self._bytes[place] = _laid(sound, self._top)
+        self._places["serial"][place] = self._serial
 
 
 @lru_cache(maxsize=64)
-def _columns(sound: StrikerSound, top: float) -> tuple[NDArray[np.float64], int]:
-    """Return the frequencies (Hz), decays (1/s) and weights of a striker's modes up to `top` (Hz), (3, STRIKER_MODES),
-    read-only, and how many they are."""
+def _laid(sound: StrikerSound, top: float) -> np.void:
+    """Return the bytes of a striker, of STRIKER, with its modes up to `top` (Hz), and no serial yet; read-only."""
     modes: list[tuple[float, ...]] = [sound.click] * CLICK_MODES if sound.click else []
     if sound.ringing:
         each = zip(sound.ringing.frequency, sound.ringing.decay, sound.ringing.weight, strict=True)
         modes += [mode for mode in each if mode[0] <= top]
-    columns = np.zeros((3, STRIKER_MODES))
-    columns[:, : len(modes)] = np.reshape(modes, (-1, 3)).T
-    columns[2] *= sound.mass
-    columns.flags.writeable = False
-    return columns, len(modes)
+    made = np.zeros(1, STRIKER)
+    entry = made[0]
+    entry["clicks"] = CLICK_MODES if sound.click else 0
+    columns = np.reshape(modes, (-1, 3)).T
+    for name, column in zip(("frequency", "sigma", "weight"), columns, strict=True):
+        entry[name][: len(modes)] = column
+    entry["weight"] *= sound.mass
+    entry["size"] = max(1, math.ceil(len(modes) / LANES)) * LANES
+    entry["radius"] = sound.radius
+    snap = sound.snap or Snap(0.0, 1.0, 0.0, 0.0)
+    entry["momentum"], entry["exponent"], entry["scatter"], entry["delay"] = (
+        snap.momentum, snap.exponent, snap.scatter, snap.delay,
+    )  # fmt: skip
+    bends = sound.ringing.frequency if sound.ringing else ()
+    entry["bends"], entry["bend"][: len(bends)] = len(bends), bends
+    entry["mobility"] = sound.ringing.mobility * sound.mass if sound.ringing else 1.0
+    made.flags.writeable = False
+    laid: np.void = as_bytes(made)[0]
+    return laid

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
+from ...dsp.native.addresses import as_bytes
 from ...dsp.schema import STEERABLE
 from ...dsp.schema_records import VALUES
 from ..bridge.requests import Blow, Ending, Gains, Lying, Request, Said, Slide, Steering, Swarm
@@ -35,7 +36,7 @@ class Direct:
         blank["channel"] = -1
         blank["values"]["gain"] = 1.0
         rows = self._ring.entries
-        self._blank = self._ring.bytes_of(blank)[0]
+        self._blank = as_bytes(blank)[0]
         self._slides: dict[_Known, np.void] = {}
         self._column = {name: rows[name] for name in COMMAND.names or ()}
         self._values = {name: rows["values"][name] for name in VALUES.names or ()}
