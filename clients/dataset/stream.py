@@ -21,7 +21,7 @@ from ...presets.values import shown
 from ..errors import KINDS, is_expected, plain
 from .check import require_sound
 from .clip import Clip, ItemError, render, row_of
-from .design import items
+from .design import one_by_one
 from .level import pascals
 from .presets import presets_of
 from .recipe import MOST, Recipe, Source, find, read, recipe_of
@@ -107,9 +107,8 @@ def valid(recipe: Recipe, numbers: Iterable[int]) -> Iterator[int]:
 def rows(recipe: Recipe, folders: tuple[str, ...], numbers: Iterable[int]) -> Iterator[dict[str, Any]]:
     """Yield the rows of some items, rendered in this process."""
     presets = presets_of(folders)
-    for number in numbers:
+    for item in one_by_one(recipe, numbers):
         with on_one_thread():
-            (item,) = items(recipe, range(number, number + 1))
             clip = render(recipe, item, presets)
         yield {**row_of(clip), "sound": sound_of(recipe, clip)}
 
