@@ -91,27 +91,36 @@ def mode_table(
 ) -> ModeTable:
     """Return the table of modes that were laid out at a level (amplitude), heard with gains (channels,), struck at a
     position (0 to 1), for a rate in Hz."""
-    known = _known(modes, level, settings, gains, rate)
-    shape = _shape_at(modes.along, position)[known.heard]
+    known = heard_as(modes, level, settings, gains, rate)
+    relief = Relief(known.relief.frequencies.copy(), known.relief.decays.copy(), known.relief_at(position))
     return ModeTable(
-        known.frequencies.copy(),
-        known.decays.copy(),
-        level * (known.sides * shape).T * gains,
-        known.clicks,
-        _relief_at(known.relief, level * gains, position),
-    )
+        known.frequencies.copy(), known.decays.copy(), known.gains_at(position), known.clicks, relief
+    )  # fmt: skip
 
 
-class _Known(NamedTuple):
-    """The parts of tables of modes that are the same wherever the object is struck."""
+class Heard(NamedTuple):
+    """An object as it is heard: all that its tables of modes have in common, wherever it is struck."""
 
     modes: Modes
+    level: float
+    gains: NDArray[np.float64]
     heard: NDArray[np.int64]
     frequencies: NDArray[np.float64]
     decays: NDArray[np.float64]
     sides: NDArray[np.float64]
     clicks: tuple[Click, ...]
     relief: "_Still"
+
+    def gains_at(self, position: float) -> NDArray[np.float64]:
+        """Return the gains of its modes, (n, channels), struck at a position (0 to 1)."""
+        shape = _shape_at(self.modes.along, position)[self.heard]
+        return self.level * (self.sides * shape).T * self.gains
+
+    def relief_at(self, position: float) -> NDArray[np.float64]:
+        """Return the gains of its relief, (m, channels), struck at a position (0 to 1)."""
+        each = [_shape_at(shape, position) * self.relief.share for shape in self.relief.along]
+        sized = np.array(each if len(each) == len(self.gains) else each * len(self.gains)).T
+        return sized * (self.level * self.gains)
 
 
 class _Still(NamedTuple):
@@ -123,19 +132,21 @@ class _Still(NamedTuple):
     share: NDArray[np.float64]
 
 
-_kept: Kept[Hashable, _Known] = Kept(64, lambda _: 1)
+_kept: Kept[Hashable, Heard] = Kept(64, lambda _: 1)
 
 
-def _known(modes: Modes, level: float, settings: Settings, gains: NDArray[np.float64], rate: float) -> _Known:
-    """Return what is the same in all tables of `mode_table` with such arguments."""
+def heard_as(modes: Modes, level: float, settings: Settings, gains: NDArray[np.float64], rate: float) -> Heard:
+    """Return modes that were laid out as they are heard; arguments as of `mode_table`."""
     key = id(modes), level, settings, gains.tobytes(), rate  # what is kept keeps its modes, and so their id
     known = _kept.get(key)
     if known is None:
         frequencies = modes.frequency * settings.tune
         top = top_of.py_func(rate)
         heard = np.flatnonzero((modes.frequency <= top) & (frequencies <= top))
-        known = _Known(
+        known = Heard(
             modes,
+            level,
+            gains,
             heard,
             frequencies[heard],
             _decays(modes, settings, rate)[heard],
@@ -204,13 +215,6 @@ def _still(modes: Modes, tune: float, channels: int, rate: float) -> _Still:
     share = np.minimum(1.0, top / frequency)
     along = found.shape[:, : plan.rows] if channels == 2 else found.shape[:1, : plan.rows]
     return _Still(frequency * share, found.decay * tune * share, along, np.where(share > GONE, share, 0.0))
-
-
-def _relief_at(still: _Still, gains: NDArray[np.float64], position: float) -> Relief:
-    """Return a relief at a position, heard with gains (channels,)."""
-    each = [_shape_at(shape, position) * still.share for shape in still.along]
-    sized = np.array(each if len(each) == len(gains) else each * len(gains)).T * gains
-    return Relief(still.frequencies.copy(), still.decays.copy(), sized)
 
 
 def _shape_at(strike: NDArray[np.float64], position: float) -> NDArray[np.float64]:

@@ -27,6 +27,7 @@ from ..server.osc.sensor_verbs import SENSOR
 from ..server.osc.wire import Argument, Message
 from ..server.render import Options
 from ..server.scene.direct import Direct
+from ..server.scene.repeated import Repeated
 from ..server.scene.session import Session
 from ..server.scene.transaction import Sent
 from .actions import CommandError
@@ -36,6 +37,7 @@ from .modes import Settings, gains_of
 Folders = Presets | str | PathLike[str] | Iterable[str | PathLike[str]]
 """Presets, or folders of your own presets, which are looked through first."""
 
+_NOTHING = np.empty(0, TRACE)
 _compiling = Lock()  # so that threads which make the first scenes at once compile the engine once
 
 
@@ -100,7 +102,7 @@ class Performer:
         """Names of objects touched as no contact tells: at a point, in a direction, or by a swarm."""
         self._names: dict[int, str] = {}  # of objects, by serial
         self._striking: dict[int, Striking] = {}  # by command
-        self._trace = np.empty(0, TRACE)  # what was traced beyond the end of the last sound
+        self._trace = _NOTHING  # what was traced beyond the end of the last sound
         self.engine.stems.keep(stems)
         self.engine.trace(contacts)
 
@@ -108,6 +110,11 @@ class Performer:
         """Carry out messages together at a time (s; None: now). CommandError says what was refused, and why."""
         time = NOW if at is None else self._sample(at, messages[0].address)
         self._answered(self.scene.perform(messages, time))
+
+    def repeat(self, blows: Repeated, message: Message, at: SupportsFloat) -> bool:
+        """Carry out a message at a time (s), if it tells a blow on this scene that is remembered; return whether it
+        does."""
+        return blows.send(message, self._sample(at, message.address))
 
     def mark(self) -> Mark | None:
         """Return what `rewind` brings it back to, before anything is computed. None where it can't be: something rests,
@@ -123,7 +130,7 @@ class Performer:
         """Bring it back to a mark, after gestures that make no objects. OSError: it is of no use any more."""
         self.engine.rewind(mark)
         self.scene.rewind()
-        self.warnings, self.off_path, self._striking, self._trace = [], set(), {}, np.empty(0, TRACE)
+        self.warnings, self.off_path, self._striking, self._trace = [], set(), {}, _NOTHING
 
     def _answered(self, replies: Sequence[Message]) -> None:
         """Keep warnings. CommandError says what was refused, and why."""
@@ -244,8 +251,11 @@ class Performer:
         if len(self._trace):
             trace = np.concatenate([self._trace, trace])
         beyond = trace["sample"] >= end - 1  # a force reaches the frame with which its sample ends
+        if not np.count_nonzero(beyond):
+            self._trace = _NOTHING
+            return trace
         self._trace = trace[beyond]
-        return trace[~beyond] if len(self._trace) else trace
+        return trace[~beyond]
 
     def striking(self, command: int) -> Striking:
         """Return the names in a command for its contacts."""

@@ -23,8 +23,8 @@ from .design import Item
 from .level import QUANTIZED, quantized, step_of, whole_of
 from .messages import OBJECT, lines_of, number
 from .recipe import SCORE, SENSOR, Recipe
-from .scenes import Scene, options_of
-from .truth import AMPLIFIED, PATH, Followed, Truth, about_contacts, about_object, path_of
+from .scenes import Scene, options_of, scene_for
+from .truth import AMPLIFIED, PATH, Followed, Truth, about_contacts, path_of
 
 _PLAIN = ("impact", "spin")
 """Gestures that push nothing, and change no settings: the truth has no more than modes and forces."""
@@ -33,6 +33,7 @@ _LONGEST = 64 * PIECE
 """Frames between two looks at the trace, which has room for the contacts of one gesture."""
 
 _LEAST_LEVEL = 40.0  # dB of a clip above the noise of its samples' steps
+_NO_FORCE, _NO_PATH = np.zeros((0, TRACED_MOMENTS)), np.zeros((0, PATH))
 
 
 class ItemError(CaromError, RuntimeError):
@@ -76,9 +77,9 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     lines = lines_of(recipe, item)
     plain = item.gesture in _PLAIN and SENSOR not in item.values
     made = [line.message for line in lines if line.message.address == NEW] if plain else []
-    scene, followed = Scene(recipe.rate, recipe.channels, made, presets), Followed()
+    scene, followed = scene_for(recipe.rate, recipe.channels, made, presets), Followed()
     performer = scene.performer
-    pressure, sensed, contacts = _played(recipe, item, performer, followed, lines[len(made) :], not made)
+    pressure, sensed, contacts = _played(recipe, item, scene, followed, lines[len(made) :], not made)
     peak = float(max(pressure.max(), -pressure.min()))
     full_scale = recipe.full_scale or whole_of(peak)
     if not peak <= full_scale:
@@ -87,24 +88,23 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
             f"({_said(item)})"
         )
     truth = _about(recipe, item, peak, full_scale, pressure)
-    touched = {name: _touched(item, name, contacts) for name in performer.scene.objects}
-    told = (
-        about_object(performer, recipe.rate, recipe.frames, name, at, _moves(name, at, contacts), followed)
-        for name, at in touched.items()
-    )
-    truth["objects"] = [each for each in told if each]
+    objects = scene.objects()
+    truth["objects"] = [
+        each.about(recipe.frames, at, _moves(name, at, contacts), followed, name not in performer.off_path)
+        for name, each, at in ((name, each, _touched(item, name, contacts)) for name, each in objects.items())
+    ]
     kept = followed.all_in(each.handle.serial for each in performer.scene.objects.values())
     truth["linear"] = kept and all(each["linear"] for each in truth["objects"])
-    truth["contacts"] = about_contacts(performer, contacts)
+    truth["contacts"] = about_contacts(performer, contacts, objects)
     if sensed.shape[1]:
         truth["sensors"] = _about_sensors(performer)
     truth["warnings"] = [*performer.warnings, *_quiet(recipe, full_scale, truth["exposure"])]
-    forces = [np.zeros((0, TRACED_MOMENTS)), *(contact.drive.moments for contact in contacts)]
-    paths = [np.zeros((0, PATH)), *(path_of(contact.drive) for contact in contacts)]
+    forces = [_NO_FORCE, *(contact.drive.moments for contact in contacts)]
+    paths = [_NO_PATH, *(path_of(contact.drive) for contact in contacts if not contact.drive.stays)]
     scene.give()
     return Clip(
-        quantized(pressure, full_scale, recipe.samples), truth,
-        np.concatenate(forces).astype(np.float32), np.concatenate(paths).astype(np.float32), sensed,
+        quantized(pressure, peak, full_scale, recipe.samples), truth,
+        np.concatenate(forces, dtype=np.float32), np.concatenate(paths, dtype=np.float32), sensed,
     )  # fmt: skip
 
 
@@ -113,7 +113,7 @@ def _moves(name: str, position: float | None, contacts: tuple[Contact, ...]) -> 
     own = [each for each in contacts if each.object == name]
     others = [each.by_position for each in contacts if each.striker == name]
     return any(at != position for at in [each.position for each in own] + others) or not all(
-        (each.drive.position == each.position).all() for each in own
+        each.drive.stays or (each.drive.position == each.position).all() for each in own
     )
 
 
@@ -142,14 +142,14 @@ def _said(item: Item) -> str:
 
 
 def _played(
-    recipe: Recipe, item: Item, performer: Performer, followed: Followed, lines: Sequence[Line], is_new: bool
+    recipe: Recipe, item: Item, scene: Scene, followed: Followed, lines: Sequence[Line], is_new: bool
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], tuple[Contact, ...]]:
-    """Play lines of an item; return its sound (Pa), the signals of its sensors, and its contacts. is_new: the performer
-    was told nothing so far.
+    """Play lines of an item; return its sound (Pa), the signals of its sensors, and its contacts. is_new: the scene was
+    told nothing so far.
 
     CommandError names the line of a score that was refused.
     """
-    pieces, traces = [], []
+    pieces, traces, performer = [], [], scene.performer
     follows = item.gesture not in _PLAIN
     head = options_of(recipe.rate, recipe.channels).head if is_new else []
     if head and (not lines or lines[0].time > 0.0):
@@ -168,15 +168,17 @@ def _played(
             done = end
         if line:
             try:
-                performer.perform([*head, line.message], line.time)
+                scene.perform([*head, line.message], line.time)
                 head = []
             except CommandError as error:
                 raise CommandError(f"{line.where}: {error}" if line.where else str(error)) from None
-    trace = np.concatenate([*filter(len, traces)] or traces)
+    heard = [each for each in traces if len(each)] or traces[:1]
+    trace = heard[0] if len(heard) == 1 else np.concatenate(heard)
     width, channels = performer.engine.width, performer.engine.channels
     whole = _joined(pieces, frames, width)
     contacts = assemble(trace, recipe.rate, 0, performer.striking)
-    pressure = whole[:, :channels] * np.float32(1.0 / AMPLIFIED)  # a power of two
+    pressure = whole[:, :channels]
+    pressure *= np.float32(1.0 / AMPLIFIED)  # a power of two
     return pressure, whole[:, channels:], contacts
 
 

@@ -26,16 +26,18 @@ def step_of(full_scale: float, samples: str) -> float:
 
 
 def quantized(
-    pressure: NDArray[np.float32], full_scale: float, samples: str
+    pressure: NDArray[np.float32], peak: float, full_scale: float, samples: str
 ) -> NDArray[np.float32] | NDArray[np.int32]:
-    """Return a pressure as samples: floats, or the nearest whole numbers of steps, int32."""
+    """Return a pressure, of which nothing is above a peak, as samples: floats, or the nearest whole numbers of steps,
+    int32."""
     if samples not in QUANTIZED:
         return pressure / np.float32(full_scale)
     most = 2 ** (QUANTIZED[samples] - 1)
     factor = most / full_scale
     steps = np.multiply(pressure, factor, dtype=_exact(factor))
     np.rint(steps, out=steps)
-    np.clip(steps, -most, most - 1, out=steps)
+    if round(peak * factor) >= most:  # there is no such number above 0
+        np.clip(steps, -most, most - 1, out=steps)
     whole: NDArray[np.int32] = steps.astype(np.int32)
     return whole
 
@@ -45,9 +47,9 @@ def pascals(samples: NDArray[np.float32] | NDArray[np.int32], full_scale: float,
     if form not in QUANTIZED:
         return (samples.astype(np.float64) * full_scale).astype(np.float32)
     step = step_of(full_scale, form)
-    kind = _exact(step)
-    found: NDArray[np.float32] = np.multiply(samples.astype(kind), step, dtype=kind).astype(np.float32, copy=False)
-    return found
+    found = samples.astype(_exact(step))
+    np.multiply(found, step, out=found)
+    return found.astype(np.float32, copy=False)
 
 
 def _exact(factor: float) -> np.dtype[np.float32] | np.dtype[np.float64]:

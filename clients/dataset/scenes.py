@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from functools import cache
 
 from ...dsp.runtime.fresh import Mark
 from ...presets import Presets
 from ...server.osc.wire import Message
 from ...server.render import Options
+from ...server.scene.repeated import Repeated
 from ..performer import Performer
-from .truth import AMPLIFIED
+from .truth import AMPLIFIED, Told, told_of
 
 _MOST = 32  # scenes, of 1 MB each
 _MOST_ASKED = 1_024  # keys that are remembered, of scenes that may be asked for again
@@ -20,16 +21,29 @@ _MOST_MISSED = 512  # scenes that would have been kept, if others were not
 class Scene:
     """A scene that plays one item, in which messages at 0 s were carried out: as a rule those that make its objects."""
 
-    def __init__(self, rate: int, channels: int, made: Sequence[Message], presets: Presets) -> None:
-        """Take the scene that is kept, or make one. presets: their files do not change. CommandError says what was
-        refused."""
-        self._key = rate, channels, presets, tuple(made)
-        self._mark: Mark | None
-        if kept := _kept.pop(self._key, None):  # nobody else has it meanwhile
-            self.performer, self._mark = kept
-            return
-        self.performer = _made(rate, channels, made, presets)
-        self._mark = self.performer.mark() if made and _is_worth_it(self._key) else None
+    def __init__(self, key: Hashable, performer: Performer, mark: Mark | None) -> None:
+        """Take what plays it, and where it is brought back to; None: nowhere."""
+        self.performer = performer
+        self._key, self._mark = key, mark
+        self._objects: dict[str, Told] = {}
+        self._blows = Repeated(performer.scene) if mark else None
+
+    def objects(self) -> Mapping[str, Told]:
+        """Return, by name, what is told of the objects that are there: once they were heard, and found once for all
+        items if it is kept."""
+        if not self._objects or not self._mark:
+            rate = int(self.performer.engine.rate)
+            told = ((name, told_of(self.performer, rate, name)) for name in self.performer.scene.objects)
+            self._objects = {name: each for name, each in told if each}
+        return self._objects
+
+    def perform(self, messages: Sequence[Message], at: float) -> None:
+        """Carry out messages together at a time (s). CommandError says what was refused, and why."""
+        if not self._blows or len(messages) > 1:
+            self.performer.perform(messages, at)
+        elif not self.performer.repeat(self._blows, messages[0], at):
+            self.performer.perform(messages, at)
+            self._blows.remember(messages[0])
 
     def give(self) -> None:
         """Keep the scene, if it is worth it. Its gestures made no objects, and changed none."""
@@ -38,10 +52,20 @@ class Scene:
                 self.performer.rewind(self._mark)
             except OSError:
                 return
-            _kept[self._key] = self.performer, self._mark
+            _kept[self._key] = self
 
 
-_kept: dict[Hashable, tuple[Performer, Mark]] = {}
+def scene_for(rate: int, channels: int, made: Sequence[Message], presets: Presets) -> Scene:
+    """Take the scene that is kept, or make one. presets: their files do not change. CommandError says what was
+    refused."""
+    key = rate, channels, presets, tuple(made)
+    if kept := _kept.pop(key, None):  # nobody else has it meanwhile
+        return kept
+    performer = _made(rate, channels, made, presets)
+    return Scene(key, performer, performer.mark() if made and _is_worth_it(key) else None)
+
+
+_kept: dict[Hashable, Scene] = {}
 _asked: dict[Hashable, None] = {}
 _missed: list[Hashable] = []
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from ...dsp.resonator.simd import LANES
 from ...dsp.resonator.sizes import CLICK_MODES
 from ...dsp.schema import GESTURES
 from ..contacts import Contact, Drive
-from ..modes import Click, Places, mode_table, places_of
+from ..modes import Click, Heard, Places, Settings, heard_as, places_of
 from ..performer import Performer
 
 Truth = dict[str, Any]
@@ -39,6 +39,8 @@ PATH = 3 + TRACED_MOMENTS
 
 CLICK_ROOM = 32
 """Places between an object's own modes and the end of those of its clicks."""
+
+_MOST_STRIKERS = 64  # whose sounds are kept for one object
 
 _SOUND = ("tune", "decay", "damp")
 """Settings of an object that change how its modes ring."""
@@ -110,41 +112,59 @@ class Followed:
         return self._seen.keys() <= set(serials)
 
 
-def about_object(
-    performer: Performer, rate: int, frames: int, name: str, touched: float | None, moves: bool, followed: Followed
-) -> Truth:
-    """Describe an object: what it is, and the modes that a blow where it is touched excites; empty where it came too
-    late. moves: it is touched elsewhere, too."""
-    placed = performer.placed(name)
-    heard = performer.heard(placed)
-    if heard is None:
-        return {}
-    settings, gains = heard
-    preset, serial = performer.scene.objects[name].preset, placed.handle.serial
-    position = placed.position if touched is None else touched
-    level = placed.level / AMPLIFIED
-    table = mode_table(placed.modes, level, settings, gains, position, rate)
-    relief = table.relief
-    bends = placed.modes.glide > 0.0 or placed.modes.sheet is not None
-    made = int(np.count_nonzero(placed.modes.frequency <= top_of.py_func(rate)))
-    return {
-        "name": name,
-        "preset": preset.name,
-        "shape": preset.shape,
-        "material": preset.material.name if preset.material else "",
-        "mass": placed.modes.mass,
-        "position": position,
-        "linear": not bends and followed.stayed(serial) and name not in performer.off_path,
-        "by_moments": _by_moments(placed.modes, settings.tune, rate),
-        "rubbed_relief": max(min(SLID - made, len(relief.frequencies) if relief else 0), 0),
-        "rubbed_clicks": len(table.clicks) if made + CLICK_ROOM <= SLID else 0,
-        "modes": sines(table.frequencies, table.decays, table.gains),
-        "clicks": [_click(each) for each in table.clicks],
-        "relief": sines(relief.frequencies, relief.decays, relief.gains) if relief else sines(*_NONE),
-        "places": _places(places_of(placed.modes, level, settings, gains, rate)) if moves else {},
-        "fades": followed.fades(serial, gains, -(-frames // QUANTUM)),
-        "bends": followed.bends(serial, gains, -(-frames // QUANTUM)),
-    }
+class Told:
+    """An object of a scene as it is heard now, and all of its truth that does not depend on where it is touched."""
+
+    def __init__(self, performer: Performer, rate: int, name: str, heard: tuple[Settings, NDArray[np.float64]]) -> None:
+        """Find what is told of an object with these settings and gains."""
+        self.strikers: dict[Hashable, _Sound] = {}
+        """The sounds of strikers on it, by what they follow from."""
+        self._placed, (settings, self.gains) = performer.placed(name), heard
+        modes, preset = self._placed.modes, performer.scene.objects[name].preset
+        self._level = self._placed.level / AMPLIFIED
+        self._rate, self._settings = rate, settings
+        self._heard: Heard = heard_as(modes, self._level, settings, self.gains, rate)
+        self._bends = modes.glide > 0.0 or modes.sheet is not None
+        self._by_moments = _by_moments(modes, settings.tune, rate)
+        made = int(np.count_nonzero(modes.frequency <= top_of.py_func(rate)))
+        self._identity = {
+            "name": name,
+            "preset": preset.name,
+            "shape": preset.shape,
+            "material": preset.material.name if preset.material else "",
+            "mass": modes.mass,
+        }
+        self._rubbed = {
+            "rubbed_relief": max(min(SLID - made, len(self._heard.relief.frequencies)), 0),
+            "rubbed_clicks": len(self._heard.clicks) if made + CLICK_ROOM <= SLID else 0,
+        }
+
+    def about(self, frames: int, touched: float | None, moves: bool, followed: Followed, on_path: bool) -> Truth:
+        """Describe an object: what it is, and the modes that a blow where it is touched excites. moves: it is touched
+        elsewhere, too; on_path: but nowhere off its strike path."""
+        serial, quanta = self._placed.handle.serial, -(-frames // QUANTUM)
+        position = self._placed.position if touched is None else touched
+        heard = self._heard
+        laid = self._placed.modes, self._level, self._settings, self.gains, self._rate
+        return {
+            **self._identity,
+            "position": position,
+            "linear": not self._bends and followed.stayed(serial) and on_path,
+            "by_moments": [*self._by_moments],
+            **self._rubbed,
+            "modes": sines(heard.frequencies, heard.decays, heard.gains_at(position)),
+            "clicks": [_click(each) for each in heard.clicks],
+            "relief": sines(heard.relief.frequencies, heard.relief.decays, heard.relief_at(position)),
+            "places": _places(places_of(*laid)) if moves else {},
+            "fades": followed.fades(serial, self.gains, quanta),
+            "bends": followed.bends(serial, self.gains, quanta),
+        }
+
+
+def told_of(performer: Performer, rate: int, name: str) -> Told | None:
+    """Return what is told of an object as it is heard now; None where it came too late to be."""
+    heard = performer.heard(performer.placed(name))
+    return None if heard is None else Told(performer, rate, name, heard)
 
 
 def _by_moments(modes: Modes, tune: float, rate: int) -> list[int]:
@@ -189,12 +209,13 @@ def _places(found: Places) -> Truth:
     return {"modes": modes.astype(np.float32).tolist(), "relief": found.relief.astype(np.float32).tolist()}
 
 
-def about_contacts(performer: Performer, contacts: Iterable[Contact]) -> list[Mapping[str, Any]]:
+def about_contacts(
+    performer: Performer, contacts: Iterable[Contact], objects: Mapping[str, Told]
+) -> list[Mapping[str, Any]]:
     """Describe contacts; where their forces begin among all forces, and their paths among all paths, and how many they
-    are."""
+    are. objects: by name, those that are there."""
     told: list[Mapping[str, Any]] = []
-    begin = path = 0
-    strikers = _Strikers(performer)
+    begin, path, rate = 0, 0, performer.engine.rate
     for each in contacts:
         free = each.gesture in FREE
         moved = 0 if each.drive.stays else len(each.force)
@@ -206,7 +227,7 @@ def about_contacts(performer: Performer, contacts: Iterable[Contact]) -> list[Ma
                 "impulse": each.impulse, "peak": each.peak, "gain": float(each.drive.gain[0]),
                 "energy": 0.5 * each.mass * each.velocity**2 if free else 0.0,
                 "loss": each.impulse * (each.velocity - 0.5 * each.impulse / each.mass) if free else 0.0,
-                "striker": strikers.about(each),
+                "striker": _sound_of(performer, each.drive, objects.get(each.object)).about(each.drive, rate),
                 "first": each.first, "force_begin": begin, "force_count": len(each.force),
                 "path_begin": path, "path_count": moved, "fed": each.drive.fed,
             }
@@ -217,48 +238,51 @@ def about_contacts(performer: Performer, contacts: Iterable[Contact]) -> list[Ma
 
 
 def path_of(drive: Drive) -> NDArray[np.float64]:
-    """Return where a contact that moves acts, with its gain and its friction: (n, PATH), n = 0 where it stays."""
-    if drive.stays:
-        return np.zeros((0, PATH))
+    """Return where a contact that moves acts, with its gain and its friction: (n, PATH)."""
     friction = drive.friction if len(drive.friction) else np.zeros((len(drive.gain), PATH - 2))
     return np.column_stack([drive.position, drive.gain, friction])
 
 
-class _Strikers:
-    """The sound of contacts' strikers, as it is heard on the object: of clicks and ringing that their force moves, and
-    of a second pulse, by its times (s) and impulses (N s)."""
+class _Sound(NamedTuple):
+    """The sound of a striker, as it is heard on an object: each of its clicks, how many there are, and what rings: with
+    its force, or with a second pulse."""
 
-    def __init__(self, performer: Performer) -> None:
-        self._performer = performer
-        self._known: dict[tuple[str, int, float, float], Truth] = {}
+    click: Click
+    clicks: int
+    ringing: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+    is_second: bool
 
-    def about(self, contact: Contact) -> Truth:
-        """Describe the sound of a contact's striker."""
-        drive, rate = contact.drive, self._performer.engine.rate
-        key = contact.object, drive.sound, drive.share, drive.ratio
-        if key not in self._known:
-            self._known[key] = self._sound(contact)
-        return {**self._known[key], "snaps": [[frame / rate, impulse] for frame, impulse in drive.snaps]}
-
-    def _sound(self, contact: Contact) -> Truth:
-        """Describe what does not differ between the blows of one striker on one object."""
-        performer, drive = self._performer, contact.drive
-        there = drive.sound >= 0 and contact.object in performer.scene.objects  # it may be gone by now
-        heard = performer.heard(performer.placed(contact.object)) if there else None
-        if heard is None:
-            return {"clicks": [], "ringing": sines(*_NONE), "second": sines(*_NONE)}
-        kind, gains = performer.engine.state[0]["strikers"][drive.sound], heard[1]
-        share = drive.share / AMPLIFIED
-        click = {
-            "frequency": float(kind["frequency"][0]) / drive.ratio,
-            "decay": float(kind["sigma"][0]) / drive.ratio,
-            "gain": (float(kind["weight"][0]) * drive.ratio * share * gains).tolist(),
-        }
-        rings = np.flatnonzero((np.arange(len(kind["frequency"])) >= kind["clicks"]) & (kind["frequency"] > 0.0))
-        weights = np.outer(kind["weight"][rings] * share, gains)
-        ringing = sines(kind["frequency"][rings], kind["sigma"][rings], weights)
+    def about(self, drive: Drive, rate: float) -> Truth:
+        """Describe the sound in a contact: of clicks and ringing that the force moves, and of second pulses, by their
+        times (s) and impulses (N s)."""
+        ringing = sines(*self.ringing)
         return {
-            "clicks": [click] * (int(kind["clicks"]) // CLICK_MODES),
-            "ringing": sines(*_NONE) if kind["momentum"] > 0.0 else ringing,
-            "second": ringing if kind["momentum"] > 0.0 else sines(*_NONE),
+            "clicks": [_click(self.click)] * self.clicks,
+            "ringing": sines(*_NONE) if self.is_second else ringing,
+            "second": ringing if self.is_second else sines(*_NONE),
+            "snaps": [[frame / rate, impulse] for frame, impulse in drive.snaps],
         }
+
+
+def _sound_of(performer: Performer, drive: Drive, told: Told | None) -> _Sound:
+    """Return the sound of a contact's striker on an object, None where that is gone by now; all blows of one striker
+    have the same."""
+    if drive.sound < 0 or told is None:
+        return _SILENT
+    key = performer.engine.striker_at(drive.sound), drive.share, drive.ratio
+    if key not in told.strikers:
+        if len(told.strikers) >= _MOST_STRIKERS:
+            told.strikers.clear()
+        kind, share = performer.engine.state[0]["strikers"][drive.sound], drive.share / AMPLIFIED
+        click = Click(
+            float(kind["frequency"][0]) / drive.ratio,
+            float(kind["sigma"][0]) / drive.ratio,
+            float(kind["weight"][0]) * drive.ratio * share * told.gains,
+        )
+        rings = np.flatnonzero((np.arange(len(kind["frequency"])) >= kind["clicks"]) & (kind["frequency"] > 0.0))
+        ringing = kind["frequency"][rings], kind["sigma"][rings], np.outer(kind["weight"][rings] * share, told.gains)
+        told.strikers[key] = _Sound(click, int(kind["clicks"]) // CLICK_MODES, ringing, bool(kind["momentum"] > 0.0))
+    return told.strikers[key]
+
+
+_SILENT = _Sound(Click(0.0, 0.0, np.zeros(0)), 0, _NONE, False)

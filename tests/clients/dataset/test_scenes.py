@@ -5,6 +5,8 @@ import pytest
 
 import carom
 from carom.clients.dataset import scenes
+from carom.server.osc.wire import Message
+from carom.server.scene.repeated import Repeated
 
 RECIPE = {
     "object": {"preset": {"choice": ["wood-block", "frame-drum"]}},
@@ -78,3 +80,78 @@ def test_where_others_are_asked_for_all_are_let_go(monkeypatch, kept):
     for count, name in ((4, "wood-block"), (6, "frame-drum")):
         rows({**recipe, "object": {"preset": "frame-drum"}}, (), count)
         assert [key[3][0].args[1] for key in kept] == [name]
+
+
+@pytest.fixture
+def rewound():
+    """Return a function that makes a scene of an object, and what brings it back to its beginning."""
+
+    def make(preset):
+        made = [Message("/object/new", ("object", preset))]
+        scene = scenes.scene_for(48_000, 1, made, carom.Presets())
+        scene = scenes.scene_for(48_000, 1, made, carom.Presets())  # the first one of a process is not kept
+        mark = scene.performer.mark()
+        if mark is None:
+            pytest.skip("this system does not tell which pages were written")
+        return scene.performer, lambda: scene.performer.rewind(mark)
+
+    return make
+
+
+def told(performer):
+    """Return the last command's bytes, all strikers', and what is known of gestures and contacts."""
+    ring, gestures = performer.engine.ring, performer.scene.gestures.running()
+    command = ring.bytes[ring.sent - 1].tobytes(), performer.engine.state[0]["strikers"].tobytes()
+    return *command, ring.sent, [(each.number, each.running) for each in gestures], performer.striking(ring.sent - 1)
+
+
+@pytest.mark.parametrize("preset", ["wood-block", "frame-drum", "glass-ball"])
+@pytest.mark.parametrize("striker", ["drumstick", "felt-hammer", "steel", "fingertip"])
+def test_a_blow_that_is_repeated_is_the_command_of_its_message(rewound, preset, striker):
+    performer, rewind = rewound(preset)
+    blows = Repeated(performer.scene)
+
+    def blow(velocity, *keys):
+        return Message("/object/object/impact", (velocity, "striker", striker, *keys, "id", "impact"))
+
+    for first, again in (
+        (blow(0.3, "position", 0.2), blow(0.7, "position", 0.9)),
+        (blow(0.3), blow(2)),
+        (blow(0.3, "gain", -6.0), blow(0.2, "gain", -6.0)),
+    ):
+        performer.perform([first], 0.01)
+        blows.remember(first)
+        rewind()
+        performer.perform([again], 0.05)
+        expected = told(performer)
+        rewind()
+        assert performer.repeat(blows, again, 0.05)
+        assert told(performer) == expected
+        rewind()
+
+
+def test_what_is_no_blow_of_before_or_is_refused_is_not_repeated(rewound):
+    performer, rewind = rewound("wood-block")
+    blows, keys = Repeated(performer.scene), ("striker", "steel", "position", 0.2, "id", "impact")
+    first = Message("/object/object/impact", (0.3, *keys))
+    performer.perform([first], 0.01)
+    blows.remember(first)
+    rewind()
+    for args in (
+        (0.0, *keys), (-1.0, *keys), (2e3, *keys), ("fast", *keys), (float("nan"), *keys),
+        (0.3, "striker", "steel", "position", 1.5, "id", "impact"),
+        (0.3, "striker", "steel", "position", "end", "id", "impact"),
+        (0.3, "striker", "wood", "position", 0.2, "id", "impact"),
+        (0.3, *keys, "gain", -3.0), (),
+    ):  # fmt: skip
+        assert not performer.repeat(blows, Message("/object/object/impact", args), 0.05)
+    assert not performer.repeat(blows, Message("/object/other/impact", first.args), 0.05)
+    for message in (
+        Message("/object/object/spin", (1.0, "id", "spin")),
+        Message("/object/object/impact", (0.3, "striker", "steel")),
+        Message("/object/object/impact", (0.0, "striker", "wood", "id", "impact")),
+    ):
+        performer.perform([message], 0.01)
+        blows.remember(message)
+        rewind()
+        assert not performer.repeat(blows, message, 0.01)
