@@ -12,8 +12,10 @@ RATE = 48_000
 
 
 @pytest.fixture
-def played():
-    """A performer with an object, and its mark: the second of this process at least, as the first shares no pages."""
+def played(monkeypatch):
+    """A performer with an object, and its mark: the second of this process at least, as the first shares no pages, in
+    a state that nobody had before."""
+    monkeypatch.setattr(fresh, "_kept", [])
     for _ in range(2):
         performer = Performer(options_of(RATE, 1), (), (), stems=False, contacts=True, steers_ended=True)
     performer.perform([Message("/object/new", ("object", "wood-block"))], 0.0)
