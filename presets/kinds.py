@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from ..dsp.bodies.heard import Best
 from ..dsp.bodies.material import CONTACT_RADIUS, HERTZ_EXPONENT, Material, contact_between, hertz
 from ..dsp.bodies.modes import Modes
 from ..dsp.bodies.striker import StrikerSound
@@ -254,20 +255,21 @@ class ObjectPreset:
         PresetError if the geometry gives none or contradicts itself.
         """
         shape = SHAPES[self.shape]
-        arguments, make = dict(self.geometry), shape.make
+        arguments, make, spares = dict(self.geometry), shape.make, "best" in shape.parameters
         if self._of_one_size is not None:
             from ..dsp.bodies.similar import Sized  # with all shapes
 
             size, arguments = self._of_one_size[0], dict(self._of_one_size[1])
-            make = Sized(make, size, shape.lengths)
+            make, spares = Sized(make, size, shape.lengths), True
         if shape.has_material:
             arguments["material"] = self.material
         if self.added:
             from ..dsp.bodies.added import Complete  # with what adds
 
-            make = Complete(make, self.added, self.written)
+            make, spares = Complete(make, self.added, self.written), False
         try:
-            modes = made(make, top, arguments, self.stereo_width, self.most_modes, on_disk=not self._is_replaced)
+            best = Best(self.stereo_width, self.most_modes)
+            modes = made(make, top, arguments, best, spares=spares, on_disk=not self._is_replaced)
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
         return modes if self.glide is None else replace(modes, glide=self.glide)

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dsp.bodies.heard import placed
+from ..dsp.bodies.heard import Best
 from ..dsp.bodies.material import Array
-from ..dsp.bodies.modes import Modes, Unheard, loudest, read_only
+from ..dsp.bodies.modes import Modes, Unheard, read_only
 from ..dsp.bodies.small import heard_or_felt
 from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
@@ -25,25 +25,28 @@ def made(
     make: Callable[..., Modes],
     top: float,
     arguments: Mapping[str, Any],
-    width: float,
-    most: int | None = None,
+    best: Best,
     *,
+    spares: bool = False,
     on_disk: bool = False,
 ) -> Modes:
-    """Return the modes that a shape makes of hashable arguments, up to `top` (Hz), in a stereo image of a width (0 to
-    1); of more than `most` those that are heard best. on_disk: read them there, or write them for later processes.
+    """Return the modes that a shape makes of hashable arguments, up to `top` (Hz), those that are the best. spares: the
+    shape takes `best` as an argument. on_disk: read them there, or write them for later processes.
 
     Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
     give what is computed of it other last bits.
     """
-    key = (make, top, width, most, *sorted(arguments.items()))
+    key = (make, top, *best, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
         modes = stored.read(key) if on_disk else None
         if modes is None:
             with on_one_thread():
-                modes = placed(heard_or_felt(make, top, **arguments), width)
-                modes = _contiguous(modes if most is None else loudest(modes, most))
+                if spares:
+                    modes = heard_or_felt(make, top, best, **arguments)
+                else:
+                    modes = best.of(heard_or_felt(make, top, **arguments))
+                modes = _contiguous(modes)
             if on_disk:
                 stored.write(key, modes)
         read_only(*_arrays(modes))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .listed import listed
     from .material import Material, hertz
     from .mesh import Table, mesh
-    from .modes import Modes, loudest
+    from .modes import Modes
     from .plate import plate
     from .ring import can, glass, ring
     from .sphere import sphere
@@ -38,7 +38,6 @@ __all__ = [
     "glass",
     "hertz",
     "listed",
-    "loudest",
     "membrane",
     "mesh",
     "plate",
@@ -49,7 +48,7 @@ __all__ = [
 
 _HOMES = {
     "Cavity": "cavity", "Material": "material", "Modes": "modes", "Noise": "added", "Partials": "added",
-    "Table": "mesh", "can": "ring", "glass": "ring", "hertz": "material", "loudest": "modes", "membrane": "disc",
+    "Table": "mesh", "can": "ring", "glass": "ring", "hertz": "material", "membrane": "disc",
 }  # fmt: skip
 """The module of each name that is not its module's, too."""
 

@@ -3,13 +3,14 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from .air import IMPEDANCE, Load
-from .material import Array, Material
-from .modes import Modes
+from .material import Array, Indices, Material
+from .modes import MOST_MODES, Modes, read_only, selected
 
 BAFFLES = ("free", "wall", "closed")
 """free: the air moves around the edge from one side to the other. wall: in a wall, both sides radiate, one is heard.
@@ -79,12 +80,52 @@ def pressure(resistance: Array, sign: Array) -> Array:
     return np.array([one, one])
 
 
-def placed(modes: Modes, width: float) -> Modes:
-    """Return the modes at places of their own in the stereo image, between -width and width (0 to 1), by equal power.
+class Best(NamedTuple):
+    """The modes that an object keeps, in a stereo image of a width (0 to 1): at most `most` (None: all), those that a
+    blow where each moves most makes radiate most, by (G phi)^2/sigma."""
+
+    width: float
+    most: int | None = None
+
+    def among(self, pressure: Array, largest: Array, decay: Array) -> tuple[Indices, Array]:
+        """Return which of a body's modes are kept, ascending, and their sound pressures (2, k) in the image; largest
+        (n,): what each moves where it moves most."""
+        sides = pressure * _sides(decay.size, self.width)
+        if self._are_all(decay.size):
+            return np.arange(decay.size), sides
+        heard = (sides**2).sum(axis=0) * largest**2 / decay
+        keep = np.sort(np.argsort(-heard, kind="stable")[: self.most])
+        return keep, sides[:, keep]
+
+    def of(self, modes: Modes) -> Modes:
+        """Return a body with the modes that are kept."""
+        if self._are_all(modes.decay.size):
+            return replace(modes, pressure=modes.pressure * _sides(modes.decay.size, self.width))
+        keep, pressure = self.among(modes.pressure, largest(modes.strike), modes.decay)
+        return replace(selected(modes, keep), pressure=pressure)
+
+    def _are_all(self, count: int) -> bool:
+        return self.most is None or count <= self.most
+
+
+def largest(strike: Array) -> Array:
+    """Return how far shapes (P, n) go at most, (n,)."""
+    found: Array = np.maximum(strike.max(axis=0), -strike.min(axis=0))
+    return found
+
+
+def _sides(count: int, width: float) -> Array:
+    """Return the factors (2, count) that place modes in the image, between -width and width, by equal power.
 
     The places follow the golden ratio, so that neighbours lie apart and a mode's place does not depend on the others.
     """
-    place = 2 * ((np.arange(1, modes.frequency.size + 1) * _GOLDEN) % 1) - 1
+    return _all_sides(math.ceil(count / MOST_MODES) * MOST_MODES, width)[:, :count]
+
+
+@lru_cache(maxsize=64)  # 16 kB each
+def _all_sides(count: int, width: float) -> Array:
+    place = 2 * ((np.arange(1, count + 1) * _GOLDEN) % 1) - 1
     angle = math.pi / 4 * (1 + width * place)
-    sides = math.sqrt(2) * np.stack([np.cos(angle), np.sin(angle)])
-    return replace(modes, pressure=modes.pressure * sides)
+    sides: Array = math.sqrt(2) * np.stack([np.cos(angle), np.sin(angle)])
+    read_only(sides)
+    return sides

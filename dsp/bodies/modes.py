@@ -120,13 +120,6 @@ def audible(frequency: Array, top: float, most: int | None = None) -> Indices:
     return heard[: most or MOST_MODES]
 
 
-def loudest(modes: Modes, count: int) -> Modes:
-    """Return the modes that a blow where each moves most makes radiate most, at most `count`: by (G phi)^2/sigma."""
-    largest = np.maximum(modes.strike.max(axis=0), -modes.strike.min(axis=0))
-    heard = (modes.pressure**2).sum(axis=0) * largest**2 / modes.decay
-    return selected(modes, np.sort(np.argsort(-heard, kind="stable")[:count]))
-
-
 def selected(modes: Modes, keep: npt.NDArray[Any]) -> Modes:
     """Return the body with the audible modes that an index array or a mask keeps."""
     place = np.full(modes.frequency.size, -1)

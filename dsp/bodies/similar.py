@@ -13,26 +13,26 @@ share it. What is felt alone beyond a table is gathered twice, which keeps how f
 """
 
 import math
-from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..kept import Kept
 from .bar import bar, bar_clicks, over_tube, tube_of
 from .disc import disc, disc_clicks
 from .felts import on_stand
-from .heard import pressure
-from .material import Array, Material
+from .heard import Best, pressure
+from .material import Array, Indices, Material
 from .modes import Modes, Silent, Unheard, audible
 from .plate import plate, plate_clicks
 from .radiation.board import BOARDS
 from .radiation.lattice import cubic_weights
 from .ring import glass, glass_clicks, ring, ring_clicks
+from .similar_table import Beyond, Table, table_of
 from .sphere import sphere, sphere_clicks
-from .unheard import Felt, with_unheard
+from .unheard import felt_of
 
 _CLICKS: Mapping[Callable[..., Modes], Callable[..., Any]] = {
     bar: bar_clicks, plate: plate_clicks, disc: disc_clicks, ring: ring_clicks, glass: glass_clicks,
@@ -46,8 +46,10 @@ _UNDER = ("tube_diameter", "tube_length", "tube_gap", "tube_detuning", "tube_flo
 _ASIDE = ("felt", "stand", "board", "cords", *_UNDER)
 """Arguments of discs and bars that say what takes from them or sounds besides, and does not change their shapes."""
 
+_FLAT = {"across": 0.0, "tilt": 0.0}
+"""Arguments of a bar that is struck flat on its middle line."""
+
 _RUNGS = 2  # highest frequencies of tables in an octave
-_KEPT_BYTES = 128_000_000
 
 
 def has_similar(make: Callable[..., Modes], arguments: Mapping[str, Any]) -> bool:
@@ -63,72 +65,83 @@ class Sized:
     size: float
     lengths: tuple[str, ...]
 
-    def __call__(self, *, top: float, material: Material, **arguments: Any) -> Modes:
-        """Return the modes up to `top` (Hz) of the body in its size. Silent if there is none."""
+    def __call__(self, *, top: float, material: Material, best: Best | None = None, **arguments: Any) -> Modes:
+        """Return the modes up to `top` (Hz) of the body in its size; best: those that are kept. Silent if there is
+        none."""
         size, own = self.size, {key: value for key, value in arguments.items() if key not in _ASIDE}
         table = self._table(top, material, own)
-        frequency = table.frequency / size
+        modes = table.modes
+        frequency = modes.frequency / size
         heard = audible(frequency, top)
-        rest = np.delete(np.arange(frequency.size), heard)
-        strike = table.strike * size**-1.5
-        found, resistance = frequency[heard], 2 * table.decay[heard] / size
+        found, resistance = frequency[heard], 2 * modes.decay[heard] / size
         radiated, lost = resistance, resistance
         if board := arguments.get("board"):
-            into = self._into(str(board), top, material, own, table)[heard] * BOARDS[str(board)].conductance(found)
+            into = self._into(str(board), top, material, own, modes)[heard] * BOARDS[str(board)].conductance(found)
             radiated, lost = resistance + BOARDS[str(board)].radiated_share(found) * into, resistance + into
-        material = on_stand(material, arguments.get("stand", 0.0), table.mass * size**3)
+        material = on_stand(material, arguments.get("stand", 0.0), modes.mass * size**3)
         decay = material.decay(found)
         if material.losses == "material":
             decay = decay + lost / 2
         if felt := arguments.get("felt"):
-            held = self._table(top, material, {**own, "felt": felt})
-            decay = decay + (held.decay - table.decay)[heard] / size**2
+            held = self._table(top, material, {**own, "felt": felt}).modes
+            decay = decay + (held.decay - modes.decay)[heard] / size**2
         if cords := arguments.get("cords"):
-            held = self._table(top, material, {**own, "cords": 1.0})
-            decay = decay + cords * (held.decay - table.decay)[heard] / size**3
+            held = self._table(top, material, {**own, "cords": 1.0}).modes
+            decay = decay + cords * (held.decay - modes.decay)[heard] / size**3
         sized = {key: value * size if key in self.lengths else value for key, value in arguments.items()}
+        sides = pressure(np.minimum(radiated, 2 * decay), modes.pressure[0, heard])
+        kept, has_tube = heard, "tube_diameter" in arguments
+        if best and not has_tube:
+            keep, sides = best.among(sides, table.largest[heard] * size**-1.5, decay)
+            kept, found, decay = heard[keep], found[keep], decay[keep]
         made = Modes(
-            found, decay, strike[:, heard], pressure(np.minimum(radiated, 2 * decay), table.pressure[0, heard]),
-            table.mass * size**3, _CLICKS[self.make](material, **sized),
+            found, decay, table.shapes[kept].T * size**-1.5, sides, modes.mass * size**3,
+            _CLICKS[self.make](material, **sized), unheard=self._felt(table, heard, material, top),
         )  # fmt: skip
-        made = self._felt(made, table, Felt(frequency[rest], strike[:, rest]), material, top)
-        if "tube_diameter" not in arguments:
+        if not has_tube:
             return made
-        # Of the same bar, struck flat on its middle line, a blow moves those modes alone that move it up and down.
-        flat = self._table(top, material, {**own, "across": 0.0, "tilt": 0.0})
-        upright = np.flatnonzero(np.isin(table.frequency[heard], flat.frequency[flat.strike.any(axis=0)]))
+        made = self._over_tube(made, table, heard, sized, self._table(top, material, {**own, **_FLAT}).modes, top)
+        return best.of(made) if best else made
+
+    def _over_tube(
+        self, made: Modes, table: Table, heard: Indices, sized: Mapping[str, Any], flat: Modes, top: float
+    ) -> Modes:
+        """Return a bar with its tube. flat: the modes of the same bar, struck flat on its middle line, where a blow
+        moves those alone that move it up and down."""
+        upright = np.flatnonzero(np.isin(table.modes.frequency[heard], flat.frequency[flat.strike.any(axis=0)]))
         tube = tube_of(**{key: sized[key] for key in _UNDER if key in sized})
         sides = sized["length"], sized["width"], sized["thickness"] * (1 - sized.get("undercut", 0.0))
         return over_tube(made, upright, partial(_along, made.strike), tube, sides, top)
 
-    def _into(self, board: str, top: float, material: Material, own: Mapping[str, Any], table: Modes) -> Array:
+    def _into(self, board: str, top: float, material: Material, own: Mapping[str, Any], modes: Modes) -> Array:
         """Return what a bar's modes lose to the board that it is clamped in, over the board's conductance.
 
         It goes with omega^2 and the mass that they move, so with the size; that of the bar of size 1 is what a table
         with the board has more.
         """
-        boarded = self._table(top, material, {**own, "board": board})
-        more: Array = 2 * (boarded.decay - table.decay) / BOARDS[board].conductance(table.frequency)
+        boarded = self._table(top, material, {**own, "board": board}).modes
+        more: Array = 2 * (boarded.decay - modes.decay) / BOARDS[board].conductance(modes.frequency)
         return more * self.size
 
-    def _table(self, top: float, material: Material, arguments: Mapping[str, Any]) -> Modes:
+    def _table(self, top: float, material: Material, arguments: Mapping[str, Any]) -> Table:
         """Return the table of the body of size 1 that reaches up to `top` (Hz) in this one's. Silent if it is empty."""
-        table = _table(self.make, 2.0 ** (math.ceil(_RUNGS * math.log2(top * self.size)) / _RUNGS), material, arguments)
+        rung = 2.0 ** (math.ceil(_RUNGS * math.log2(top * self.size)) / _RUNGS)
+        table = table_of(self.make, rung, material, arguments)
         if table is None:
             raise Silent(top)
         return table
 
-    def _felt(self, modes: Modes, table: Modes, others: Felt, material: Material, top: float) -> Modes:
-        """Return the modes that are heard with those that are felt alone: others of a table, and those it has so."""
-        own = table.unheard
+    def _felt(self, table: Table, heard: Indices, material: Material, top: float) -> Unheard | None:
+        """Return what is felt alone: the modes of a table after those that are heard, and those that it has so."""
+        own = table.modes.unheard
         if own is None:
-            return modes
-        frequency, strike = own.frequency / self.size, own.strike * self.size**-1.5
-        if others.frequency.size:
-            together = np.append(others.frequency, frequency), np.concatenate([others.strike, strike], axis=1)
-            return with_unheard(modes, Felt(*together), material.decay, top)
+            return None
+        first = int(heard[-1]) + 1
+        if first < table.modes.frequency.size:
+            return felt_of(Beyond(table, first, self.size), material.decay, heard.size, top)
+        frequency = own.frequency / self.size
         decay = np.maximum(material.decay(frequency), own.decay / self.size)
-        return replace(modes, unheard=Unheard(frequency, decay, strike))
+        return Unheard(frequency, decay, own.strike * self.size**-1.5)
 
 
 def _along(strike: Array, positions: Array) -> Array:
@@ -137,25 +150,3 @@ def _along(strike: Array, positions: Array) -> Array:
     first = np.clip(place.astype(int) - 1, 0, len(strike) - 4)
     rows = np.stack([strike[first + i] for i in range(4)])
     return np.asarray(np.einsum("ip,ipn->pn", cubic_weights(place - first), rows))
-
-
-def _table(make: Callable[..., Modes], top: float, material: Material, arguments: Mapping[str, Any]) -> Modes | None:
-    """Return the modes of a body of size 1 without losses, whose decay is half of its resistance; None if it has none
-    up to `top` (Hz)."""
-    lossless = replace(material, alpha=0.0, beta=0.0, loss_factor=0.0, losses="material")
-    key = (make, top, lossless, *sorted(arguments.items()))
-    found = _tables.get(key)
-    if found is None:
-        try:
-            found = (make(material=lossless, top=top, **arguments),)
-        except Silent:
-            found = ()
-        _tables.put(key, found)
-    return found[0] if found else None
-
-
-def _bytes(table: tuple[Modes, ...]) -> int:
-    return sum(each.strike.nbytes + (each.unheard.strike.nbytes if each.unheard else 0) for each in table)
-
-
-_tables: Kept[Hashable, tuple[Modes, ...]] = Kept(_KEPT_BYTES, _bytes)

@@ -11,26 +11,29 @@ from typing import Any
 
 import numpy as np
 
+from .heard import Best
 from .modes import Modes, Silent, Unheard, selected
 
 _WIDER = 4.0  # times the highest frequency, for the next look
 _HIGHEST = 1e9  # Hz, of the last one: a grain of 10 µm has modes there
 
 
-def heard_or_felt(make: Callable[..., Modes], top: float, **arguments: Any) -> Modes:
+def heard_or_felt(make: Callable[..., Modes], top: float, best: Best | None = None, **arguments: Any) -> Modes:
     """Return the modes up to `top` (Hz) that a shape makes; of one that has none there, its clicks, and modes that are
     felt.
 
-    Silent if such a body is held, or listed: nothing of it is heard.
+    best: the modes that are kept, for a shape that takes this argument, as it need not lay out the others. Silent if
+    such a body is held, or listed: nothing of it is heard.
     """
     try:
-        return make(top=top, **arguments)
+        return make(top=top, **arguments, **({} if best is None else {"best": best}))
     except Silent as silent:
         # Where the series ends lower, another look would find as little, for as much work.
         higher = _first(make, top, arguments) if silent.top >= top else None
         if higher is None or not higher.clicks:
             raise
-        return _felt_above(higher, top)
+        found = _felt_above(higher, top)
+        return found if best is None else best.of(found)
 
 
 def _first(make: Callable[..., Modes], top: float, arguments: dict[str, Any]) -> Modes | None:

@@ -13,7 +13,7 @@ from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
 from .radiation.board import BOARDS
 from .tension import string_glide
-from .unheard import FINER, with_unheard
+from .unheard import FINER, shares_of, with_unheard
 from .unison import in_unison
 
 _FURTHER = 8  # times the modes that are heard: those that are felt
@@ -125,12 +125,13 @@ class _Sines:
         order = self.order[which].astype(int) - 1
         return np.asarray(self.peak * _waves(self.places, int(order.max()) + 1)[:, order])
 
-    def squares(self, which: Indices, factor: Array, shares: Array) -> Array:
+    def squares(self, which: Indices, u: Array, grid: Array) -> Array:
         """Return sums of squares as `Felt.squares`: by sin^2(n pi x) = (1 - cos(2 pi n x))/2, the sum of cosines by a
         Fourier transform."""
+        shares = shares_of(u, grid)
         period = self.places - 1
         weights = np.zeros((period, shares.shape[1]))
-        np.add.at(weights, self.order[which].astype(int) % period, factor[:, None] * shares)
+        np.add.at(weights, self.order[which].astype(int) % period, u[:, None] * shares)
         cosines = np.fft.fft(weights, axis=0).real
         sums = np.maximum(0.5 * self.peak**2 * (cosines[0] - cosines), 0.0)
         return np.concatenate([sums, sums[:1]])

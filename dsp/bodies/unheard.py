@@ -39,9 +39,10 @@ class Felt(NamedTuple):
         """Return the shapes (P, m) of some modes."""
         return self.strike[:, which]
 
-    def squares(self, which: Indices, factor: Array, shares: Array) -> Array:
-        """Return the sums (P, g) over some modes (m,) of their squared shapes times a factor (m,) and shares (m, g)."""
-        return np.asarray((self.strike[:, which] ** 2 * factor) @ shares)
+    def squares(self, which: Indices, u: Array, grid: Array) -> Array:
+        """Return the sums (P, g) over some modes (m,), ascending, of their squared shapes times u = 1/omega^2 (m,) and
+        their shares at a grid (g,) of these, descending."""
+        return np.asarray((self.strike[:, which] ** 2 * u) @ shares_of(u, grid))
 
 
 class Feeling(Protocol):
@@ -50,24 +51,30 @@ class Feeling(Protocol):
     @property
     def frequency(self) -> Array: ...
     def shapes(self, which: Indices) -> Array: ...
-    def squares(self, which: Indices, factor: Array, shares: Array) -> Array: ...
+    def squares(self, which: Indices, u: Array, grid: Array) -> Array: ...
 
 
 def with_unheard(modes: Modes, others: Feeling, decay: Callable[[Array], Array], top: float) -> Modes:
     """Return a body's modes up to `top` (Hz), with what is felt of its others; decay: 1/s at frequencies."""
+    felt = felt_of(others, decay, modes.frequency.size, top)
+    return modes if felt is None else replace(modes, unheard=felt)
+
+
+def felt_of(others: Feeling, decay: Callable[[Array], Array], heard: int, top: float) -> Unheard | None:
+    """Return what is felt of the others of a body, of which so many modes are heard up to `top` (Hz); None: nothing."""
     frequency = others.frequency
     order = np.argsort(frequency, kind="stable")
     order = order[frequency[order] >= LOWEST_FREQUENCY]
     if not order.size:
-        return modes
-    stay = min(_STAY, int(_SHARE * modes.frequency.size))
+        return None
+    stay = min(_STAY, int(_SHARE * heard))
     if order.size <= stay + _GATHERED:
         stay = order.size
     own, rest = order[:stay], order[stay:]
     places, gathered = _gather(others, rest, _REACH * top)
     found = np.concatenate([frequency[own], places])
     lost = np.concatenate([decay(frequency[own]), np.maximum(decay(places), _SPREAD * 2 * math.pi * places)])
-    return replace(modes, unheard=Unheard(found, lost, np.concatenate([others.shapes(own), gathered], axis=1)))
+    return Unheard(found, lost, np.concatenate([others.shapes(own), gathered], axis=1))
 
 
 def _gather(others: Feeling, which: Indices, highest: float) -> tuple[Array, Array]:
@@ -79,8 +86,13 @@ def _gather(others: Feeling, which: Indices, highest: float) -> tuple[Array, Arr
     lowest = float(frequency[0])
     places = np.geomspace(lowest, highest, _GATHERED) if lowest < highest else np.array([highest])
     u, grid = 1 / (2 * np.pi * frequency) ** 2, 1 / (2 * np.pi * places) ** 2
-    shares = np.stack([np.interp(u, grid[::-1], one[::-1]) for one in np.eye(places.size)], axis=1)
-    return places, np.sqrt(others.squares(which, u, shares) / grid)
+    return places, np.sqrt(others.squares(which, u, grid) / grid)
+
+
+def shares_of(u: Array, grid: Array) -> Array:
+    """Return the shares (m, g) of modes of u = 1/omega^2 (m,) at a descending grid (g,): linear between two places, and
+    all at an end for those beyond it."""
+    return np.stack([np.interp(u, grid[::-1], one[::-1]) for one in np.eye(grid.size)], axis=1)
 
 
 def completed(heard: Felt, others: Felt, last: float, highest: float, growth: float = 0.0) -> Felt:

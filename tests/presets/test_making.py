@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from carom.dsp import bodies
 from carom.dsp.bodies import Partials
 from carom.dsp.bodies.added import Complete
-from carom.dsp.bodies.heard import placed
+from carom.dsp.bodies.heard import Best
 from carom.dsp.kept import Kept
 from carom.dsp.numerics.blas import on_one_thread
 from carom.presets import Presets, making
@@ -60,7 +60,7 @@ def test_kept_modes_are_those_of_the_shape_and_cannot_be_changed(kept, name):
     arguments = dict(preset.geometry) | ({"material": preset.material} if preset.shape != "listed" else {})
     make = getattr(bodies, preset.shape)
     made = (Complete(make, preset.added, preset.written) if preset.added else make)(top=6_000, **arguments)
-    expected = placed(made, preset.stereo_width)
+    expected = Best(preset.stereo_width).of(made)
     for _ in range(2):
         for array, other in zip(arrays(preset.modes(6_000)), arrays(expected), strict=True):
             assert array.tobytes() == other.tobytes()

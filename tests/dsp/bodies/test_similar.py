@@ -7,8 +7,11 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from carom.dsp import bodies
+from carom.dsp.bodies.heard import Best
 from carom.dsp.bodies.modes import Silent
 from carom.dsp.bodies.similar import Sized, has_similar
+from carom.dsp.bodies.similar_table import Beyond, Table, table_of
+from carom.dsp.bodies.unheard import Felt
 from carom.presets import PresetError, Presets
 
 TOP = 23_520.0  # Hz
@@ -90,6 +93,33 @@ def test_closed_forms_are_similar_to_rounding(name):
     sized, own = both(name, 1.21)
     for each in ("frequency", "decay", "pressure"):
         assert getattr(sized, each) == pytest.approx(getattr(own, each), rel=1e-11)
+
+
+@pytest.mark.parametrize("name", ["ring", "sphere", "cymbal", "bar", "marimba", "tongue"])
+def test_the_best_modes_in_a_size_are_those_of_all_to_the_bit(name):
+    make, material, lengths, arguments = BODIES[name]
+    sized, best = Sized(make, 1.13, lengths), Best(0.6, 5)
+    few = sized(top=TOP, material=material, best=best, **arguments)
+    expected = best.of(sized(top=TOP, material=material, **arguments))
+    assert few.frequency.size == 5
+    for each in ("frequency", "decay", "strike", "pressure"):
+        assert np.array_equal(getattr(few, each), getattr(expected, each))
+    for one, other in zip(few.unheard or (), expected.unheard or (), strict=True):
+        assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("grid", [(3e3, 3e4), (4.1e3, 4.2e3, 2e4, 9e4), (2.5e3,)])
+def test_a_table_s_sums_are_those_over_its_modes(grid):
+    """Differences of sums over all higher modes err by the rounding of these."""
+    make, material, _, arguments = BODIES["plate"]
+    table = table_of(make, 8_000.0, material, arguments)
+    assert isinstance(table, Table)
+    beyond = Beyond(table, 11, 1.3)
+    felt = Felt(beyond.frequency, table.shapes[11:].T * 1.3**-1.5)
+    which = np.flatnonzero(felt.frequency >= grid[0])
+    u, places = 1 / (2 * np.pi * felt.frequency[which]) ** 2, 1 / (2 * np.pi * np.array(grid)) ** 2
+    expected = felt.squares(which, u, places)
+    assert beyond.squares(which, u, places) == pytest.approx(expected, rel=1e-9, abs=1e-13 * expected.max())
 
 
 def test_a_body_that_is_too_small_to_ring_is_silent_in_its_size():

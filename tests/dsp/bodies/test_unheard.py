@@ -113,9 +113,9 @@ def test_squares_of_sines_sum_as_those_of_a_table():
     order, places = np.arange(20.0, 300.0), 121
     sines = _Sines(100.0 * order, order, places, 1.7)
     table = Felt(sines.frequency, 1.7 * np.sin(np.pi * np.outer(np.linspace(0, 1, places), order)))
-    which, random = np.arange(5, order.size), np.random.default_rng(1)
-    factor, shares = random.uniform(size=which.size), random.uniform(size=(which.size, 8))
-    summed, expected = (each.squares(which, factor, shares) for each in (sines, table))
+    which = np.arange(5, order.size)
+    u = 1 / (2 * np.pi * sines.frequency[which]) ** 2
+    summed, expected = (each.squares(which, u, np.geomspace(u[0], u[-1] / 2, 8)) for each in (sines, table))
     np.testing.assert_allclose(summed, expected, rtol=1e-10, atol=1e-12 * expected.max())
     np.testing.assert_allclose(sines.shapes(which), table.shapes(which), atol=1e-12)
 

@@ -8,7 +8,7 @@ import pytest
 
 from carom.dsp import bodies
 from carom.dsp.bodies.air import IMPEDANCE
-from carom.dsp.bodies.heard import placed
+from carom.dsp.bodies.heard import Best
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets
@@ -22,7 +22,7 @@ def plate(alpha):
     """Return a small disc in a wall, whose modes lie far apart; alpha (1/s) is all that its material loses."""
     material = bodies.Material("light", 2700, 7e10, 0.3, alpha, 0)
     modes = bodies.disc(material, radius=0.06, thickness=0.004, edge="supported", baffle="wall", top=20000)
-    return placed(modes, 0.7)
+    return Best(0.7).of(modes)
 
 
 def mode_energies(engine, handle, modes):
