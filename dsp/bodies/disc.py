@@ -16,7 +16,7 @@ from .air import plate_mass
 from .choices import EDGES
 from .dome import SHALLOW, Waves, at_edge, domed
 from .felts import felt_losses, on_stand
-from .heard import BAFFLES, heard, loaded
+from .heard import BAFFLES, Best, heard, largest, loaded
 from .karman import Sheet, mixing
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
@@ -25,7 +25,7 @@ from .radiation.round import Every, Loads, Round
 from .residual import with_residual
 from .ring import Doublets, doublets
 from .tension import CONE, membrane_glide
-from .unheard import Felt, completed, with_unheard
+from .unheard import Felt, completed, felt_of
 
 _STEP = 0.6  # of the grid of wavenumbers
 _FALSI_STEPS = 12
@@ -173,8 +173,9 @@ def membrane(
     imperfection: float = 20.0,
     split_seed: int = 0,
     baffle: str = "free",
+    best: Best | None = None,
 ) -> Modes:
-    """Return the modes of a circular membrane held at its edge.
+    """Return the modes of a circular membrane held at its edge; best: those that are kept.
 
     radius and thickness in m; either tension T (N/m) or fundamental (Hz, without the air, whose mass lowers it); the
     rest as for `disc`. f = k/(2 pi) sqrt((T + D k^2)/(rho h)), k R the zeros of J_n: the film's own stiffness D, as if
@@ -207,8 +208,14 @@ def membrane(
 
     wave = root / radius
     frequency = wave / (2 * math.pi) * np.sqrt((tension + rigidity * wave**2) / areal)
-    body = _Round(frequency, mass, Round(radius, areal, baffle, every, np.arange(root.size), scale), radial)
-    modes = _round(material, body, Doublets(split, imperfection, split_seed), top)
+
+    def extremes(steps: int, mode: Indices) -> tuple[Array, Array]:
+        most, last = _film_extremes(every, steps)
+        return most[mode] * scale[mode], last[mode] * scale[mode]
+
+    surface = Round(radius, areal, baffle, every, np.arange(root.size), scale)
+    body = _Round(frequency, mass, surface, radial, extremes=extremes)
+    modes = _round(material, body, Doublets(split, imperfection, split_seed), top, best)
     if modes.frequency.size == MOST_MODES:
         shortest = float(np.sort(np.repeat(wave, 2 if split else 1))[MOST_MODES - 1])
         modes = with_residual(modes, tension, rigidity, areal, shortest, 2 * radius)
@@ -221,7 +228,8 @@ class _Round(NamedTuple):
 
     radial: how many radii and modes by number (k,) -> their mass-normalised radial shapes at `_radii`, (p, k). complete
     (Hz): of a plate, up to where these are all that there are. most: of the modes that are kept. felt: radius of
-    felts at the centre over the body's.
+    felts at the centre over the body's. extremes: how many radii and modes by number -> how far these shapes go along
+    the radii at most, and what they are where a sound has its sign (k,), where that takes less than to lay them out.
     """
 
     frequency: Array
@@ -232,6 +240,7 @@ class _Round(NamedTuple):
     sheet: Callable[[Indices, Array, Array, Indices, Indices], Sheet] | None = None
     most: int | None = None
     felt: float = 0.0
+    extremes: Callable[[int, Indices], tuple[Array, Array]] | None = None
 
 
 def _enough(members: int, most: int | None = None) -> float:
@@ -243,7 +252,8 @@ _RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1), _enough(2, MOS
 """The limits up to which roots are searched: few searches serve all discs, and that for few modes takes little time."""
 
 
-def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Modes:
+def _round(material: Material, body: _Round, pairs: Doublets, top: float, best: Best | None = None) -> Modes:
+    """Return the modes of a round body; best: those that are kept, of one with `extremes`."""
     order, root = body.surface.order, body.surface.root
     near = np.argsort(body.frequency, kind="stable")
     near = near[body.frequency[near] <= _NEARLY * top][: body.most or MOST_MODES]
@@ -254,34 +264,60 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
     air = loaded(alone, Loads(body.surface.only(near)), guess)
     frequency, which, phase = doublets(air.frequency, order[near], *pairs)
     keep = audible(frequency, top, body.most)
-    base, member = np.unique(which[keep], return_inverse=True)
+    mine, turned = which[keep], phase[keep]
+    each, steps = order[near[mine]], _steps(float(root[near[mine]].max()))
 
-    steps = _steps(float(root[near[base]].max()))
-    angle = _SIGN_AT[1]
-    along = body.radial(steps, near[base])
-    along *= air.shrinking[base]
-    along, each = np.take(along, member, axis=1), order[near[base]][member]
-    sign = along[-1] * np.cos(angle * each - phase[keep])
-    shapes = _across(along[:-1], each, phase[keep])
-    made = heard(material, frequency[keep], air.resistance[base][member], (shapes, sign), body.mass)
+    def laid_out(kept: Indices) -> tuple[Array, Modes]:
+        base, member = np.unique(mine[kept], return_inverse=True)
+        along = body.radial(steps, near[base])
+        along *= air.shrinking[base]
+        along = np.take(along, member, axis=1)
+        shapes = _across(along[:-1], each[kept], turned[kept]), _signed(along[-1], each[kept], turned[kept])
+        resistance = air.resistance[mine[kept]]
+        return along, heard(material, frequency[keep[kept]], resistance, shapes, body.mass)
+
+    if best is not None and body.extremes is not None:
+        most, last = (part * air.shrinking[mine] for part in body.extremes(steps, near[mine]))
+        reach = most * np.maximum(*(np.abs(np.cos(angle * each - turned)) for angle in (math.pi, 0.0)))
+        rough = reach[None], _signed(last, each, turned)
+        all_of_it = heard(material, frequency[keep], air.resistance[mine], rough, body.mass)
+        if keep.size == MOST_MODES:
+            all_of_it.pressure[:, -1] = 0.0  # `with_residual` puts one that is felt in its place
+        kept, sides = best.among(all_of_it.pressure, reach, all_of_it.decay)
+        along, made = laid_out(kept)
+        made = replace(made, decay=all_of_it.decay[kept], pressure=sides)
+    else:
+        along, made = laid_out(np.arange(keep.size))
     if body.felt > 0:
         lost = felt_losses(body.felt, made.frequency, each, _radii(steps)[:-1], along[:-1])
         made = replace(made, decay=made.decay + lost)
     if body.sheet is not None:
         cosine, sine = _members(order[near], which, keep)
         made = replace(made, sheet=body.sheet(near, air.shrinking, air.frequency, cosine, sine))
-    if body.complete is None and made.frequency.size == MOST_MODES:
+    if body.complete is None and keep.size == MOST_MODES:
         return made
 
-    frequency, other, phase = doublets(body.frequency, order, *pairs)
-    upper = np.arange(other.size) >= order.size
-    others = np.flatnonzero(~np.isin(2 * other + upper, 2 * near[which[keep]] + (keep >= near.size)))
-    base, member = np.unique(other[others], return_inverse=True)
-    shapes = _across(np.take(body.radial(steps, base)[:-1], member, axis=1), order[other[others]], phase[others])
-    felt = Felt(frequency[others], shapes)
+    felt = _others(body, pairs, 2 * near[mine] + (keep >= near.size), steps)
     if body.complete is not None:
         felt = completed(Felt(made.frequency, made.strike), felt, body.complete, 2 * top)
-    return with_unheard(made, felt, material.decay, top)
+    return replace(made, unheard=felt_of(felt, material.decay, keep.size, top))
+
+
+def _others(body: _Round, pairs: Doublets, kept: Indices, steps: int) -> Felt:
+    """Return the modes of a round body but for those kept: twice their numbers, and 1 more for the upper of a pair."""
+    order = body.surface.order
+    frequency, other, phase = doublets(body.frequency, order, *pairs)
+    upper = np.arange(other.size) >= order.size
+    others = np.flatnonzero(~np.isin(2 * other + upper, kept))
+    base, member = np.unique(other[others], return_inverse=True)
+    shapes = _across(np.take(body.radial(steps, base)[:-1], member, axis=1), order[other[others]], phase[others])
+    return Felt(frequency[others], shapes)
+
+
+def _signed(along: Array, order: Array, phase: Array) -> Array:
+    """Return what shapes are where a sound has its sign, from what they are there along a radius (k,)."""
+    signed: Array = along * np.cos(_SIGN_AT[1] * order - phase)
+    return signed
 
 
 def _steps(root: float) -> int:
@@ -333,6 +369,13 @@ def _film_shapes(every: Every, steps: int) -> Array:
     shapes = _bessel(every.order, np.outer(_radii(steps), every.root))
     read_only(shapes)
     return shapes
+
+
+@lru_cache(maxsize=8)  # 16 kB each
+def _film_extremes(every: Every, steps: int) -> tuple[Array, Array]:
+    """Return how far the shapes of a membrane's waves go at most, and what they are where a sound has its sign."""
+    shapes = _film_shapes(every, steps)
+    return largest(shapes[:-1]), shapes[-1].copy()
 
 
 def _bessel(order: Array, x: Array) -> Array:

@@ -2,18 +2,19 @@
 
 import math
 from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
 from ..kept import Kept
 from .choices import MOST_WIRES
-from .heard import heard
+from .heard import Best, heard, largest
 from .material import Array, Material
-from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
+from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive, selected
 from .radiation.board import BOARDS
 from .tension import string_glide
-from .unheard import FINER, shares_of, with_unheard
+from .unheard import FINER, felt_of, shares_of
 from .unison import in_unison
 
 _FURTHER = 8  # times the modes that are heard: those that are felt
@@ -35,6 +36,7 @@ def string(
     board: str = "piano",
     wires: int = 1,
     mistuning: float = 1.0,
+    best: Best | None = None,
 ) -> Modes:
     """Return the modes of a stiff string with pinned ends: f_n = n f0 sqrt(1 + B n^2).
 
@@ -44,7 +46,8 @@ def string(
     bending_loss: the loss factor of the part of a mode's energy that bends the string, beside the material's losses.
 
     Its own sound is nothing beside that of the board at its end: the power that goes into the board is lost to the
-    string, and the share of it that radiates is heard. board: one of `radiation.board.BOARDS`.
+    string, and the share of it that radiates is heard. board: one of `radiation.board.BOARDS`. best: the modes that are
+    kept.
 
     wires: how many such strings one hammer strikes, 1 to 3; mistuning: from the lowest to the highest (cents). How they
     fall follows from the material's losses and the board (unison.py): measured ones hold the board's already.
@@ -79,15 +82,25 @@ def string(
     force = tension * math.pi * order / length * peak / (2 * math.pi * frequency)  # at the bridge, per modal velocity
     lost = force**2 * body.conductance(frequency)
     at = path(np.pi * FINER * order[-1])
-    waves = _waves(at.size, order.size)[:, order.astype(int) - 1]
-    strike, sign = peak * waves, peak * np.sin(np.pi * (_SIGN_AT * order))
-    modes = heard(material, frequency, lost * body.radiated_share(frequency), (strike, sign), mass, lost)
-    if wires > 1:
-        modes = in_unison(modes, material.decay(frequency), lost, wires, mistuning, top)
+    waves, sign = _waves(at.size, order.size), peak * np.sin(np.pi * (_SIGN_AT * order))
+    which = order.astype(int) - 1
+    resistance = lost * body.radiated_share(frequency)
+    if wires > 1 or best is None:
+        modes = heard(material, frequency, resistance, (peak * waves[:, which], sign), mass, lost)
+        if wires > 1:
+            modes = in_unison(modes, material.decay(frequency), lost, wires, mistuning, top)
+        count = modes.frequency.size
+        modes = modes if best is None else best.of(modes)
+    else:
+        count, reach = order.size, peak * _peaks(at.size, order.size)[which]
+        every = heard(material, frequency, resistance, (reach[None], sign), mass, lost)
+        kept, sides = best.among(every.pressure, reach, every.decay)
+        shapes = peak * waves[:, which[kept]]
+        modes = replace(selected(every, kept), strike=shapes, pressure=sides)
     higher = slice(order.size, _FURTHER * order.size)
     felt = _Sines(frequencies[higher], orders[higher], at.size, peak / math.sqrt(wires))
     glide = string_glide(material, length, diameter, tension) / wires
-    return replace(with_unheard(modes, felt, material.decay, top), glide=glide)
+    return replace(modes, glide=glide, unheard=felt_of(felt, material.decay, count, top))
 
 
 @dataclass(frozen=True)
@@ -131,7 +144,9 @@ class _Sines:
         shares = shares_of(u, grid)
         period = self.places - 1
         weights = np.zeros((period, shares.shape[1]))
-        np.add.at(weights, self.order[which].astype(int) % period, u[:, None] * shares)
+        places = self.order[which].astype(int) % period
+        for weight, share in zip(weights.T, shares.T, strict=True):
+            weight[:] = np.bincount(places, u * share, period)
         cosines = np.fft.fft(weights, axis=0).real
         sums = np.maximum(0.5 * self.peak**2 * (cosines[0] - cosines), 0.0)
         return np.concatenate([sums, sums[:1]])
@@ -147,6 +162,12 @@ def _waves(places: int, least: int) -> Array:
         read_only(found)
         _kept.put((places, orders), found)
     return found
+
+
+@lru_cache(maxsize=64)  # 8 kB each at most
+def _peaks(places: int, least: int) -> Array:
+    """Return how far each of `_waves` goes at most."""
+    return largest(_waves(places, least))
 
 
 _kept: Kept[tuple[int, int], Array] = Kept(32_000_000, lambda waves: waves.nbytes)

@@ -6,7 +6,6 @@ depends on its place and its group of modes alone, and not on what was asked for
 """
 
 from collections.abc import Callable
-from functools import cache
 from threading import Lock
 
 import numpy as np
@@ -24,7 +23,6 @@ _STEP = 0.2  # of ln x + x/_BEND, between places
 _NODES = 4  # between which a value is interpolated
 _AT_ONCE = 8  # places that are solved together
 _LOWEST, _PIECES = -25, 200  # pieces of so many places: from x = 1e-17 to 800
-_FIRST = _LOWEST * _AT_ONCE  # place
 _NOISE = 1e-15  # of an impedance: less resistance is rounding
 
 Solve = Callable[[int, Array], Complex]
@@ -37,7 +35,7 @@ class Curves:
     def __init__(self, groups: int, solve: Solve) -> None:
         self._solve = solve
         self._slot = np.full((groups, _PIECES), -1, np.int32)
-        self._values = np.empty((16, _AT_ONCE, COLUMNS), np.complex128)
+        self._values = np.empty((16, _AT_ONCE, COLUMNS, 2))  # ln R, and the mass times c over the radius
         self._count = 0
         self._lock = Lock()
 
@@ -53,19 +51,21 @@ class Curves:
             if lacking.any():
                 self._add(np.broadcast_to(group, piece.shape)[lacking], piece[lacking])
             found = self._values[self._slot[group, piece], places % _AT_ONCE, column]
-        resistance = np.log(np.maximum(found.real, _NOISE * np.abs(found)))
-        mass = found.imag / _all_x()[places - _FIRST]
         weights = cubic_weights(along - first)
-        return np.asarray(np.exp((weights * resistance).sum(axis=0)) + 1j * x * (weights * mass).sum(axis=0))
+        resistance, mass = ((weights * found[..., i]).sum(axis=0) for i in (0, 1))
+        return np.asarray(np.exp(resistance) + 1j * x * mass)
 
     def _add(self, groups: Indices, pieces: Indices) -> None:
         """Solve groups of modes at pieces of the lattice."""
         for number in np.unique(groups * _PIECES + pieces):
             group, piece = divmod(int(number), _PIECES)
-            solved = self._solve(group, _x_of((piece + _LOWEST) * _AT_ONCE + np.arange(_AT_ONCE)))
+            x = _x_of((piece + _LOWEST) * _AT_ONCE + np.arange(_AT_ONCE))
+            solved = self._solve(group, x)
             if self._count == len(self._values):
                 self._values = np.concatenate([self._values, np.empty_like(self._values)])
-            self._values[self._count, :, : solved.shape[1]] = solved
+            mine = self._values[self._count, :, : solved.shape[1]]
+            mine[..., 0] = np.log(np.maximum(solved.real, _NOISE * np.abs(solved)))
+            mine[..., 1] = solved.imag / x[:, None]
             self._slot[group, piece] = self._count
             self._count += 1
 
@@ -81,12 +81,6 @@ def _x_of(place: Indices) -> Array:
     for _ in range(_NEWTON_STEPS):  # to rounding
         x *= (1 + wanted - np.log(x)) / (1 + x / _BEND)
     return np.asarray(x)
-
-
-@cache  # 13 kB
-def _all_x() -> Array:
-    """Return the x of all places."""
-    return _x_of(_FIRST + np.arange(_PIECES * _AT_ONCE))
 
 
 def cubic_weights(t: Array) -> Array:

@@ -1,5 +1,6 @@
 """The air's load on discs and membranes."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from ..material import Array
 from ..modes import Indices
 from .disc import Waves, baffled_disc, free_disc
 from .lattice import COLUMNS, Curves
-from .sampling import fill
+from .sampling import Filling
 
 _FAST = 1.5  # times the speed of sound: faster waves radiate from both sides of a disc as if it stood in a wall
 _CLOSED, _WAVES = 1.08, 3.0  # the same, and by how many wavenumbers: faster ones radiate as on an endless plate
@@ -72,19 +73,15 @@ class Loads:
     """The load as a function of the frequencies in air of some of a surface's modes."""
 
     def __init__(self, body: Round) -> None:
-        self._body, self._order, self._root = body, body.order, body.root
-        self._number = numbers(self._order, self._root)  # of its order's modes, from 0
-        step = int(self._number.max(initial=0)) + 2
-        keys = self._order.astype(np.intp) * step + self._number
-        self._next, self._above = _places(keys, keys + 1), _places(keys, keys + step)
-        self._odd = (self._order > _ALL_ORDERS) & (self._order % 2 == 1)
+        self._body, self._families = body, _families(body.every, body.mode.tobytes())
 
     def __call__(self, frequency: Array) -> Load:
         body, every = self._body, self._body.every
         x = wavenumber(frequency) * body.radius
-        speed = x / self._root
+        root = self._families.root
+        speed = x / root
         sides = 1.0 if body.baffle == "closed" else 2.0
-        closed = (speed > _CLOSED) & (x - self._root > _WAVES)
+        closed = (speed > _CLOSED) & (x - root > _WAVES)
         impedance: Complex = np.zeros(x.size, np.complex128)
         impedance[closed] = sides / 2 * endless_plate(body.areal, speed[closed] ** 2)
         skipped = self._between(speed)
@@ -95,8 +92,8 @@ class Loads:
             size = factor * (body.radius * body.scale[row]) ** 2
             impedance[row] = size * curves.at(every.group[mode], every.column[mode], x[row])
         found = load(impedance, frequency)
-        fill(found, self._order, self._root, ~skipped, skipped & ~self._odd)
-        fill(found, self._number, self._order, ~self._odd, skipped & self._odd)
+        for each in _fillings(every, body.mode.tobytes(), skipped.tobytes()):
+            each.fill(found)
         return found
 
     def _between(self, speed: Array) -> npt.NDArray[np.bool_]:
@@ -104,11 +101,44 @@ class Loads:
         most of odd orders."""
         if speed.size < _MANY:
             return np.zeros(speed.size, np.bool_)
-        slow = speed < _SLOW
-        alternate = ~self._odd & (self._number >= _DENSE) & (self._number % 2 == _DENSE % 2)
-        neighbours = np.where(self._odd, self._above, self._next)
-        inside: npt.NDArray[np.bool_] = slow & (self._odd | alternate) & (neighbours >= 0) & slow[neighbours]
+        slow, (_, _, number, following, above, odd) = speed < _SLOW, self._families
+        alternate = ~odd & (number >= _DENSE) & (number % 2 == _DENSE % 2)
+        neighbours = np.where(odd, above, following)
+        inside: npt.NDArray[np.bool_] = slow & (odd | alternate) & (neighbours >= 0) & slow[neighbours]
         return inside
+
+
+class _Families(NamedTuple):
+    """Modes by families (n,): orders and roots, the number of each in its order, from 0, the places of the next of its
+    order and of that of the next order, -1 for none, and whether it is of an odd order of which most are skipped."""
+
+    order: Array
+    root: Array
+    number: Indices
+    following: Indices
+    above: Indices
+    odd: npt.NDArray[np.bool_]
+
+
+@lru_cache(maxsize=16)  # 50 kB each at most
+def _families(every: Every, modes: bytes) -> _Families:
+    """Return some modes of all waves, whose numbers there are given as bytes."""
+    mode = np.frombuffer(modes, np.intp)
+    order, root = every.order[mode], every.root[mode]
+    number = numbers(order, root)
+    step = int(number.max(initial=0)) + 2
+    keys = order.astype(np.intp) * step + number
+    odd = (order > _ALL_ORDERS) & (order % 2 == 1)
+    return _Families(order, root, number, _places(keys, keys + 1), _places(keys, keys + step), odd)
+
+
+@lru_cache(maxsize=16)  # 80 kB each at most
+def _fillings(every: Every, modes: bytes, skips: bytes) -> tuple[Filling, Filling]:
+    """Return how the loads of modes that are skipped follow, one after the other; skips: a mask of these, as bytes."""
+    order, root, number, _, _, odd = _families(every, modes)
+    skipped = np.frombuffer(skips, np.bool_)
+    slow, rest = Filling(order, root, ~skipped, skipped & ~odd), Filling(number, order, ~odd, skipped & odd)
+    return slow, rest
 
 
 def _places(keys: Indices, asked: Indices) -> Indices:

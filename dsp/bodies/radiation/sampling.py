@@ -32,24 +32,34 @@ def between(known: Array, loads: Load, wanted: Array) -> Load:
     return Load(np.exp(_cubic(known, level, wanted)), _cubic(known, loads.mass, wanted))
 
 
-def fill(loads: Load, family: npt.NDArray[Any], place: Array, known: Mask, wanted: Mask) -> None:
-    """Set the loads of `wanted` modes (n,) from those of `known` ones of their families, by their places there."""
-    asked = np.flatnonzero(wanted)
-    if not asked.size:
-        return
-    given = np.flatnonzero(known & np.isin(family, family[asked]))
-    given = given[np.lexsort((place[given], family[given]))]
-    each, number = np.unique(family[given], return_inverse=True)
-    apart = 2 * (np.abs(place).max() + 1)  # families one after the other, so that one search finds all
-    begins = np.flatnonzero(np.diff(number, prepend=-1))
-    mine = np.searchsorted(each, family[asked])
-    first, last = begins[mine], np.append(begins[1:], given.size)[mine] - 2
-    i = np.searchsorted(number * apart + place[given], mine * apart + place[asked]) - 1
-    at = np.clip(i, first, last)
-    level = np.log(np.maximum(loads.resistance[given], _LEAST))
-    columns = level, loads.mass[given]
-    found = [_value(place[given], y, _slopes(place[given], y, begins), at, place[asked]) for y in columns]
-    loads.resistance[asked], loads.mass[asked] = np.exp(found[0]), found[1]
+class Filling:
+    """The way in which the loads of `wanted` modes (n,) follow from those of `known` ones of their families, by their
+    places there; the same for all loads."""
+
+    def __init__(self, family: npt.NDArray[Any], place: Array, known: Mask, wanted: Mask) -> None:
+        self._asked = asked = np.flatnonzero(wanted)
+        if not asked.size:
+            return
+        given = np.flatnonzero(known & np.isin(family, family[asked]))
+        self._given = given = given[np.lexsort((place[given], family[given]))]
+        each, number = np.unique(family[given], return_inverse=True)
+        apart = 2 * (np.abs(place).max() + 1)  # families one after the other, so that one search finds all
+        self._begins = begins = np.flatnonzero(np.diff(number, prepend=-1))
+        mine = np.searchsorted(each, family[asked])
+        first, last = begins[mine], np.append(begins[1:], given.size)[mine] - 2
+        i = np.searchsorted(number * apart + place[given], mine * apart + place[asked]) - 1
+        self._at = np.clip(i, first, last)
+        self._places = place[given], place[asked]
+
+    def fill(self, loads: Load) -> None:
+        """Set the loads of the modes that are wanted."""
+        if not self._asked.size:
+            return
+        x, wanted = self._places
+        level = np.log(np.maximum(loads.resistance[self._given], _LEAST))
+        columns = level, loads.mass[self._given]
+        found = [_value(x, y, _slopes(x, y, self._begins), self._at, wanted) for y in columns]
+        loads.resistance[self._asked], loads.mass[self._asked] = np.exp(found[0]), found[1]
 
 
 def _cubic(x: Array, y: Array, wanted: Array) -> Array:
