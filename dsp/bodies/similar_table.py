@@ -14,7 +14,7 @@ from .heard import largest
 from .material import Array, Material
 from .modes import Indices, Modes, Silent
 
-_KEPT_BYTES = 128_000_000
+_KEPT_BYTES = 256_000_000
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def table_of(make: Callable[..., Modes], top: float, material: Material, argumen
 
 def _bytes(tables: tuple[Table, ...]) -> int:
     """Return the bytes of tables, with what follows from them."""
-    return sum(5 * 8 * len(each.modes.strike) * each.frequency.size for each in tables)
+    return sum(4 * 8 * len(each.modes.strike) * each.frequency.size for each in tables)
 
 
 _tables: Kept[Hashable, tuple[Table, ...]] = Kept(_KEPT_BYTES, _bytes)
