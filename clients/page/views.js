@@ -1,5 +1,6 @@
 // What one looks at: meters, numbers, the spectrum beside the modes, the force of the last contact.
 
+import { short } from "./dom.js";
 import { draw } from "./frames.js";
 
 const LOWEST = 20, HIGHEST = 20000; // Hz
@@ -199,8 +200,8 @@ export class Views {
     g.fillStyle = color("--accent");
     g.fill();
     g.globalAlpha = 1;
-    const strong = most >= 1000 ? `${(most / 1000).toFixed(1)} kN` : `${most.toPrecision(2)} N`;
-    const long = `${(1000 * seconds).toPrecision(2)} ms`;
+    const strong = most >= 1000 ? `${(most / 1000).toFixed(1)} kN` : `${short(most)} N`;
+    const long = `${short(1000 * seconds)} ms`;
     document.getElementById("force-note").textContent = `on ${name.replaceAll("-", " ")}: ${strong}, ${long}`;
     canvas.setAttribute("aria-label", `Force of the last contact, on ${name}: up to ${strong}, for ${long}`);
   }

@@ -45,6 +45,10 @@ def test_a_tap_strikes_where_the_finger_is(play):
         assert struck.address == f"/object/{name}/impact"
         assert struck.args[1] == pytest.approx(position, abs=0.03)
         assert struck.args[0] == Presets().object(name).velocity
+        table.settle(
+            "document.querySelector('#force-note').textContent.includes('NAME')".replace("NAME", name.replace("-", " "))
+        )
+        assert "e+" not in table.ask("document.querySelector('#force-note').textContent")
     table.page.get_by_role("radio", name="rubber").click()
     table.page.mouse.click(*table.spot("marimba-bar", 0.5))
     assert keys(table.until("/impact", 5)[-1].message) == {"striker": "rubber"}
