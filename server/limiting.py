@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from ..dsp.runtime.engine import Engine
 
 _MOST_NAMED = 3
+_LEAST_NAMED = 0.01  # of the energy
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,8 @@ class Limiting:
         if not self.spans:
             return ""
         seconds = sum(last - first for first, last in self.spans)
-        named = [f"{name} ({share:.0%})" for name, share in list(self.objects.items())[:_MOST_NAMED]]
+        loudest = list(self.objects.items())[:_MOST_NAMED]
+        named = [f"{name} ({share:.0%})" for name, share in loudest if share >= _LEAST_NAMED]
         culprits = f", mostly {', '.join(named)}" if named else ""
         return (
             f"the limiter turned {seconds:.3g} s down{culprits}, from {self.spans[0][0]:.3f} s on, "
