@@ -13,13 +13,13 @@ SCATTER = study.MEASURED / "scatter.json"
 
 
 def near() -> str:
-    """Return how near ours are, and how near one preset of each kind could be at most: in all, and T60 by family."""
+    """Return how near ours are, and how near one preset of each kind could be at best: in all, and T60 by family."""
     figures = json.loads(SCATTER.read_text(encoding="utf-8"))
     foreseen = [row["foreseen"] for row in figures["decays"].values() if row.get("foreseen")]
     count = sum(each["partials"] for each in foreseen)
     share = sum(each["partials"] * each["within"] for each in foreseen) / count
     said = f"Curves that are best for the recordings known agree with {share:.0f} % of {count} partials held out."
-    head = ("", "asked", "ours", "one preset at most", "ours, held out", "one preset at most, held out")
+    head = ("", "asked", "ours", "one preset at best", "ours, held out", "one preset at best, held out")
     return f"{table(head, _in_all(figures))}\n\n{said}\n\n{table(_HEAD, _families(figures['decays']))}"
 
 
@@ -28,7 +28,7 @@ _HEAD = (
     "partials",
     "within 25 %",
     "recordings to each other",
-    "one curve at most",
+    "one curve at best",
     "ours ring longer (octaves)",
 )
 
