@@ -202,11 +202,12 @@ def test_the_limiters_lowest_gain_is_told_to_each_client_since_it_last_asked(ser
 
 @pytest.mark.slow
 def test_what_the_limiter_did_is_told_once_it_rests(server, client):
-    """The warning says by how many dB, when, and because of which objects."""
+    """The warning says by how many dB, when, and because of which objects: none of less than a hundredth."""
     client.new("loud", "church-bell")
-    client.new("soft", "church-bell", gain=-40)
+    client.new("soft", "church-bell", gain=-14)
+    client.new("faint", "church-bell", gain=-40)
     client.ask("/notify", 1)
-    for name in ("loud", "soft"):
+    for name in ("loud", "soft", "faint"):
         client.impact(name, 5.0, gain=40)
     client.send("/object/*/damp", 1.0)
     (text,) = (text for text in warnings(client, 2.0) if "limiter" in text)
