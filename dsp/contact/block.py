@@ -30,6 +30,7 @@ from ..native.jit import kernel
 from ..native.typed import Items, View
 from .block_forces import find_forces
 from .block_nodes import AT, FORCE_MOMENTS, SHARES, TIMES_OF_ONE, TIMES_OF_THREE, TIMES_OF_TWO
+from .block_parts import LANDS, energy_at
 from .block_records import Block, Net, forces_of, motion_of, rows_of, weigh_all
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
 from .collocation import raised
@@ -41,6 +42,7 @@ _MENDED = 1e-3  # share of the force by which it may be changed for that
 _EDGE = 0.03
 """The same of a roll's force at the sample's end or of its weight: it may land or leave amid a sample of one part."""
 
+_AS_HARD = 2.0  # times the greatest V so far: a body that lands with no more hops on a rough path
 _ROUNDS = 6  # of such changes
 _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
@@ -65,6 +67,7 @@ def begin_block(block: Block, contact: Coupled, place: float, rolls: bool) -> No
     block.edge = _EDGE if rolls and block.parts == 1 else 0.0
     contact.position = contact.motion[0] + place
     block.springs = contact.k / (contact.a + 1.0)
+    block.landing = energy_at(contact, LANDS[block.parts])
     block.stored = _stored(contact, block, contact.motion[0])
     block.leaves = 1 if contact.rest_force == 0.0 else 0
     motion_of(block)[rows_of(block) - 1] = place
@@ -138,6 +141,8 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
             block = blocks[net.block[i]]
             if block.solved == 0 or not math.isfinite(excess) or (block.leaves == 1 and not _pushes(block)):
                 return False
+            if _is_hard(contacts[net.contact[i]].coupled, block):
+                return False
             if excess > 0.0:
                 grows = True
                 if not _mend(contacts[net.contact[i]].coupled, block, excess):
@@ -145,6 +150,18 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
         if not grows:
             return True
     return False
+
+
+@kernel
+def _is_hard(contact: Coupled, block: Block) -> bool:
+    """True if a contact pushes with more energy than its parts of a sample follow: what is thrown up may land far
+    harder than it rests."""
+    most = 0.0
+    for k in range(forces_of(block)):
+        most = max(most, block.force[k])
+    speed = block.v[0] / contact.period
+    energy = block.stored + 0.5 * contact.mass * speed * speed
+    return most > 0.0 and energy > max(block.landing, _AS_HARD * block.scale)
 
 
 @kernel

@@ -39,6 +39,11 @@ that, feel the moments that are left out."""
 STIFFEST_AT_REST = np.array([0.0, 1.6, 2.2, 3.6])
 """The same of a rest, which hardly leaves its stiffness: one part mostly follows it within -55 dB."""
 
+LANDS = np.array([0.0, 0.7, 0.9, 1.5])
+"""rad of the swing at the greatest depth up to which so many parts follow what lands harder than ever, within -50 dB by
+one, and within -60 dB by two; found on bodies that are thrown up, of exponents 1.5 to 2.5."""
+
+_HARDER = 1.2  # swing over that at rest up to which a contact hardly leaves its rest
 _SOFT = 0.3  # rad of such a swing up to which one part of a sample follows a rest within -60 dB
 _DRIFTS = 100.0  # fourth power of a rest's swing in a part over its loss factor, up to which it hardly gets out of step
 _LONG = 0.1  # the same of a blow: it lasts for 40 samples on a wall
@@ -83,6 +88,18 @@ def parts_along(swing: float, loss: float, period: float, least: int, rolls: boo
         if swing < STIFFEST[parts] and loss < LOSSIEST[parts]:
             return parts
     return 0
+
+
+@kernel
+def energy_at(contact: Coupled, swing: float) -> float:
+    """Return the energy (J) that compresses a contact so far that it swings by so much (rad) in a sample, or by a
+    little more than at rest."""
+    if contact.a == 1.0:
+        return math.inf
+    rate = max(swing, _HARDER * swing_of(contact)) / contact.period
+    deepest = (rate * rate * contact.mass / (contact.a * contact.k)) ** (1.0 / (contact.a - 1.0))
+    energy: float = elastic(deepest, contact.k, contact.a)
+    return energy
 
 
 @kernel

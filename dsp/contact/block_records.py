@@ -93,6 +93,7 @@ class Block(Record):
     gained: float  # J: by how much the energy is above the least so far
     scale: float  # J: the greatest V so far
     springs: float  # N/m^a: V = springs x^(a + 1)
+    landing: float  # J: what lands with more, and harder than ever, ends the block
     kept: float  # J: `gained` before the sample
     stored: float  # J: V then
     left: float  # J: V after it

@@ -417,6 +417,34 @@ def test_what_is_laid_on_an_object_that_rings_amid_a_sample(level, kind, others)
     assert apart(*heard) < -100
 
 
+SMOOTH = (1e-9, *SURFACE[1:])
+
+
+def thrown(level, kind, law):
+    """Return how an object moves where a body lies on it that a blow throws up: after each quantum."""
+    engine, states = Engine(RATE), []
+    handle = engine.add(light(), 0.05)
+    laid = gesture(kind, handle, law, 3.25, 7, **{**LAID[kind], "speed": 0.02} if kind == "roll" else LAID[kind])
+    blow = gesture("impact", handle, (0.01, 1e6, 0.3, 1.5), 200.5, 8, velocity=1.0)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level)), laid._replace(surface=SMOOTH), blow])
+    for _ in range(30):
+        engine.process(QUANTUM)
+        _, _, phi, z = modal(engine, handle, 4)
+        states.append(z @ phi)
+    return np.array(states)
+
+
+@pytest.mark.parametrize("kind", LAID)
+@pytest.mark.parametrize(("stiffness", "exponent"), [(1e10, 1.5), (1e11, 1.5), (1e12, 2.0), (1e17, 2.5)])
+def test_what_is_thrown_up_lands_as_hard_as_it_may(kind, stiffness, exponent):
+    """A body lands with up to 3000 times the energy that it rests with: its contact is then up to four times as
+    stiff."""
+    law = (0.02, stiffness, 0.5, exponent)
+    right = thrown("exact", kind, law)
+    for level, bound in (("-50", -50), ("-60", -60)):
+        assert apart(thrown(level, kind, law), right) < bound
+
+
 @pytest.mark.parametrize("level", ["-60", "exact"])
 @pytest.mark.parametrize(
     ("preset", "gesture", "speed", "travel"), [("steel-plate", "slide", 2.0, 0.02), ("tin-lid", "roll", 1.0, 0.01)]
