@@ -34,7 +34,7 @@ from ..output.fade import note_force
 from .block_motion import clear_rows, lay_moving, lay_point, whole_lanes
 from .block_places import bends_under, go_on_lines, put_amid, settle_net
 from .contact_force import observe_points
-from .contact_list import take_place, take_room_again
+from .contact_list import acts, take_place, take_room_again
 from .coupled_rolls import PASSED, passed_by
 from .flights import release_spent
 from .linear_rests import may_be_linear, note_calm, run_linear
@@ -185,7 +185,7 @@ def _join(net: Net, slot: int) -> None:
 def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bool) -> bool:
     """Put those of a list's contacts into a net that act on an object at a frame, and their objects; false if one can't
     be. The net's block stops where others begin to act, also those whose strikers fly till then."""
-    while index >= 0:
+    while acts(state, index):
         contact = state.contacts[index]
         here = contact.point[0].slot == slot or contact.point[1].slot == slot
         waits = contact.start + 1 - state.position

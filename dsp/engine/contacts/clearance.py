@@ -15,6 +15,7 @@ from ..bodies.sheets import is_coupled
 from ..memory.quality import keeps_strikers
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import COUPLING, Object, State
+from .contact_list import KEPT_ASIDE
 from .solver_choice import moved_by
 
 
@@ -87,8 +88,8 @@ def is_beyond(contact: Contact, obj: Object, energy: float, samples: float) -> b
     coupled, point = contact.coupled, contact.point[0]
     if contact.trait.single == 0 or contact.point[1].slot >= 0 or coupled.push > 0.0 or coupled.v > 0.0:
         return False
-    away = coupled.v * samples * coupled.period - coupled.position
-    return away * obj.settings.tune * contact.now.gain > math.sqrt(2.0 * energy * point.compliance)
+    away = (coupled.v * samples * coupled.period - coupled.position) * obj.settings.tune * contact.now.gain
+    return away > 0.0 and away * away > 2.0 * energy * point.compliance
 
 
 @kernel
@@ -131,7 +132,7 @@ def _gives(contact: Contact) -> bool:
 
     One that flies off from a blow gives none: an object that catches up with it pushes it on.
     """
-    if contact.touching == 0 or contact.aside == 2 or contact.trait.lasts == 1:
+    if contact.touching == 0 or contact.aside == KEPT_ASIDE or contact.trait.lasts == 1:
         return False
     coupled = contact.coupled
     leaves = contact.solver == COUPLING and contact.trait.single == 1 and coupled.touching == 0

@@ -7,7 +7,7 @@ solved before (contact_groups.py).
 
 import math
 
-from ...contact.closed_form import advance_pulse, begin_pulse, state_of_pulse
+from ...contact.closed_form import advance_pulse, state_of_pulse
 from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
 from ...contact.sampled import begin_sampled, step_sampled
 from ...native.jit import kernel, noinline_kernel
@@ -42,7 +42,6 @@ def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
     tighten(state, contact)
     if contact.w > 0.0:
         contact.mu = contact.w / max(contact.v_in, _resting_speed(contact))
-    begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
     solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact)
     if solver != COUPLING:
         soften_pulse(state, contact, mass_ratio, seen_mass_ratio)
@@ -276,7 +275,7 @@ def observe_points(state: State, contact: Contact) -> None:
             receptance(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
                 scratch.receptance[n] += scratch.fine[n]
-            if contact.trait.along == 0 and contact.trait.rests == 0:
+            if contact.trait.held == 1 or contact.trait.falls == 1:  # others have no push
                 find_static(state, contact, side, obj, point.modes)
         if obj.live > 0:
             observe(modes, where, scratch.work, scratch.fine)

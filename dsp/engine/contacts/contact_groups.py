@@ -10,7 +10,7 @@ from ..memory.quality import holds_steps
 from ..memory.records import Contact
 from ..memory.state import COUPLING, State
 from .contact_force import drive, find_transfer, gain_of, observe_points
-from .contact_list import share_object
+from .contact_list import acts, share_object
 from .coupled_rolls import lead_roll
 from .solver_choice import choose_tolerance, count_steps, price_of
 
@@ -42,7 +42,7 @@ def _find_candidates(state: State, frame: int) -> int:
     count = 0
     for g in range(scratch.group_size):
         index = state.objects[scratch.group[g]].contact
-        while index >= 0:
+        while acts(state, index):
             contact = state.contacts[index]
             due = state.position + frame - contact.start - contact.fraction > 0.0
             if contact.touching == 1 and contact.solver == COUPLING and frame >= contact.ahead and due:

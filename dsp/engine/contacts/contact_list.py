@@ -12,18 +12,37 @@ from ..memory.commands import Event
 from ..memory.records import Contact
 from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, Object, State
 
+KEPT_ASIDE = 2
+"""`aside` of a contact whose striker has left, and is kept for a while."""
+
 
 @kernel
 def append_contact(state: State, obj: Object, index: int) -> None:
-    """Put a contact at the end of an object's list."""
-    state.contacts[index].next = -1
-    if obj.contact < 0:
+    """Put a contact into an object's list, behind all that act: at its end are those whose strikers have left, and are
+    kept for a while."""
+    before, after = -1, obj.contact
+    while acts(state, after):
+        before, after = after, state.contacts[after].next
+    state.contacts[index].next = after
+    if before < 0:
         obj.contact = index
-        return
-    last = obj.contact
-    while state.contacts[last].next >= 0:
-        last = state.contacts[last].next
-    state.contacts[last].next = index
+    else:
+        state.contacts[before].next = index
+
+
+@kernel
+def acts(state: State, index: int) -> bool:
+    """True if there is a contact at an index of a list, and not only those from there on whose strikers are kept."""
+    return index >= 0 and state.contacts[index].aside != KEPT_ASIDE
+
+
+@kernel
+def take_out(state: State, obj: Object, before: int, index: int) -> None:
+    """Take a contact, which follows `before` (-1: the first), out of its object's list."""
+    if before < 0:
+        obj.contact = state.contacts[index].next
+    else:
+        state.contacts[before].next = state.contacts[index].next
 
 
 @kernel
@@ -146,10 +165,7 @@ def _leave_table(state: State, number: int) -> None:
 def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     """Take a contact, which follows `before` (-1: the first), out of its object's list and free its place."""
     contact = state.contacts[index]
-    if before < 0:
-        obj.contact = contact.next
-    else:
-        state.contacts[before].next = contact.next
+    take_out(state, obj, before, index)
     contact.gesture = 0
     state.last_command[index] = 0
     release_modes(state, contact)

@@ -20,7 +20,16 @@ from ..memory.records import Contact
 from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING, Object, State
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_groups import solve_alone
-from .contact_list import end_contact, release_modes, report_end, schedule_contact
+from .contact_list import (
+    KEPT_ASIDE,
+    acts,
+    append_contact,
+    end_contact,
+    release_modes,
+    report_end,
+    schedule_contact,
+    take_out,
+)
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .rests import begin_rest, keep_resting
 from .rolls import feed_of, feed_on, register_roll
@@ -48,7 +57,8 @@ def update_contacts(state: State, obj: Object) -> None:
         contact = state.contacts[index]
         after = contact.next
         obj.rubbed |= contact.trait.slips
-        _glide(state, contact, obj)
+        if contact.aside != KEPT_ASIDE:
+            _glide(state, contact, obj)
         _look_at_partner(state, contact, obj)
         waits = must_wait(state, index) and not (contact.trait.repeats == 1 and contact.touching == 1)
         ended = _wait_longer(state, contact) if waits else _go_on(state, index)
@@ -116,6 +126,8 @@ def _go_on(state: State, index: int) -> bool:
     if contact.trait.rests == 1:
         return not keep_resting(state, contact)
     contact.ahead = 0
+    if contact.aside == KEPT_ASIDE:
+        return False
     if contact.trait.held == 1 and update_mode_count(state, contact):
         _lift(state, contact, 0)
     elif contact.solver == COUPLING:
@@ -158,10 +170,12 @@ def _push_on(state: State, contact: Contact) -> None:
         release_striker(state, contact, contact.until)
         if contact.trait.held == 1:
             contact.push = 0.0  # a hand is taken away at once
-    slowly = math.exp(-QUANTUM / (_LAID * state.rate))
-    contact.push = contact.push_target + (contact.push - contact.push_target) * slowly
+    if contact.push != contact.push_target:
+        slowly = math.exp(-QUANTUM / (_LAID * state.rate))
+        contact.push = contact.push_target + (contact.push - contact.push_target) * slowly
     contact.coupled.push = contact.push
-    _add_static(state, contact)
+    if contact.push != 0.0:
+        _add_static(state, contact)
 
 
 @kernel
@@ -227,7 +241,7 @@ def next_driven_frame(state: State, obj: Object, frame: int) -> int:
     beginning."""
     found = QUANTUM
     index = obj.contact
-    while index >= 0:
+    while acts(state, index):
         contact = state.contacts[index]
         if contact.solver != ROLLING or (contact.trait.slips == 1 and rubs(contact)):
             found = min(found, max(frame, contact.ahead, contact.start + 1 - state.position))
@@ -263,7 +277,7 @@ def begin_contacts(state: State, obj: Object, frame: int) -> bool:
     began = False
     before = -1
     index = obj.contact
-    while index >= 0:
+    while acts(state, index):
         contact = state.contacts[index]
         after = contact.next
         touched = contact.touching
@@ -299,7 +313,7 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
         _rub_all(state, obj, frame)
     before = -1
     index = obj.contact
-    while index >= 0:
+    while acts(state, index):
         contact = state.contacts[index]
         after = contact.next
         stays = True
@@ -318,10 +332,13 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
             stays = leave(state, contact, frame)
             if not stays:
                 break
-        if stays:
+        if not stays:
+            end_contact(state, obj, before, index)
+        elif acts(state, index):
             before = index
         else:
-            end_contact(state, obj, before, index)
+            take_out(state, obj, before, index)
+            append_contact(state, obj, index)
         index = after
     _take_turns(state, obj)
 
@@ -343,10 +360,6 @@ def _take_turns(state: State, obj: Object) -> None:
     """Take turns among coupled contacts in the same sample, which see each other one after the other: next time another
     is the first."""
     first = obj.contact
-    if first < 0 or state.contacts[first].solver != COUPLING or state.contacts[first].next < 0:
-        return
-    obj.contact = last = state.contacts[first].next
-    while state.contacts[last].next >= 0:
-        last = state.contacts[last].next
-    state.contacts[last].next = first
-    state.contacts[first].next = -1
+    if acts(state, first) and state.contacts[first].solver == COUPLING and acts(state, state.contacts[first].next):
+        take_out(state, obj, -1, first)
+        append_contact(state, obj, first)

@@ -14,7 +14,7 @@ from ..memory.records import Contact
 from ..memory.state import COUPLING, END_RESTED, END_STOPPED, QUANTUM, Object, State
 from .bounces import fly_off
 from .clearance import energy_beside, flight, is_beyond
-from .contact_list import give_room_back, report_end
+from .contact_list import KEPT_ASIDE, acts, append_contact, give_room_back, report_end, take_out
 from .gesture_kernels import come_back
 
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
@@ -111,7 +111,7 @@ def _keep(state: State, contact: Contact, now: float) -> None:
     away = max(_AFAR + coupled.position, 0.0) / max(-coupled.v, _AFAR / _KEPT)
     contact.gone_at = min(contact.gone_at, now + math.floor(away * state.rate) + 1.0)
     give_room_back(state, contact)
-    contact.aside = 2
+    contact.aside = KEPT_ASIDE
     fly_on(coupled, contact.gone_at - now)
     contact.start = int(contact.gone_at) + QUANTUM  # it is forgotten before: see is_gone
     contact.fraction = 0.0
@@ -120,7 +120,7 @@ def _keep(state: State, contact: Contact, now: float) -> None:
 @kernel
 def is_gone(state: State, contact: Contact) -> bool:
     """True if a striker has left that nothing caught up with in the time for which it was kept."""
-    return contact.aside == 2 and state.position >= contact.gone_at
+    return contact.aside == KEPT_ASIDE and state.position >= contact.gone_at
 
 
 @noinline_kernel
@@ -128,21 +128,27 @@ def call_back(state: State, obj: Object, frame: int) -> None:
     """Look sooner at strikers that fly from an object, where another that began to touch may throw it after them."""
     now = float(state.position + frame - 1)
     energy = -1.0
-    index = obj.contact
+    before, index = -1, obj.contact
     while index >= 0:
         contact = state.contacts[index]
+        after = contact.next
         if contact.touching == 1 and contact.solver == COUPLING and contact.aside > 0:
-            if contact.aside == 2 and energy < 0.0:
+            if contact.aside == KEPT_ASIDE and energy < 0.0:
                 energy = energy_beside(state, obj, contact)  # it is the same for all that have left
             if contact.aside == 1 or not is_beyond(contact, obj, energy, contact.gone_at - now):
                 _call_back(state, contact, now)
-        index = contact.next
+        if acts(state, index) and before >= 0 and not acts(state, before):
+            take_out(state, obj, before, index)
+            append_contact(state, obj, index)
+        else:
+            before = index
+        index = after
 
 
 @kernel
 def _call_back(state: State, contact: Contact, now: float) -> None:
     """Advance a striker unseen, from a time in samples on, for no longer than it surely stays apart."""
-    until = contact.gone_at if contact.aside == 2 else float(contact.start)
+    until = contact.gone_at if contact.aside == KEPT_ASIDE else float(contact.start)
     if until <= now:
         return
     fly_on(contact.coupled, now - until)
@@ -150,7 +156,7 @@ def _call_back(state: State, contact: Contact, now: float) -> None:
     fly_on(contact.coupled, samples)
     if now + samples < until:
         contact.start = int(now + samples)
-        contact.gone_at = math.inf if contact.aside == 2 else contact.gone_at
+        contact.gone_at = math.inf if contact.aside == KEPT_ASIDE else contact.gone_at
         contact.aside = 1
 
 

@@ -7,7 +7,7 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 import math
 
 from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
-from ...contact.closed_form import find_nodes, find_power
+from ...contact.closed_form import begin_pulse, find_nodes, find_power
 from ...contact.coupled_step import HELD
 from ...contact.pulse_record import Pulse
 from ...native.jit import kernel
@@ -68,7 +68,8 @@ def count_steps(state: State, contact: Contact, sign: int, price: int) -> None:
 
 @kernel
 def choose_solver(state: State, contact: Contact) -> tuple[int, float, float]:
-    """Return the solver for a contact whose wall pulse has begun, with its sums of r_i and of r_i P_i.
+    """Return the solver for a contact, with its sums of r_i and of r_i P_i; begin its wall pulse, unless nothing asks
+    for that.
 
     r_i = m phi_i^2, and P_i is the wall pulse's power spectrum at mode i over that at 0. The second sum is -1 where it
     was not needed. A contact is never coupled where a sampled method was asked for.
@@ -79,7 +80,10 @@ def choose_solver(state: State, contact: Contact) -> tuple[int, float, float]:
     uncoupled = SAMPLING if sampled else CLOSED
     level = 0 if holds_steps(state) else state.choices.accuracy
     residual: float = RESIDUAL[level]
-    if not sampled and ringing_ratio >= residual:
+    rings = not sampled and ringing_ratio >= residual
+    if not rings or contact.sound >= 0 or contact.trait.single == 0:  # strikers that sound and bounces go by it, too
+        begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
+    if rings:
         return COUPLING, mass_ratio, -1.0
     if mass_ratio < _LIGHT and (sampled or mass_ratio + ringing_ratio < residual):
         return uncoupled, mass_ratio, -1.0
