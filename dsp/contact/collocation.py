@@ -55,6 +55,7 @@ _GRADIENT_STEPS = 200
 _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
 _SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
+_FAR = (_LENGTHEN / WITHIN) ** 4  # times the rest that is left, from which on that much is allowed
 
 
 @kernel
@@ -305,7 +306,7 @@ def step_within(rest: float, wanted: float) -> float:
     WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
     steeply where the contact begins.
     """
-    return better_step(math.sqrt(math.sqrt(wanted / max(rest, LEAST_REST))))
+    return _LENGTHEN if wanted >= _FAR * rest else better_step(math.sqrt(math.sqrt(wanted / max(rest, LEAST_REST))))
 
 
 @kernel

@@ -33,9 +33,10 @@ from .coupled_records import Coupled
 from .power_series import (
     FORCES_THERE,
     LAST_POWER,
-    ON,
-    POWERS,
     TO_END,
+    WHOLE_SAMPLE,
+    put_closing,
+    put_on,
     put_push,
 )
 from .step_record import NODES
@@ -129,12 +130,11 @@ def respond_with(contact: Coupled, receptance: View[float]) -> None:
     """Set how the modes of a receptance (FINE, m/(N s)) respond to the contact: at its beginning, and when they are
     retuned."""
     h = contact.period
+    put_closing(receptance, contact.series)
     for n in range(1, FINE):
-        total = 0.0
-        for k in range(n, FINE):
-            total += POWERS[n, k] * receptance[k]
-        contact.answer[n] = h * total
+        contact.answer[n] = -h * contact.series[n]
     contact.answer[0] = 0.0
+    contact.known = 0
     contact.answer[1] += h * h / contact.m
     contact.mass = h * h / contact.answer[1]
 
@@ -176,19 +176,15 @@ def pass_kinks(contact: Coupled, at: float) -> None:
 def look(contact: Coupled, observed: View[float]) -> None:
     """Find the compression over the sample, if no more force acted; begin the record of its touches."""
     look_at_touches(contact)
-    place = 0.0
-    for k in range(FINE):
-        place += POWERS[0, k] * observed[k]
+    x = contact.motion[0]
+    put_closing(observed, contact.motion)
+    place = -contact.motion[0]
     if contact.touching or contact.wait >= 0.0:
         # A compressed contact goes on without a step, whatever rounding says about the point.
-        contact.position = contact.motion[0] + place
+        contact.position = x + place
     else:
-        contact.motion[0] = min(contact.position - place, 0.0)
-    for n in range(1, FINE):
-        total = 0.0
-        for k in range(n, FINE):
-            total -= POWERS[n, k] * observed[k]
-        contact.motion[n] = total
+        x = min(contact.position - place, 0.0)
+    contact.motion[0] = x
     h = contact.period
     contact.motion[1] += h * contact.v + contact.rise
     contact.motion[2] += 0.5 * h * h * contact.push / contact.m + contact.bend
@@ -257,15 +253,17 @@ def _touch(contact: Coupled, at: float) -> None:
 @kernel
 def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     """Go on by `eta` samples, those of `set_powers`, under the step's force: what becomes of the sample's rest, and the
-    force's part of its moments, those of the powers of 2 t - 1 (see `legendre_moments`)."""
+    force's part of its moments, those of the powers of 2 t - 1 (see `legendre_moments`), or of a whole sample
+    Legendre's."""
     _carry(contact, eta)
+    put_on(contact.moved, contact.series)
     if _pushes(contact):
         _push(contact, eta)
         _give(contact, eta, at, powers)
     back, shorter = 1.0, 1.0 / eta
     for k in range(FINE):
         if contact.power[k] > _LEAST_POWER:
-            contact.motion[k] = contact.free[ON + k] * back
+            contact.motion[k] = contact.series[k] * back
         back *= shorter
 
 
@@ -308,13 +306,13 @@ def _impulse(contact: Coupled, n: int, eta: float, power: float) -> float:
 @kernel
 def _push(contact: Coupled, eta: float) -> None:
     """Apply the force to the point: what becomes of the sample's rest."""
-    f, power, free, pushed = contact.force, contact.power, contact.free, contact.pushed
+    f, power, series, pushed = contact.force, contact.power, contact.series, contact.pushed
     for n in range(FINE):
         contact.impulse[n] = _impulse(contact, n, eta, power[n])
         contact.given[n] = contact.answer[n] * power[n]
     put_push(contact.given, pushed)
     for k in range(FINE):
-        free[ON + k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
+        series[k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
 
 
 @kernel
@@ -325,4 +323,9 @@ def _give(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     contact.v -= h * contact.impulse[0] / contact.m
     contact.touches[contact.touched - 1].impulse += h * contact.impulse[0]
     time = eta * h
-    add_powers(powers, FORCES_THERE, (time * f[0], time * f[1], time * f[2]), (2.0 * at - 1.0, 2.0 * eta), FINE)
+    if eta == 1.0:
+        for k in range(NODES):
+            w = WHOLE_SAMPLE[k]
+            powers[k] = time * (w[0] * f[0] + w[1] * f[1] + w[2] * f[2])
+    else:
+        add_powers(powers, FORCES_THERE, (time * f[0], time * f[1], time * f[2]), (2.0 * at - 1.0, 2.0 * eta), FINE)

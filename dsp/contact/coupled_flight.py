@@ -18,11 +18,11 @@ _LEAST_SPEED = 1e-300  # m/s: keeps a quotient finite
 @kernel
 def fly(motion: View[float], left: float) -> tuple[float, bool]:
     """Return the samples until x comes up to 0, at most `left`, and whether it does."""
-    highest, power = motion[0], left
-    for n in range(1, FINE):
-        highest += max(motion[n], 0.0) * power
+    fastest, power = motion[1], left  # (x - x0)/t at most
+    for n in range(2, FINE):
+        fastest += max(motion[n], 0.0) * power
         power *= left
-    if highest < 0.0:
+    if motion[0] <= 0.0 and (fastest < 0.0 or motion[0] + fastest * left < 0.0):
         return left, False
     high = low = 0.0
     meets = False

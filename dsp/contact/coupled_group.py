@@ -20,7 +20,7 @@ from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_records import Coupled, CoupledGroup, Member
 from .coupled_step import FINEST, HELD, LEAST, give_of, hold, set_powers
-from .power_series import BINOMIAL, POWERS, legendre_moments, value_at
+from .power_series import BINOMIAL, legendre_moments, put_closing, value_at
 from .touches import begin_touch
 
 _STRETCHED = 1.1  # times the step to try: so long may one be that comes to the sample's end, rather than leave a sliver
@@ -35,11 +35,9 @@ def answer_with(group: CoupledGroup, i: int, j: int, receptance: View[float], pe
     """Set how the point of contact i answers the force of contact j, by a receptance (FINE, m/(N s)) times a gain."""
     answer = group.answer[i, j]
     answer[0] = 0.0
+    put_closing(receptance, group.path)
     for n in range(1, FINE):
-        total = 0.0
-        for k in range(n, FINE):
-            total += POWERS[n, k] * receptance[k]
-        answer[n] = gain * period * total
+        answer[n] = -gain * period * group.path[n]
 
 
 @kernel
@@ -57,7 +55,7 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
             group.moments[i, k] = 0.0
             group.answer[i, i, k] = contact.answer[k]
     _lift_others(contacts, group)
-    at, widened = 0.0, 1.0
+    at, widened, eta = 0.0, 1.0, 0.0
     for count in range(MOST_STEPS + 1):
         left = 1.0 - at
         if left <= 0.0:
@@ -77,7 +75,8 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
     _widen(contacts, group, 1.0 / widened)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
-        legendre_moments(group.moments[i])
+        if eta < 1.0:
+            legendre_moments(group.moments[i])
         group.moments[i, 0] -= contact.rest_force * contact.period
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ..native.jit import kernel, noinline_kernel
-from ..native.typed import Items
+from ..native.typed import Items, View
 from ..numerics.legendre import FINE
 from .collocation import (
     CARDINAL,
@@ -42,8 +42,8 @@ from .coupled_step import (
     work_against,
     work_of,
 )
-from .power_series import END, put_give
-from .step_record import NODES
+from .power_series import END, put_free, put_give
+from .step_record import GIVE_COUNT, NODES
 
 NOTHING, MEETS, LEAVES = 0, 1, 2
 """The events that end a step for a contact."""
@@ -127,11 +127,25 @@ def _set_given(contacts: Items[Member], group: CoupledGroup, eta: float) -> None
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
         set_powers(contact, eta)
+        put_free(contact.moved, contact.free)
         for b in range(group.touching):
             j = group.touches[b]
-            for n in range(FINE):
-                group.given[n] = group.answer[i, j, n] * contact.power[n]
-            put_give(group.given, group.give[i, j])
+            if i == j and eta == 1.0:
+                _take_whole(contact, group.give[i, i])
+            else:
+                for n in range(FINE):
+                    group.given[n] = group.answer[i, j, n] * contact.power[n]
+                put_give(group.given, group.give[i, j])
+
+
+@kernel
+def _take_whole(contact: Coupled, give: View[float]) -> None:
+    """Take the products of a point's answer to its own contact over a whole sample, which stay as long as it does."""
+    if contact.known == 0:
+        put_give(contact.answer, contact.whole)
+        contact.known = 1
+    for n in range(GIVE_COUNT):
+        give[n] = contact.whole[n]
 
 
 @kernel

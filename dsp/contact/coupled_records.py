@@ -4,7 +4,7 @@ from typing import Annotated, Protocol
 
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
-from .step_record import FREE_COUNT, GIVE_COUNT, NODES, PUSH_COUNT, Step
+from .step_record import FREE_COUNT, GIVE_COUNT, NODES, PUSH_COUNT, SERIES_COUNT, Step
 
 TOUCHES = 16
 """Touches in a sample that are told apart; those beyond count with the last of them."""
@@ -32,11 +32,14 @@ class Coupled(Record):
 
     step: Step
     force: Annotated[View[float], NODES]  # N, at GAUSS of the step
-    motion: Annotated[View[float], FINE]  # m: the compression without a force, from now to the sample's end
+    motion: Annotated[View[float], SERIES_COUNT]  # m: the compression without a force, from now to the sample's end
     answer: Annotated[View[float], FINE]  # m/(N sample): g times a sample's length
+    whole: Annotated[View[float], GIVE_COUNT]  # its products over a step of a whole sample,
+    known: int  # 1: where they are known
     power: Annotated[View[float], FINE]  # of the step's length
     moved: Annotated[View[float], FINE]  # m: motion[n] times power[n]
     free: Annotated[View[float], FREE_COUNT]  # its products over the step (power_series.py)
+    series: Annotated[View[float], SERIES_COUNT]  # m: of the motion from the step's end on
     given: Annotated[View[float], FINE]  # m/(N sample): answer[n] times power[n]
     pushed: Annotated[View[float], PUSH_COUNT]  # its products
     impulse: Annotated[View[float], FINE]  # N samples^(n+1): int (eta - s)^n f ds over the step
@@ -112,7 +115,7 @@ class CoupledGroup(Record):
     gained: Annotated[View[float], GROUP]  # J: energy of each contact
     sought: Annotated[View[int], GROUP]  # 1: the step's end is to be where this contact begins or ends
     event: Annotated[View[int], GROUP]
-    path: Annotated[View[float], FINE]  # m: of one striker that flies
+    path: Annotated[View[float], SERIES_COUNT]  # m: of one striker that flies
 
 
 COUPLED_GROUP = dtype_of(CoupledGroup)

@@ -7,7 +7,7 @@ from ..native.typed import View
 from ..numerics.legendre import FINE
 from .collocation import INTEGRAL, discrete_gradient, elastic, end_of, law, solve, step_within
 from .coupled_records import Coupled
-from .power_series import END, MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, put_free, value_at
+from .power_series import END, MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, value_at
 from .step_record import NODES, Step
 
 HELD = math.inf
@@ -40,12 +40,13 @@ def collocate(contact: Coupled, give: View[float], eta: float) -> tuple[bool, fl
 @kernel
 def set_powers(contact: Coupled, eta: float) -> None:
     """Scale the motion of a contact to times of a step of `eta` samples."""
-    power = 1.0
+    even, odd, square = 1.0, eta, eta * eta
+    for n in range(0, FINE, 2):
+        contact.power[n], contact.power[n + 1] = even, odd
+        even *= square
+        odd *= square
     for n in range(FINE):
-        contact.power[n] = power
-        contact.moved[n] = contact.motion[n] * power
-        power *= eta
-    put_free(contact.moved, contact.free)
+        contact.moved[n] = contact.motion[n] * contact.power[n]
 
 
 @kernel

@@ -12,9 +12,9 @@ from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
-from ..numerics.sums import AT_ONCE, add_tables
-from .collocation import CARDINAL, GAUSS, INTEGRAL
-from .step_record import FREE_COUNT, GIVE_COUNT, NODES, PUSH_COUNT
+from ..numerics.sums import AT_ONCE, put_few
+from .collocation import CARDINAL, GAUSS, INTEGRAL, WEIGHTS
+from .step_record import FREE_COUNT, GIVE_COUNT, NODES, PUSH_COUNT, SERIES_COUNT
 
 _nodes, _weights = legendre.leggauss(FINE // 2 + 1)
 QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
@@ -23,6 +23,9 @@ QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
 _AT_THEM = np.vander(QUADRATURE, NODES, increasing=True) @ CARDINAL
 FORCES_THERE = np.concatenate([*(QUADRATURE_WEIGHTS[:, None] * _AT_THEM).T, QUADRATURE])
 """The weights times the quadratic that is 1 at a node of the step and 0 at the others, for each; then QUADRATURE."""
+
+WHOLE_SAMPLE = legendre.legvander(2.0 * GAUSS - 1.0, NODES - 1).T * WEIGHTS
+"""[k, j]: Legendre moments over the sample of a quadratic over all of it, by its values at GAUSS; others are 0."""
 
 BINOMIAL = np.array([[math.comb(n, k) for k in range(FINE)] for n in range(FINE)], np.float64)
 
@@ -86,7 +89,7 @@ def _derived(table: Array) -> Array:
 
 
 def _by_lines(count: int, *tables: Array) -> Array:
-    """Return tables, a row for each n, as `add_tables` reads them: `count` columns, of which the last ones are 0."""
+    """Return tables, a row for each n, as `put_few` reads them: `count` columns, of which the last ones are 0."""
     columns = np.concatenate(tables, axis=1)
     lines = np.pad(columns, ((0, 0), (0, count - columns.shape[1]))).reshape(FINE, count // AT_ONCE, AT_ONCE)
     return np.ascontiguousarray(lines.transpose(1, 0, 2)).ravel()
@@ -94,11 +97,13 @@ def _by_lines(count: int, *tables: Array) -> Array:
 
 _WORK = np.array([CARDINAL.T @ (n / np.maximum(n + np.arange(NODES), 1)) for n in range(FINE)])
 _FREE = _by_lines(
-    FREE_COUNT, GAUSS ** _N[:, None], _N[:, None] * GAUSS ** _LESS[:, None], np.stack([_N**0, _N], 1), _WORK, BINOMIAL
+    FREE_COUNT, GAUSS ** _N[:, None], _N[:, None] * GAUSS ** _LESS[:, None], np.stack([_N**0, _N], 1), _WORK
 )
-NODE_RATES, END, WORK, ON = NODES, 2 * NODES, 2 * NODES + 2, 3 * NODES + 2
+NODE_RATES, END, WORK = NODES, 2 * NODES, 2 * NODES + 2
 """Places of a motion's products, by t^n: behind its values at the nodes of a unit step their rates, value and rate at
-its end, the work int_0^1 l_j(t) n t^(n-1) dt of a force along it, and its power series from the end on."""
+its end, and the work int_0^1 l_j(t) n t^(n-1) dt of a force along it."""
+
+_ON, _CLOSING = _by_lines(SERIES_COUNT, BINOMIAL), _by_lines(SERIES_COUNT, -POWERS.T)
 
 _GIVE = _by_lines(GIVE_COUNT, _derived(_TO_NODE), TO_END, _derived(TO_END), _derived(_DOUBLE), _MISSED)
 TO_ENDS, TAKEN, MISSED = NODES * NODES, NODES * NODES + 2 * NODES, 2 * NODES * NODES + 2 * NODES
@@ -123,6 +128,19 @@ def put_free(series: View[float], products: View[float]) -> None:
 
 
 @kernel
+def put_on(series: View[float], on: View[float]) -> None:
+    """Set the power series (SERIES_COUNT) of a motion from the end of a unit step on, by that from its beginning on."""
+    _put(series, _ON, SERIES_COUNT, on)
+
+
+@kernel
+def put_closing(coefficients: View[float], series: View[float]) -> None:
+    """Set the power series (SERIES_COUNT) by which a compression grows while the point moves as the sample's Legendre
+    polynomials with such coefficients say: the negative of theirs."""
+    _put(coefficients, _CLOSING, SERIES_COUNT, series)
+
+
+@kernel
 def put_give(series: View[float], products: View[float]) -> None:
     """Set the products of an answer (GIVE_COUNT), by its power series."""
     _put(series, _GIVE, GIVE_COUNT, products)
@@ -141,9 +159,7 @@ def _put(series: View[float], tables: View[float], count: int, products: View[fl
         series[0], series[1], series[2], series[3], series[4], series[5], series[6],
         series[7], series[8], series[9], series[10], series[11], series[12], series[13],
     )  # fmt: skip
-    for i in range(count):
-        products[i] = 0.0
-    add_tables(products, 0, tables, 0, factors, count)
+    put_few(products, tables, factors, count)
 
 
 @kernel

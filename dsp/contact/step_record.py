@@ -4,20 +4,21 @@ from typing import Annotated
 
 from ..native.typed import Record, View, View2D, dtype_of
 from ..numerics.legendre import FINE
-from ..numerics.sums import BEYOND
+from ..numerics.sums import AT_ONCE
 
 NODES = 3
 """Gauss nodes of a step."""
 
 
 def _in_lines(columns: int) -> int:
-    """Return the number of columns, or so many more that `add_tables` adds whole lines of them."""
-    return -(-columns // BEYOND) * BEYOND
+    """Return the number of columns, or so many more that `put_few` sets whole lines of them."""
+    return -(-columns // AT_ONCE) * AT_ONCE
 
 
-FREE_COUNT, GIVE_COUNT = _in_lines(3 * NODES + 2 + FINE), _in_lines(2 * NODES * NODES + 3 * NODES)
-PUSH_COUNT = _in_lines(NODES * FINE)
-"""Products of a motion, of an answer, and of the forces with an answer (`power_series.py`)."""
+FREE_COUNT, GIVE_COUNT = _in_lines(3 * NODES + 2), _in_lines(2 * NODES * NODES + 3 * NODES)
+SERIES_COUNT, PUSH_COUNT = _in_lines(FINE), _in_lines(NODES * FINE)
+"""Products of a motion and of an answer; a power series, and what forces with an answer take off it
+(`power_series.py`)."""
 
 
 class Step(Record):

@@ -63,6 +63,31 @@ def add_few(
     return _add_tables((sums, types.intp, tables, types.intp, factors, types.intp), 1)
 
 
+@intrinsic
+def put_few(
+    typingctx: object, sums: View[float], tables: View[float], factors: tuple[float, ...], count: int
+) -> Lowered[None]:  # fmt: skip
+    """Set sums[i] = sum_k factors[k] table_k[i] for each i below `count`, and for less than AT_ONCE more; tables as
+    those of `add_few`. Every second table adds to a sum of its own, so that half as many products wait for others."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        sums, tables, factors, count = args
+        whole, zero = ir.IntType(64), ir.Constant(ir.VectorType(ir.DoubleType(), AT_ONCE), None)
+        spread = [_spread(builder, factor) for factor in cgutils.unpack_tuple(builder, factors)]
+        with cgutils.for_range_slice(builder, whole(0), count, whole(AT_ONCE)) as (i, _):
+            first, halves = builder.mul(i, whole(len(spread))), [zero, zero]
+            for k, factor in enumerate(spread):
+                at = builder.add(first, whole(k * AT_ONCE))
+                values = builder.load(_pointer(context, builder, signature.args[1], tables, at), align=8)
+                product = builder.fmul(factor, values, flags=_REASSOCIATE)
+                halves[k % 2] = builder.fadd(halves[k % 2], product, flags=_CONTRACT)
+            place = _pointer(context, builder, signature.args[0], sums, i)
+            builder.store(builder.fadd(*halves, flags=_CONTRACT), place, align=8)
+        return context.get_dummy_value()
+
+    return types.void(sums, tables, factors, types.intp), codegen
+
+
 def _add_tables(arguments: tuple[Any, ...], lines: int) -> Lowered[None]:
     """Return the signature and code of `add_tables` for so many lines at a time."""
 

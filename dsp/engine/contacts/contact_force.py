@@ -12,8 +12,8 @@ from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_
 from ...contact.sampled import begin_sampled, step_sampled
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
-from ...numerics.legendre import FINE, MOMENTS, add_held
-from ...resonator.bank import inject, inject_fine, observe, receptance, transfer_receptance
+from ...numerics.legendre import FINE, KEPT, MOMENTS, add_held
+from ...resonator.bank import inject, inject_fine, inject_kept, observe, receptance, transfer_receptance
 from ...rolling.body import share_of
 from ..bodies.glide import tighten
 from ..bodies.objects import frequency_of, highest_of, modes_of, point_of, relief_of, sigma_of
@@ -233,19 +233,25 @@ def _drive(state: State, contact: Contact, point: ContactPoint) -> None:
         first = state.scratch.fine[0] if contact.solver == COUPLING else state.scratch.moments[0]
         push_sensed(state, obj, where, point.modes, first)
     if contact.solver == COUPLING:
-        if _is_any(state.scratch.fine):
+        count = _moments_of(state.scratch.fine)
+        if count > KEPT:
             inject_fine(modes, where, state.scratch.fine)
+        elif count > 0:
+            inject_kept(modes, where, state.scratch.fine)
     else:
         inject(modes, where, state.scratch.moments)
 
 
 @kernel
-def _is_any(moments: View[float]) -> bool:
-    """True if there is a force: a striker that flies has none."""
-    total = 0.0
-    for n in range(FINE):
-        total += abs(moments[n])
-    return total != 0.0
+def _moments_of(moments: View[float]) -> int:
+    """Return how many moments of a force say all of it, FINE or KEPT: one that is a quadratic over the sample has no
+    more, and a striker that flies none."""
+    kept = beyond = False
+    for n in range(KEPT):
+        kept |= moments[n] != 0.0
+    for n in range(KEPT, FINE):
+        beyond |= moments[n] != 0.0
+    return FINE if beyond else KEPT if kept else 0
 
 
 @kernel
@@ -279,8 +285,9 @@ def observe_points(state: State, contact: Contact) -> None:
                 find_static(state, contact, side, obj, point.modes)
         if obj.live > 0:
             observe(modes, where, scratch.work, scratch.fine)
+            scale = 1.0 / contact.now.gain
             for n in range(FINE):
-                scratch.observed[n] += scratch.fine[n] / contact.now.gain
+                scratch.observed[n] += scale * scratch.fine[n]
     if contact.unsettled == 1:
         respond_with(contact.coupled, scratch.receptance)
         contact.unsettled = 0

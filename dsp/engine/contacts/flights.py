@@ -178,8 +178,8 @@ def release_spent(state: State, contact: Contact, now: float) -> None:
     if contact.trait.falls == 1:
         rests |= captured(compression, v, m, contact.k, contact.a, contact.push)
     elif contact.trait.held == 0:
-        energy = 0.5 * m * v * v + elastic(compression, contact.k, contact.a)
-        rests |= energy < _SPENT * 0.5 * m * contact.v_in * contact.v_in
+        left = 0.5 * m * (_SPENT * contact.v_in * contact.v_in - v * v)
+        rests |= left > 0.0 and elastic(compression, contact.k, contact.a) < left
     if rests:
         release_striker(state, contact, now)  # gently: nobody hears it go
 

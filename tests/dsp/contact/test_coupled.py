@@ -13,9 +13,11 @@ from carom.dsp.contact.coupled import ContactLaw
 from carom.dsp.contact.coupled_group import MOST_STEPS
 from carom.dsp.contact.coupled_records import COUPLED_GROUP
 from carom.dsp.contact.coupled_step import HELD
+from carom.dsp.contact.power_series import FORCES_THERE, WHOLE_SAMPLE, legendre_moments
 from carom.dsp.contact.pulse import contact_time
 from carom.dsp.lab import coupled_sampled
 from carom.dsp.lab.coupled import MEMBER, Case, error, extreme_case, random_cases, simulate, step_alone
+from carom.dsp.numerics.sums import add_powers
 from carom.dsp.resonator import bank, coefficients
 from tests import accuracy
 from tests.dsp.contact import pressed
@@ -254,6 +256,19 @@ def test_a_blow_is_solved_in_a_step_a_sample_and_its_striker_soon_let_go():
     assert contacts == 1 and steps <= 6 and looked <= 8
     modes, law = blow_of_six_samples()
     assert v == pytest.approx(left(modes, law, 1e-7, True)[3], rel=1e-3)
+
+
+def test_a_force_over_a_whole_sample_has_three_moments():
+    """A quadratic over the sample has no others: quadrature by powers says the same."""
+    from numba import njit
+
+    forces = np.array([0.3, -1.7, 0.9])
+    by_powers = njit(lambda powers, f0, f1, f2: add_powers(powers, FORCES_THERE, (f0, f1, f2), (-1.0, 2.0), bank.FINE))
+    moments = np.zeros(bank.FINE)
+    by_powers(moments, *forces)
+    legendre_moments(moments)
+    np.testing.assert_allclose(moments[:3], WHOLE_SAMPLE @ forces, atol=1e-15)
+    assert np.abs(moments[3:]).max() < 1e-13
 
 
 @pytest.mark.parametrize("seed", range(6))

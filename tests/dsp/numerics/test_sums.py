@@ -12,6 +12,7 @@ from carom.dsp.numerics.sums import (
     add_tables,
     line_of,
     put_convolved,
+    put_few,
 )
 
 pytestmark = pytest.mark.slow  # numba compiles the loops around the intrinsics
@@ -43,6 +44,17 @@ def test_tables_are_added_as_numpy_does(adding, beyond):
         expected[3 : 3 + count] += (0.5 * tables[:, 0] - 2.0 * tables[:, 1]).ravel()[:count]
         add(sums, 3, room, 0.5, -2.0, count)
         np.testing.assert_allclose(sums[: 3 + count], expected[: 3 + count], atol=1e-15)
+
+
+def test_sums_are_put_where_others_lay():
+    from numba import njit
+
+    put = njit(lambda sums, tables, a, b, c, count: put_few(sums, tables, (a, b, c), count))
+    tables, sums = np.random.default_rng(1).normal(size=(2, 3, AT_ONCE)), np.full(2 * AT_ONCE + 1, np.inf)
+    put(sums, tables.ravel(), 0.5, -2.0, 3.0, AT_ONCE + 1)
+    expected = 0.5 * tables[:, 0] - 2.0 * tables[:, 1] + 3.0 * tables[:, 2]
+    np.testing.assert_allclose(sums[:-1], expected.ravel(), atol=1e-14)
+    assert sums[-1] == np.inf
 
 
 def test_samples_are_felt_together_as_one_by_one():

@@ -161,3 +161,9 @@ def test_strikers_that_fly_clear_of_dense_blows_are_not_looked_at():
     contacts = engine.state["contacts"][0]
     flying = contacts["coupled"]["contacts"] > 0
     assert (contacts["aside"][flying] == 2).sum() > 2 * (contacts["aside"][flying] == 1).sum() > 0
+    objects = engine.state["objects"][0]
+    (index,), left = objects["contact"][objects["used"] == 1], []
+    while index >= 0:
+        left.append(contacts["aside"][index] == 2)
+        index = contacts["next"][index]
+    assert left == sorted(left) and len(left) == engine.stats.contacts_active  # samples look at none from the first on
