@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from .dsp.engine.memory.commands import Command, Kind
 from .server.bridge.checks import WorldError
 from .server.bridge.hearing import Listener, Microphone
+from .server.bridge.rows import rotation
 from .server.bridge.simulation import Simulation
-from .server.bridge.step import rotation
 from .server.bridge.turns import quaternion_of
 from .server.osc.wire import Message
 from .server.scene.placing import pose_values, turn_of
@@ -63,7 +63,7 @@ class Listening:
     def _ridden(self, over: float) -> Iterator[Told]:
         listener = self._listener
         place, turn = ridden(self._simulation, listener.on, listener.position)
-        own = np.reshape(rotation(turn_of(listener.yaw, listener.pitch, listener.roll)), (3, 3))
+        own = np.reshape(rotation.py_func(*turn_of(listener.yaw, listener.pitch, listener.roll)), (3, 3))
         pose = np.concatenate([place, quaternion_of(turn @ own)])
         if not np.abs(pose - self._pose).max() <= _STILL:
             over = over if np.isfinite(self._pose[0]) else 0.0

@@ -172,10 +172,6 @@ class World(Grained, Closing):
         return self._scene.channels if self._scene else self.simulation.channels
 
     @property
-    def _start(self) -> float:
-        return float(self.simulation.start[0])
-
-    @property
     def bodies(self) -> tuple[str, ...]:
         """The names of the bodies; their places are their numbers."""
         return tuple(body.name for body in self.simulation.bodies)
@@ -304,10 +300,10 @@ class World(Grained, Closing):
         moved; others are where they were. The sound: float32 (frames, channels), Pa; empty of a World with a client.
         WorldError names what cannot be; the step has then changed nothing.
         """
-        if self._scene and isinstance(time, float | Real) and time - self.time > _LONGEST and math.isfinite(time):
+        before = self.simulation.time
+        if self._scene and isinstance(time, float | Real) and before + _LONGEST < time < math.inf:
             where = f"step {self.simulation.steps + 1}"
-            raise WorldError(f"{where}: time = {time}: expected at most {_LONGEST} s after {self.time}")
-        before = self.time
+            raise WorldError(f"{where}: time = {time}: expected at most {_LONGEST} s after {before}")
         self._ride()
         told = self.simulation.step(time, contacts, poses)
         self._move(before)
@@ -328,7 +324,7 @@ class World(Grained, Closing):
             self._send([Said(before, message) for message, _, _ in told])
             return
         performer = self._scene._open
-        sample = max(before - self._start + self.latency, self._scene.time) * self.rate
+        sample = max(before - self.simulation.began + self.latency, self._scene.time) * self.rate
         commands = []
         for _, command, name in told:
             handle = performer.scene.objects[name].handle if name else None
@@ -395,7 +391,7 @@ class World(Grained, Closing):
         require_number("time", time, -math.inf, math.inf, "a finite number")
         self._scene.panic()
         self._process(_FADED + -self._frames % QUANTUM)
-        self.simulation.start[0] = time - self._frames / self.rate
+        self.simulation.begin(time - self._frames / self.rate)
         self.simulation.restart(time)
 
     @property
@@ -451,7 +447,7 @@ class World(Grained, Closing):
             self._play(ordered)
             return
         now = self._scene.time
-        timed = [(max(request.time - self._start + self.latency, now), request) for request in ordered]
+        timed = [(max(request.time - self.simulation.began + self.latency, now), request) for request in ordered]
         self._keep(timed)
         if not self._contacts:
             performer = self._scene._open
@@ -471,7 +467,7 @@ class World(Grained, Closing):
             now = clock.time()
             if not abs(self._origin + time + _AHEAD - now) < _DRIFT + _AHEAD:  # at first, too
                 self._origin = now - time
-            self._keep([(max(time - self._start, 0.0), request) for request in together])
+            self._keep([(max(time - self.simulation.began, 0.0), request) for request in together])
             self._client._send([request.message for request in together], self._origin + time + _AHEAD)
 
     def _keep(self, timed: list[tuple[float, Request]]) -> None:
@@ -482,7 +478,7 @@ class World(Grained, Closing):
         """Return the sound up to a time."""
         if self._scene is None:
             return np.empty((0, self.channels), np.float32)
-        return self._process(round((time - self._start) * self.rate) - self._frames, batch)
+        return self._process(round((time - self.simulation.began) * self.rate) - self._frames, batch)
 
     def _process(self, frames: int, batch: Batch | None = None) -> Blocks:
         """Return the next frames of the sound."""

@@ -248,8 +248,8 @@ class Engine:
     def process(self, frames: int) -> NDArray[np.float32]:
         """Return the next `frames` frames, float32 (frames, width). A limiter begins with `delay` frames of silence,
         which offline callers drop."""
-        out = np.empty((frames, self.width), np.float32)
-        callback(None, address_of(out), frames, _NO_TIMES_AT, 0, self._pointer)
+        out = np.empty((frames, self._channels + self._sensors), np.float32)
+        callback.compute(None, address_of(out), frames, _NO_TIMES_AT, 0, self._pointer)
         return out
 
     def quiet(self) -> bool:

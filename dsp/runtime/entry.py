@@ -15,7 +15,7 @@ MODULE = f"{__package__}.callback"
 
 
 class _Callback:
-    """The callback: called, it computes a block."""
+    """The callback, which computes a block."""
 
     @property
     def code(self) -> Code:
@@ -27,11 +27,9 @@ class _Callback:
         return self.code.addresses["callback"]
 
     @cached_property
-    def _bare(self) -> Callable[..., Any]:
+    def compute(self) -> Callable[..., Any]:
+        """The callback as ctypes has it, without the GIL."""
         return ctypes.CFUNCTYPE(*SIGNATURE)(self.address)
-
-    def __call__(self, *args: Any) -> Any:
-        return self._bare(*args)
 
 
 callback = _Callback()

@@ -21,11 +21,12 @@ from .grains import Grains
 from .hearing import Hearing, begin_hearing
 from .pairs import SOFT, Pair, Surfaces, law_of, pair_of
 from .requests import Gains, Lying, Request, Said, Slide, Steering
-from .step import Contacts, Event, Pose, Poses, checked_pose, checked_poses, events_of, put_pose, take_contacts
+from .step import Contacts, Event, Layer, Pose, Poses, checked_pose, checked_poses, events_of, put_pose, take_contacts
 from .telling import (
     LOOK,
     NO_ROOM,
     NOT_LATER,
+    NOT_TAKEN,
     OBJECTS,
     SURFACES,
     TELLING,
@@ -67,6 +68,7 @@ class Simulation:
         self.hearing = hearing or Hearing()
         self._settle = 0.0
         self.state = new_state(rest, gravity)
+        self.start = np.array([start])
         self.state["time"] = start
         self._microphones = begin_hearing(self.hearing, self.state)
         self._presets = presets
@@ -83,28 +85,30 @@ class Simulation:
         self.grains = Grains(presets, self.state, self.bodies, seed_of(self.hearing.seed))
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
-        self._now, self._steps = self.state["time"], self.state["steps"]
+        at = self.state["time"].ctypes.data, self.start.ctypes.data
+        self._now, self._began = c_double.from_address(at[0]), c_double.from_address(at[1])
+        self._steps = self.state["steps"]
         self._blows = self.state["blows"][0].view((np.void, BLOW.itemsize))
         self._order = self.state["order"][0]
         self.struck: NDArray[np.int64] = self.state["struck"]
         """(1,): how many blows the last step told."""
-        self.start = np.array([start])
-        """s: the simulation's time at the beginning of its sound."""
         self._telling = np.zeros(1, TELLING)
         self._objects = np.zeros(1, OBJECTS)
         self._templates = np.zeros(SURFACES, TEMPLATES)
         heard = {"state": self.state, "microphones": self._microphones}
         begin_telling(self._telling, **heard, objects=self._objects, templates=self._templates)
-        self._step_time, self._step_points = np.zeros(1), np.zeros(1, np.int32)
-        self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
+        self._layer = Layer()
+        self._own = self.telling(0, *self._layer.addresses)
         self._own_at = self._own.ctypes.data
 
-    def telling(self, arrays: int, time: int, points: int, behind: int = 0) -> NDArray[np.void]:
+    def telling(self, arrays: int, time: int, points: int, behind: int = 0, rows: int = 0) -> NDArray[np.void]:
         """Return a record of TELLING, by which steps are told that are at addresses: of a record of ARRAYS, 0 for the
-        columns of `state`; of the time (s), a float64; of the number of contacts, an int32; of how far these lie before
-        the time (s), a float64, 0 if they do not. It is kept as long as this is."""
+        columns of `state` or rows; of the time (s), a float64; of the number of contacts, an int32; of how far these
+        lie before the time (s), a float64, 0 if they do not; of a record of ROWS, 0 for none. It is kept as long as
+        this is."""
         made = self._telling.copy()
         made["arrays"], made["time"], made["points"], made["behind"] = arrays, time, points, behind
+        made["rows"] = rows
         return made
 
     def link(self, engine: NDArray[np.void], latency: float) -> None:
@@ -127,7 +131,12 @@ class Simulation:
     @property
     def time(self) -> float:
         """s: of the last step."""
-        return float(self._now[0])
+        return self._now.value
+
+    @property
+    def began(self) -> float:
+        """s: the simulation's time at the beginning of its sound."""
+        return self._began.value
 
     @property
     def steps(self) -> int:
@@ -285,7 +294,7 @@ class Simulation:
 
     def begin(self, time: float) -> None:
         """Begin its sound at a time (s), before anything was told."""
-        self.start[0] = time
+        self._began.value = time
         self.wait(time)
 
     def settle(self, seconds: float) -> None:
@@ -296,10 +305,19 @@ class Simulation:
 
     def wait(self, time: float) -> None:
         """Pass the time up to another (s), in which nothing is told."""
-        self._now[0] = time
+        self._now.value = time
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Request]:
         """Take a step's contacts and poses; what is to be heard of what happened since the step before."""
+        comes = isinstance(time, float) and self.time < time < math.inf
+        if comes and self._layer.lay(time, contacts, poses, self._numbers):
+            found = self._tell(self._own_at)
+            if found != NOT_TAKEN:
+                return self.told(self._own, found)
+        return self._step_with_care(time, contacts, poses)
+
+    def _step_with_care(self, time: float, contacts: Contacts, poses: Poses | None) -> list[Request]:
+        """Take a step of contacts and poses in any form; raise WorldError, which says what of them cannot be."""
         where = f"step {self.steps + 1}"
 
         def number(name: str) -> int:
@@ -324,7 +342,7 @@ class Simulation:
 
     def advance(self, time: float, points: int) -> list[Request]:
         """Take a step, as `step` does, where poses and so many contacts are in `state` already."""
-        self._step_time[0], self._step_points[0] = time, points
+        self._layer.tell(time, points)
         return self.told(self._own, self._tell(self._own_at))
 
     def told(self, telling: NDArray[np.void], found: int) -> list[Request]:

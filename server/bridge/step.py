@@ -1,6 +1,7 @@
 """A step of a simulation: contacts and poses, in the ways in which simulators have them, into the tracker's memory."""
 
 import math
+import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...dsp.arguments import explain_all_arguments
 from ...dsp.wording import expected
 from .checks import WorldError, array_of
+from .rows import LEAST_TOLD, MOST_RESTITUTION, POSE_ROW, ROWS, TOUCH_ROW, UNIT, rotation
 from .shapes import Vector
 from .tracking.state import POINTS, TOLD
 
@@ -84,25 +86,50 @@ Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
 Poses = Mapping[str, Pose]
 
 _ROWS: dict[str, tuple[int, ...]] = {"pair": (2,), "point": (3,), "normal": (3,), **dict.fromkeys(TOLD, ())}
-_LARGEST = np.finfo(float).max
-_FINITE = -math.inf, math.inf, "a finite number"
-_BOUNDS = {
-    "approach": _FINITE,
-    "slip": (0.0, math.inf, "a finite number that is not negative"),
-    "depth": _FINITE,
-    "force": _FINITE,
-    "mass": (np.finfo(float).tiny, math.inf, "a positive number (kg)"),
-    "restitution": (0.0, 1.0, "0 to 1"),
-    "friction": (0.0, math.inf, "a finite number that is not negative"),
-}
-_FIRST_TOLD = Touch._fields.index("approach")
-_LEAST, _MOST = (
-    np.clip([bound] * 6 + [_BOUNDS[name][side] for name in Touch._fields[_FIRST_TOLD:]], -_LARGEST, _LARGEST)
-    for side, bound in enumerate((-math.inf, math.inf))
-)
-"""Bounds of a touch's numbers: those of its point, of its normal, and what may be told."""
-_MAY_LACK = np.arange(_LEAST.size) >= 6
-_UNIT = 1e-3  # by which a normal's or a quaternion's length may differ from 1
+_WORDS = {"mass": "a positive number (kg)", "restitution": "0 to 1"}
+_NOT_NEGATIVE = "a finite number that is not negative"
+_TOUCHES, _POSES = {Touch}, {Pose}
+_HEAD, _TOUCH, _POSE = struct.Struct("=d3q"), struct.Struct(f"={TOUCH_ROW}d"), struct.Struct(f"={POSE_ROW}d")
+
+
+class Layer:
+    """Rows of touches and poses, into which a step is laid that is told as most are."""
+
+    def __init__(self) -> None:
+        rows = np.zeros(1, ROWS)
+        self._bytes = memoryview(rows).cast("B")  # type: ignore[arg-type]
+        self.addresses = rows["time"].ctypes.data, rows["points"].ctypes.data, 0, rows.ctypes.data
+        """Addresses of the time, of the number of contacts, of no delay of these, and of the rows, as
+        `Simulation.telling` takes them."""
+        assert ROWS.fields
+        self._touches, self._moved = ROWS.fields["touches"][1], ROWS.fields["moved"][1]
+
+    def tell(self, time: float, points: int) -> None:
+        """Say that a step has so many contacts at a time (s), which are in the tracker's columns, as its poses are."""
+        _HEAD.pack_into(self._bytes, 0, time, points, 0, 0)
+
+    def lay(self, time: float, contacts: Contacts, poses: Poses | None, numbers: Mapping[str, int]) -> bool:
+        """Lay out a step of a list of Touch and a dictionary of Pose, and return True; False for others, or if a body
+        or a number cannot be read. numbers: of bodies."""
+        moved = {} if poses is None else poses
+        if not (isinstance(contacts, list | tuple) and len(contacts) <= POINTS and isinstance(moved, dict)):
+            return False
+        if not (_TOUCHES.issuperset(map(type, contacts)) and _POSES.issuperset(map(type, moved.values()))):
+            return False
+        put, to, at = _TOUCH.pack_into, self._bytes, self._touches
+        try:
+            for a, b, (x, y, z), (u, v, w), approach, slip, depth, force, mass, restitution, friction in contacts:
+                put(to, at, numbers[a], numbers[b], x, y, z, u, v, w,
+                    approach, slip, depth, force, mass, restitution, friction)  # fmt: skip
+                at += _TOUCH.size
+            at = self._moved
+            for name, ((x, y, z), (w, u, v, t), (p, q, r), (k, m, n)) in moved.items():
+                _POSE.pack_into(to, at, numbers[name], x, y, z, w, u, v, t, p, q, r, k, m, n)
+                at += _POSE.size
+        except (KeyError, TypeError, ValueError, struct.error):
+            return False
+        _HEAD.pack_into(to, 0, time, len(contacts), len(moved), 1)
+        return True
 
 
 def take_contacts(
@@ -117,8 +144,8 @@ def take_contacts(
         columns = contacts
     else:
         touches = _touches(contacts, where)
-        if not touches or _took(state, touches, number):
-            return len(touches)
+        if not touches:
+            return 0
         columns = _columns(touches, number)
     for name in columns:
         if name not in _ROWS:
@@ -154,27 +181,6 @@ def _touches(contacts: Any, where: str) -> list[Touch]:
     return touches
 
 
-def _took(state: NDArray[np.void], touches: list[Touch], number: Callable[[str], int]) -> bool:
-    """Put touches into the tracker's memory, and return True; False, and nothing was done, if one cannot be."""
-    count = len(touches)
-    pairs = [(number(each.a), number(each.b)) for each in touches]
-    try:
-        rows = np.array([(*each.point, *each.normal, *each[_FIRST_TOLD:]) for each in touches], float)
-    except (TypeError, ValueError):
-        return False
-    if count > POINTS or rows.shape != (count, len(_LEAST)):
-        return False
-    fits = (rows >= _LEAST) & (rows <= _MOST) | (rows != rows) & _MAY_LACK
-    normal = rows[:, 3:6]
-    if not fits.all() or not (np.abs(np.sqrt((normal * normal).sum(axis=1)) - 1.0) <= _UNIT).all():
-        return False
-    record = state[0]
-    record["pair"][:count], record["point"][:count], record["normal"][:count] = pairs, rows[:, :3], normal
-    for place, name in enumerate(Touch._fields[_FIRST_TOLD:], 6):
-        record[name][:count] = rows[:, place]
-    return True
-
-
 def _check_pairs(pairs: NDArray[np.float64], names: Sequence[str], where: str) -> None:
     """Raise WorldError for a pair that is not of two bodies."""
     for pair in pairs[~((pairs >= 0) & (pairs < len(names)) & (pairs % 1 == 0)).all(axis=1)].tolist():
@@ -188,10 +194,11 @@ def _check_contacts(state: NDArray[np.void], count: int, names: Sequence[str], w
     lengths = np.linalg.norm(told["normal"], axis=1)
     wrong = {
         "point": (~np.isfinite(told["point"]).all(axis=1), "finite numbers"),
-        "normal": (~(np.abs(lengths - 1.0) <= _UNIT), "one of length 1"),
+        "normal": (~(np.abs(lengths - 1.0) <= UNIT), "one of length 1"),
     }
-    for name, (least, most, words) in _BOUNDS.items():
-        values = told[name]
+    for name, least in LEAST_TOLD.items():
+        values, most = told[name], MOST_RESTITUTION if name == "restitution" else math.inf
+        words = _WORDS.get(name, _NOT_NEGATIVE if least == 0.0 else "a finite number")
         wrong[name] = ~(np.isnan(values) | (np.isfinite(values) & (values >= least) & (values <= most))), words
     for name, (places, words) in wrong.items():
         for n in np.flatnonzero(places):
@@ -228,7 +235,7 @@ def checked_pose(pose: Pose, where: str) -> Pose:
         if not whole:
             shown = tuple(values) if isinstance(values, Iterable) else values
             raise WorldError(f"{where}: {name} = {shown}: expected {wanted} finite numbers")
-    if abs(math.hypot(*pose.turn) - 1.0) > _UNIT:
+    if abs(math.hypot(*pose.turn) - 1.0) > UNIT:
         raise WorldError(f"{where}: turn = {tuple(pose.turn)}: expected a quaternion of length 1")
     return pose
 
@@ -237,19 +244,9 @@ def put_pose(state: NDArray[np.void], body: int, pose: Pose) -> None:
     """Put a body's pose into the tracker's memory."""
     record = state[0]
     record["position"][body] = record["about"][body] = pose.position
-    record["turn"][body] = rotation(pose.turn)
+    record["turn"][body] = rotation.py_func(*pose.turn)
     record["velocity"][body] = pose.velocity
     record["spin"][body] = pose.spin
-
-
-def rotation(turn: Sequence[float]) -> tuple[float, ...]:
-    """Return the rotation matrix of a quaternion w, x, y, z, row by row."""
-    w, x, y, z = turn
-    return (
-        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
-    )  # fmt: skip
 
 
 def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Event]:

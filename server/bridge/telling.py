@@ -22,6 +22,7 @@ from ...dsp.runtime.ring import KEPT_FOR_NOW, SOON
 from ...dsp.schema import STEERABLE
 from .mujoco.arrays import ARRAYS, Arrays, gather
 from .mujoco.mechanism import ask_mechanism
+from .rows import ROWS, Rows, take_rows
 from .tracking.blows import find_blows, judge_blows, weigh_blow
 from .tracking.contact_events import take_step
 from .tracking.grains import grains_are_due
@@ -36,7 +37,8 @@ class Telling(Record):
 
     state: int  # address of the tracker's STATE
     microphones: int  # of MICROPHONE_STATE
-    arrays: int  # of ARRAYS; 0: poses and contacts are in the tracker's columns
+    arrays: int  # of ARRAYS; 0: poses and contacts are not in a simulator's memory
+    rows: int  # of ROWS, which say where they are then; 0: in the tracker's columns
     time: int  # of the simulator's time (s), a float64
     behind: int  # of the time (s) by which contacts lie before it, a float64; 0: they do not
     points: int  # of the number of its contacts, an int32
@@ -76,8 +78,8 @@ _BLOW, _SLIDE = NUMBERS["impact"], NUMBERS["slide"]
 _OWN = 1 << 40  # numbers of gestures from here on are those of slides, which no message names
 LOOK, PER_BLOW = 1, 2
 """Results of a step, added up: PER_BLOW for each of its blows, and LOOK if Python has to look at it."""
-NOT_WHOLE, NOT_LATER, NO_ROOM = -1, -2, -3
-"""Other results: that its numbers cannot be, or its time; that the ring is full."""
+NOT_WHOLE, NOT_LATER, NO_ROOM, NOT_TAKEN = -1, -2, -3, -4
+"""Other results: that its numbers cannot be, or its time; that the ring is full; that its rows cannot be."""
 
 _STEERED = np.array([STEERABLE.index(name) for name in CHANGING])
 
@@ -111,6 +113,10 @@ def tell(telling: int) -> int:
     time, points = time_of(link), load_int32(link.points)
     if not state.time < time < math.inf:
         return NOT_LATER
+    if link.rows != 0:
+        rows: Rows = carray(pointer_to(link.rows), (1,), ROWS)[0]
+        if rows.laid == 1 and not take_rows(state, rows):
+            return NOT_TAKEN
     link.before = state.time
     microphones: MicrophoneState = carray(pointer_to(link.microphones), (1,), MICROPHONE_STATE)[0]
     if link.arrays != 0:

@@ -1,4 +1,4 @@
-"""Turns as quaternions w x y z of length 1, of the matrices that `step.rotation` makes of them."""
+"""Turns as quaternions w x y z of length 1, of the matrices that `rows.rotation` makes of them."""
 
 import math
 
