@@ -125,6 +125,7 @@ class World(Grained, Closing):
                 rate, channels=channels, calibrated=True, stems=stems, contacts=contacts, presets=library
             )
             self._scene.accuracy(hearing.accuracy)
+            self._scene.quality(hearing.quality)
             self._scene.budget(*_BUDGET)
         self._listening = Listening(listener, self.simulation) if listener else None
         self._rides = any(each.on for each in hearing.microphones)
@@ -431,6 +432,7 @@ class World(Grained, Closing):
         begun = (
             f"channels {self.channels}",
             f"accuracy {self.simulation.hearing.accuracy}",
+            f"quality {self.simulation.hearing.quality}",
             f"budget {_BUDGET[0]} {_BUDGET[1]}",
         )
         head = "".join(f"0.0 /{each}\n" for each in begun)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...dsp.arguments import explain_all_arguments
 from ...dsp.contact.accuracy import DEFAULT, LEVELS
+from ...dsp.engine.memory.state import Quality
 from ...dsp.wording import expected
 from .checks import WorldError, require_number
 from .shapes import Vector
@@ -19,6 +20,7 @@ from .tracking.microphones import MICROPHONE_STATE
 NEAREST = 0.1
 """m: a body that is nearer to a microphone is as loud as at this distance."""
 _MOST_DB = 1000.0
+_MOST_QUALITY = int(max(Quality))
 _CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
 
 
@@ -71,7 +73,9 @@ class Hearing:
     slip or sweep at once; the loudest are taken. rests: the most that lie on each other at once, so that they mute each
     other; those whose bodies sound come first; 0: bodies that lie ring as if they hung. seed: of the surfaces on which
     bodies slide and roll. accuracy: of blows, as `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a
-    server keeps its own.
+    server keeps its own. quality: as `/quality` has it, 0 (everything) to 8; a server keeps its own. What rolls and
+    slides costs most, nearly the same at any accuracy. At a quality of 3 it has fewer micro-impacts and takes some
+    60 % of the time: bodies that stay on each other are within 1 dB, small ones that skip are up to 10 dB softer.
     """
 
     microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)
@@ -82,6 +86,7 @@ class Hearing:
     rests: int = 4
     seed: int = 0
     accuracy: str | int = LEVELS[DEFAULT]
+    quality: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "microphones", microphones_of(self.microphones))
@@ -93,6 +98,8 @@ class Hearing:
             require_number(name, getattr(self, name), 0, math.inf, "0 or more")
         if str(self.accuracy) not in LEVELS:
             raise WorldError(f"accuracy = {self.accuracy}: {expected(self.accuracy, LEVELS)}")
+        if self.quality not in range(_MOST_QUALITY + 1):
+            raise WorldError(f"quality = {self.quality!r}: expected a whole number from 0 to {_MOST_QUALITY}")
         for number, microphone in enumerate(self.microphones):
             _check(f"microphone {number}", microphone)
 

@@ -59,6 +59,29 @@ def test_a_slide_that_nobody_would_hear_costs_nothing_and_is_counted():
         assert (world.counts.gestures, world.counts.faint) == (1, 0)
 
 
+def test_a_coarser_world_is_about_as_loud_and_its_score_knows():
+    """A box slides at a quality of 3 within 1 dB of one at 0, with other bits; the score renders to these."""
+    sounds = []
+    for quality in (0, 3):
+        with World(hearing=carom.Hearing([carom.Microphone((0, 0, 1.0))], quality=quality), keep=True) as world:
+            world.body("floor", "plate", (2.0, 2.0, 0.02), "wood", held=True, rings=False)
+            world.body("box", "box", (0.1, 0.08, 0.01), "steel", Pose((0, 0, 0.005)), most_modes=32)
+            for n in range(1, 101):
+                touch = Touch("floor", "box", (0, 0, 0), (0, 0, 1), approach=0.0, slip=0.3, force=5.0)
+                world.step(0.01 * n, [touch])
+            sounds.append(world.sound().samples)
+            again = carom.render(world.score(), calibrated=True, seconds=1.0).samples
+            assert len(again) == len(sounds[-1]) and np.array_equal(again, sounds[-1])
+    exact, coarse = (10 * np.log10(np.mean(each.astype(float) ** 2)) for each in sounds)
+    assert abs(coarse - exact) < 1.0 and not np.array_equal(*sounds)
+
+
+@pytest.mark.parametrize("quality", [-1, 9, 1.5, "fine", None])
+def test_a_quality_that_cannot_be_is_named(quality):
+    with pytest.raises(carom.WorldError, match=r"quality = .*: expected a whole number from 0 to 8"):
+        carom.Hearing(quality=quality)
+
+
 def test_a_slide_is_heard_while_it_is_loud_enough():
     with slipping(["a"], lambda n: [3.0 if 30 <= n < 100 else 0.02], away=5.0, faintest=50.0, steps=160) as world:
         assert (world.counts.gestures, world.counts.faint) == (1, 1)
