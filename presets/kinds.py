@@ -41,6 +41,7 @@ from .schema import (
     check,
 )
 from .sounding import sound_of
+from .stored import STORE
 from .values import Many, Row, shown
 
 if TYPE_CHECKING:
@@ -197,8 +198,8 @@ class ObjectPreset:
     _library: Library = field(repr=False, compare=False)
     _of_one_size: tuple[float, Mapping[str, Any]] | None = field(default=None, repr=False)
     """The size, and the geometry of the body of size 1, where it is similar to that."""
-    _is_replaced: bool = field(default=False, repr=False, compare=False)
-    """True if it has other values than its file."""
+    _replaced: frozenset[str] = field(default=frozenset(), repr=False, compare=False)
+    """The keys of which it has other values than its file."""
 
     @classmethod
     def from_data(cls, name: str, where: str, data: dict[str, Any], library: Library) -> ObjectPreset:
@@ -260,7 +261,8 @@ class ObjectPreset:
             from ..dsp.bodies.similar import Sized  # with all shapes
 
             size, arguments = self._of_one_size[0], dict(self._of_one_size[1])
-            make, spares = Sized(make, size, shape.lengths), True
+            kept = not self._replaced & {"material", *shape.fields}
+            make, spares = Sized(make, size, shape.lengths, STORE if kept else None), True
         if shape.has_material:
             arguments["material"] = self.material
         if self.added:
@@ -269,7 +271,7 @@ class ObjectPreset:
             make, spares = Complete(make, self.added, self.written), False
         try:
             best = Best(self.stereo_width, self.most_modes)
-            modes = made(make, top, arguments, best, spares=spares, on_disk=not self._is_replaced)
+            modes = made(make, top, arguments, best, spares=spares, on_disk=not self._replaced)
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
         return modes if self.glide is None else replace(modes, glide=self.glide)
@@ -334,7 +336,7 @@ class ObjectPreset:
                     for rival in other - changes.keys():
                         data["geometry"].pop(rival, None)
         made = ObjectPreset.from_data(self.name, "", data, self._library)
-        return replace(made, written=self.written, _is_replaced=True)
+        return replace(made, written=self.written, _replaced=self._replaced | changes.keys())
 
     def in_size(self, size: object, given: Collection[str]) -> ObjectPreset:
         """Return the preset with all lengths times a size, but for those that were given. PresetError as `replace`."""
@@ -355,8 +357,9 @@ class ObjectPreset:
         alike = factor != 1.0 and len(scaled) == len(lengths) and has_similar(shape.make, self.geometry)
         of_one_size = (factor, self.geometry) if alike else None
         return replace(
-            self, geometry=geometry, added=added, where="", _data=data, _of_one_size=of_one_size, _is_replaced=True
-        )
+            self, geometry=geometry, added=added, where="", _data=data, _of_one_size=of_one_size,
+            _replaced=self._replaced | {"size"},
+        )  # fmt: skip
 
 
 def _added(section: str, where: str, data: Mapping[str, object]) -> Added:

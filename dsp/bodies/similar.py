@@ -30,7 +30,7 @@ from .plate import plate, plate_clicks
 from .radiation.board import BOARDS
 from .radiation.lattice import cubic_weights
 from .ring import glass, glass_clicks, ring, ring_clicks
-from .similar_table import Beyond, Table, table_of
+from .similar_table import Beyond, Store, Table, table_of
 from .sphere import sphere, sphere_clicks
 from .unheard import felt_of
 
@@ -59,11 +59,15 @@ def has_similar(make: Callable[..., Modes], arguments: Mapping[str, Any]) -> boo
 
 @dataclass(frozen=True)
 class Sized:
-    """A shape's function that makes modes, in a size: `lengths` of its arguments are those of the body of size 1."""
+    """A shape's function that makes modes, in a size: `lengths` of its arguments are those of the body of size 1.
+
+    store: of its tables.
+    """
 
     make: Callable[..., Modes]
     size: float
     lengths: tuple[str, ...]
+    store: Store | None = None
 
     def __call__(self, *, top: float, material: Material, best: Best | None = None, **arguments: Any) -> Modes:
         """Return the modes up to `top` (Hz) of the body in its size; best: those that are kept. Silent if there is
@@ -126,7 +130,7 @@ class Sized:
     def _table(self, top: float, material: Material, arguments: Mapping[str, Any]) -> Table:
         """Return the table of the body of size 1 that reaches up to `top` (Hz) in this one's. Silent if it is empty."""
         rung = 2.0 ** (math.ceil(_RUNGS * math.log2(top * self.size)) / _RUNGS)
-        table = table_of(self.make, rung, material, arguments)
+        table = table_of(self.make, rung, material, arguments, self.store)
         if table is None:
             raise Silent(top)
         return table

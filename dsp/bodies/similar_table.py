@@ -91,16 +91,31 @@ class Beyond(NamedTuple):
         return np.asarray(np.maximum(found, 0.0))
 
 
-def table_of(make: Callable[..., Modes], top: float, material: Material, arguments: Mapping[str, Any]) -> Table | None:
-    """Return the table of a body of size 1 up to `top` (Hz); None if it has no mode there."""
+class Store(NamedTuple):
+    """A place that outlasts the process: what reads the modes of a key, None if there are none, and what writes
+    them."""
+
+    read: Callable[[Hashable], Modes | None]
+    write: Callable[[Hashable, Modes], None]
+
+
+def table_of(
+    make: Callable[..., Modes], top: float, material: Material, arguments: Mapping[str, Any], store: Store | None = None
+) -> Table | None:
+    """Return the table of a body of size 1 up to `top` (Hz); None if it has no mode there. store: of its modes."""
     lossless = replace(material, alpha=0.0, beta=0.0, loss_factor=0.0, losses="material")
     key = (make, top, lossless, *sorted(arguments.items()))
     found = _tables.get(key)
     if found is None:
-        try:
-            found = (Table(make(material=lossless, top=top, **arguments)),)
-        except Silent:
-            found = ()
+        modes = store.read(key) if store else None
+        if modes is None:
+            try:
+                modes = make(material=lossless, top=top, **arguments)
+                if store:
+                    store.write(key, modes)
+            except Silent:
+                pass
+        found = (Table(modes),) if modes else ()
         _tables.put(key, found)
     return found[0] if found else None
 

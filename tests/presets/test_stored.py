@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from carom.dsp.bodies import similar_table
 from carom.dsp.kept import Kept
 from carom.presets import Presets, making, stored
 from tests.support import CAROM
@@ -27,6 +28,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def later(monkeypatch: pytest.MonkeyPatch, name: str = "wine-glass", **changes: Any) -> tuple[bytes, bool]:
     """Return the bytes of a preset's modes as another process would have them, and True if they were made anew."""
     monkeypatch.setattr(making, "_kept", Kept(making.KEPT_BYTES, making._bytes))
+    monkeypatch.setattr(similar_table, "_tables", Kept(10**9, similar_table._bytes))
     made = []
     usual = making.heard_or_felt
     monkeypatch.setattr(making, "heard_or_felt", lambda *args, **more: made.append(1) or usual(*args, **more))
@@ -58,8 +60,21 @@ def test_modes_are_read_as_they_were_made(monkeypatch: pytest.MonkeyPatch, name:
 def test_presets_with_changes_are_not_written(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     """Objects of any size that a client thinks of do not fill the disk."""
     later(monkeypatch, thickness=0.002)
-    later(monkeypatch, size=1.01)
+    later(monkeypatch, thickness=0.002, size=1.01)
+    later(monkeypatch, material="steel", size=1.01)
     assert not folder.exists()
+
+
+@pytest.mark.parametrize("name, tables", [("wine-glass", 1), ("vibraphone-bar", 3)])
+def test_tables_for_all_sizes_are_read(monkeypatch: pytest.MonkeyPatch, folder: Path, name: str, tables: int) -> None:
+    """Another process reads what similar bodies share, in any size near, and has the same bits; a bar over a tube also
+    has a table of it on cords, and one of it struck flat."""
+    made, _ = later(monkeypatch, name, size=1.01)
+    written = {each.name: each.stat().st_ino for each in folder.iterdir()}
+    assert len(written) == tables
+    assert later(monkeypatch, name, size=1.01, most_modes=9)[0] != later(monkeypatch, name, size=1.02)[0] != made
+    assert later(monkeypatch, name, size=1.01)[0] == made
+    assert {each.name: each.stat().st_ino for each in folder.iterdir()} == written  # a file written again is another
 
 
 def test_what_is_damaged_is_made_anew(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
