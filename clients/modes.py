@@ -213,7 +213,7 @@ def _still(modes: Modes, tune: float, channels: int, rate: float) -> _Still:
     found = plan.relief
     frequency = found.frequency * tune
     share = np.minimum(1.0, top / frequency)
-    along = found.shape[:, : plan.rows] if channels == 2 else found.shape[:1, : plan.rows]
+    along = found.shape[:, : plan.rows]
     return _Still(frequency * share, found.decay * tune * share, along, np.where(share > GONE, share, 0.0))
 
 

@@ -351,9 +351,10 @@ class ObjectPreset:
         scaled = {key: factor * self.geometry[key] for key in lengths if key not in given}
         geometry = {**self.geometry, **check("", scaled, shape.fields, ())}
         data = {**self._data, "geometry": {**self._data["geometry"], **scaled}}
+        added = self.added
         if "cavity" in data:
             data["cavity"] = {key: value * factor ** POWERS.get(key, 0) for key, value in data["cavity"].items()}
-        added = tuple(_added(key, f"[{key}] ", data[key]) for key in ADDED if key in data)
+            added = tuple(_added(key, f"[{key}] ", data[key]) for key in ADDED if key in data)
         alike = factor != 1.0 and len(scaled) == len(lengths) and has_similar(shape.make, self.geometry)
         of_one_size = (factor, self.geometry) if alike else None
         return replace(

@@ -183,8 +183,9 @@ def _beyond_lanes(modes: Modes, tune: float, rate: int) -> list[int]:
     top = top_of.py_func(rate)
     order = np.argsort(modes.decay, kind="stable")
     order = order[modes.frequency[order] <= top]
-    heard = np.flatnonzero((modes.frequency <= top) & (modes.frequency * tune <= top))
-    found: list[int] = np.flatnonzero(np.isin(heard, order[len(order) // LANES * LANES :])).tolist()
+    beyond = np.zeros(len(modes.frequency), np.bool_)
+    beyond[order[len(order) // LANES * LANES :]] = True
+    found: list[int] = np.flatnonzero(beyond[(modes.frequency <= top) & (modes.frequency * tune <= top)]).tolist()
     return found
 
 

@@ -16,6 +16,7 @@ import math
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
@@ -23,7 +24,7 @@ import numpy as np
 
 from .air import IMPEDANCE
 from .material import Array, Material
-from .modes import MOST_MODES, Modes, columns
+from .modes import MOST_MODES, Modes, columns, read_only
 
 LOAD = 100.0
 
@@ -199,7 +200,9 @@ def _either(lowest: float, **given: tuple[float, ...]) -> Array:
     return np.array(frequency or [lowest * each for each in ratio])
 
 
+@lru_cache(maxsize=1024)  # 100 bytes each, most often
 def _random(seed: float, count: int) -> Array:
-    """Return numbers (count,) in 0..1, always the same for the same seed."""
+    """Return numbers (count,) in 0..1, always the same for the same seed; read-only."""
     numbers: Array = np.random.PCG64(zlib.crc32(repr(float(seed)).encode())).random_raw(count) / 2.0**64
+    read_only(numbers)
     return numbers

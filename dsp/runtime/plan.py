@@ -79,11 +79,12 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
         order = np.concatenate([laid.mode, order[~np.isin(order, laid.mode)]])
     sides = modes.pressure[:, order]
     if not has_sides:  # a mode is heard at one point, with the power of both sides
-        sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
+        sides = np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[:1])
     strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
     rows, block = (len(strike), 0) if modes.faces is None else (modes.faces.path, modes.faces.block)
     along = rows + block if block else None
-    still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top, along)
+    frequency, decay, shapes = modes.frequency[order], modes.decay[order], strike[:, order]
+    still = relief(frequency, decay, sides, shapes, top, along)
     unheard = settled(modes.unheard, nyquist)
     felt, bands = len(order), len(still.frequency)
     starts = _starts_of_clicks(felt + 2 * bands, len(modes.clicks))
@@ -95,12 +96,12 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     size = max(LANES, math.ceil(count / LANES) * LANES)
     columns, shape = np.zeros((len(COLUMNS), size)), np.zeros((len(strike), size), np.float32)
     plan = Plan(modes, columns, shape, rows, _faces(modes.faces), block, felt, bent, heard, still, laid)
-    _fill(plan, 0, modes.frequency[order], modes.decay[order], *_weights(sides))
-    plan.shape[:, :felt] = strike[:, order]
+    _fill(plan, 0, frequency, decay, *_weights(sides))
+    plan.shape[:, :felt] = shapes
     for side, weights in enumerate(((1.0, 0.0), (_FAINT, 1 / _FAINT))):
         first = felt + side * bands
         _fill(plan, first, still.frequency, still.decay, *weights)
-        plan.shape[:, first : first + bands] = still.shape[side]
+        plan.shape[:, first : first + bands] = still.shape[side if has_sides else 0]
     # Clicks are moved by any force, wherever that acts, and are heard alike on both sides.
     for start, click in zip(starts, modes.clicks, strict=True):
         _fill(plan, start, click.frequency, click.decay, click.strength, 1.0)
@@ -141,13 +142,13 @@ def _starts_of_clicks(count: int, clicks: int) -> Sequence[int]:
 
 def _weights(sides: Array) -> tuple[Array, Array]:
     """Return the weights at the left output, by which the bank divides, and those at the right over them, of (2, n)
-    weights."""
-    left, right = sides
+    weights, or (1, n) of both."""
+    left, right = sides[0], sides[-1]
     least = _least(sides)
     weight = np.where(np.abs(left) > least, left, least)
     return weight, right / weight
 
 
 def _least(sides: Array) -> float:
-    """Return the weight of a mode that nobody hears, beside those with (2, n) weights."""
+    """Return the weight of a mode that nobody hears, beside those with (2, n) or (1, n) weights."""
     return float(max(_QUIETEST * np.abs(sides).max(initial=0), _QUIETEST**2))

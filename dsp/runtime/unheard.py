@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..bodies.modes import Unheard
-from ..resonator.mode import recurring
+from ..resonator.mode import APART, HIGHEST
 
 
 def settled(unheard: Unheard | None, nyquist: float) -> Unheard:
@@ -11,5 +11,8 @@ def settled(unheard: Unheard | None, nyquist: float) -> Unheard:
     before."""
     if unheard is None:
         return Unheard(np.empty(0), np.empty(0), np.empty((1, 0)))
-    kept = np.array([recurring.py_func(each, nyquist) for each in unheard.frequency.tolist()])
+    share = np.minimum(unheard.frequency / nyquist, HIGHEST)  # as `recurring` does, one by one
+    nearest = np.floor(share + 0.5)
+    moved = (nearest >= 1.0) & (np.abs(share - nearest) < APART)
+    kept = np.where(moved, nearest + np.where(share >= nearest, APART, -APART), share) * nyquist
     return Unheard(kept, unheard.decay, unheard.strike * (kept / unheard.frequency))

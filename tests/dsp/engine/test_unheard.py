@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from scipy.interpolate import BarycentricInterpolator
 
+from carom.dsp.bodies.modes import Unheard
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.lab.coupled import random_cases, simulate
 from carom.dsp.resonator.mode import APART, HIGHEST, recurring
 from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.runtime.unheard import settled
 from carom.presets.library import Presets
 from tests.accuracy import GROWTH
 from tests.dsp.contact.coupled_reference import Blow, several
@@ -91,6 +93,15 @@ def test_modes_above_the_nyquist_frequency_take_no_more_energy_than_there_is():
         object.__setattr__(case, "frequency", frequency)  # a case of its own has none above the Nyquist frequency
         object.__setattr__(case, "sigma", np.where(np.arange(len(high)) % 2, 1e-3 * 2 * np.pi * frequency, case.sigma))
         assert simulate(case, 1e-7).growth(case) < GROWTH.bound
+
+
+def test_what_is_felt_lies_where_the_engine_would_put_it():
+    """All at once as one by one, at the multiples of the Nyquist frequency, on both sides of them, and far above."""
+    frequency = np.outer(np.arange(1.0, 4.0), 1 + APART * np.array([-2.0, -0.5, 0.0, 0.5, 2.0])).ravel() * RATE / 2
+    frequency = np.append(frequency, np.random.default_rng(1).uniform(10.0, 3 * RATE, 1000))
+    found = settled(Unheard(frequency, frequency, np.ones((3, frequency.size))), RATE / 2)
+    assert found.frequency.tolist() == [recurring.py_func(each, RATE / 2) for each in frequency.tolist()]
+    np.testing.assert_allclose(found.strike / found.frequency, 1 / frequency[None].repeat(3, axis=0), rtol=1e-15)
 
 
 def test_an_object_that_is_tuned_keeps_what_is_felt_where_the_bank_can():
