@@ -85,9 +85,9 @@ class Beyond(NamedTuple):
         one, other = one / self.size, other * self.size  # of phi^2 u, and of phi^2 u^2
         found = np.zeros_like(one)
         found[:, -1] = one[:, -1]  # beyond the grid
-        between, squared = -np.diff(one, axis=1), -np.diff(other, axis=1)
-        found[:, :-1] += (squared - grid[1:] * between) / -np.diff(grid)
-        found[:, 1:] += (grid[:-1] * between - squared) / -np.diff(grid)
+        between, squared, step = one[:, :-1] - one[:, 1:], other[:, :-1] - other[:, 1:], grid[:-1] - grid[1:]
+        found[:, :-1] += (squared - grid[1:] * between) / step
+        found[:, 1:] += (grid[:-1] * between - squared) / step
         return np.asarray(np.maximum(found, 0.0))
 
 

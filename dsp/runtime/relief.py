@@ -35,11 +35,13 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
     omega = 2 * np.pi * frequency
     weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
     size = np.sqrt((strike[:rows] ** 2).mean(axis=0) * (weight**2).mean(axis=0)) + 1e-300
-    band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES).astype(int)
-    bands = [band == each for each in np.flatnonzero(np.bincount(band))]
-    pitch = np.log(omega)
-    middle = np.exp([(pitch[each] * size[each]).sum() / size[each].sum() for each in bands])
+    band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES)
+    bands = [band == each for each in sorted(set(band.tolist()))]
+    high = np.log(omega) * size
+    middle = np.exp([np.add.reduce(high[each]) / np.add.reduce(size[each]) for each in bands])
     natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
-    # Summed without BLAS, whose last bits are not the same with any number of threads.
-    static = np.stack([(strike[:, each] * weight[:, None, each]).sum(axis=-1) for each in bands], axis=-1)
+    static = np.empty((len(sides), len(strike), len(bands)))
+    for place, each in enumerate(bands):
+        # Summed without BLAS, whose last bits are not the same with any number of threads.
+        np.add.reduce(strike[:, each] * weight[:, None, each], axis=-1, out=static[..., place])
     return Relief(TURN * natural / (2 * np.pi), DAMPING * natural, -static * natural / TURN)
