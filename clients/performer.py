@@ -119,12 +119,16 @@ class Performer:
     def mark(self) -> Mark | None:
         """Return what `rewind` brings it back to, before anything is computed. None where it can't be: something rests,
         or there were warnings, or this system does not tell what is written."""
-        if self.warnings or self.scene.running() or any(each.stands for each in self.scene.objects.values()):
-            return None
         try:
-            return self.engine.mark()
+            return self.engine.mark() if self.is_untouched else None
         except OSError:
             return None
+
+    @property
+    def is_untouched(self) -> bool:
+        """True if nothing rests, no gesture goes on, and there were no warnings."""
+        stand = any(each.stands for each in self.scene.objects.values())
+        return not (self.warnings or self.scene.running() or stand)
 
     def rewind(self, mark: Mark) -> None:
         """Bring it back to a mark, after gestures that make no objects. OSError: it is of no use any more."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 
 from ...dsp.runtime.fresh import Mark
 from ...presets import Presets
 from ...server.osc.wire import Message
 from ...server.render import Options
-from ...server.scene.repeated import Repeated
+from ...server.scene.repeated import Blow, Repeated
 from ..performer import Performer
 from .truth import AMPLIFIED, Told, told_of
 
@@ -21,12 +21,15 @@ _MOST_MISSED = 512  # scenes that would have been kept, if others were not
 class Scene:
     """A scene that plays one item, in which messages at 0 s were carried out: as a rule those that make its objects."""
 
-    def __init__(self, key: Hashable, performer: Performer, mark: Mark | None) -> None:
-        """Take what plays it, and where it is brought back to; None: nowhere."""
+    def __init__(
+        self, key: Hashable, performer: Performer, mark: Mark | None, blows: dict[Hashable, Blow] | None
+    ) -> None:
+        """Take what plays it, where it is brought back to, None: nowhere, and the blows of such scenes, None: they are
+        not remembered."""
         self.performer = performer
         self._key, self._mark = key, mark
         self._objects: dict[str, Told] = {}
-        self._blows = Repeated(performer.scene) if mark else None
+        self._blows = Repeated(performer.scene, blows) if blows is not None else None
 
     def objects(self) -> Mapping[str, Told]:
         """Return, by name, what is told of the objects that are there: once they were heard, and found once for all
@@ -62,7 +65,21 @@ def scene_for(rate: int, channels: int, made: Sequence[Message], presets: Preset
     if kept := _kept.pop(key, None):  # nobody else has it meanwhile
         return kept
     performer = _made(rate, channels, made, presets)
-    return Scene(key, performer, performer.mark() if made and _is_worth_it(key) else None)
+    mark = performer.mark() if made and _is_worth_it(key) else None
+    blows = _blows(rate, channels, presets, *map(_sizeless, made)) if made and performer.is_untouched else None
+    return Scene(key, performer, mark, blows)
+
+
+@lru_cache(maxsize=_MOST)
+def _blows(*told: Hashable) -> dict[Hashable, Blow]:
+    """Return what is remembered of blows in scenes that were told so."""
+    return {}
+
+
+def _sizeless(made: Message) -> Hashable:
+    """Return what a message says of the object that it makes, but for its size."""
+    pairs = zip(made.args[2::2], made.args[3::2], strict=True)
+    return (*made.args[:2], *(pair for pair in pairs if pair[0] != "size"))
 
 
 _kept: dict[Hashable, Scene] = {}

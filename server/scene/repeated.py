@@ -20,8 +20,9 @@ _MOST = 256  # blows that are remembered, of 2 kB each
 _OTHERS = {"by", "point"}  # with which more than its own value follows from the position
 
 
-class _Blow(NamedTuple):
-    """A blow: its command, the object's serial, its law, what sounds of its striker, and the id of its gesture."""
+class Blow(NamedTuple):
+    """A blow that is remembered: its command, the object's serial, its law, what sounds of its striker, and the id of
+    its gesture."""
 
     command: np.void
     serial: int
@@ -34,13 +35,15 @@ class Repeated:
     """Blows on the objects of a session that no message changes, by all of what tells them but velocity and
     position."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, known: dict[Hashable, Blow]) -> None:
+        """Take a session, and what is remembered of those that were told the same but for the sizes of their objects:
+        no law follows from these."""
         self._session, self._ring = session, session.engine.ring
         entries, values = self._ring.entries, self._ring.entries["values"]
         self._columns = [entries[name] for name in ("number", "time", "gesture")]
         self._velocity, self._position = values["velocity"], values["position"]
         self._sound, self._sound_serial = values["sound"], values["sound_serial"]
-        self._known: dict[Hashable, _Blow] = {}
+        self._known = known
 
     def send(self, message: Message, time: float) -> bool:
         """Carry out a message at a time (samples), as `Session.perform` does; False, and nothing is done, where it
@@ -82,7 +85,7 @@ class Repeated:
         law = Contact(*(float(values[name]) for name in Contact._fields))
         sound = self._session.engine.striker_at(int(values["sound"]))
         command = self._ring.bytes[n].copy()
-        self._known[_parts(message)[0]] = _Blow(command, obj.handle.serial, law, sound, str(given["id"]))
+        self._known[_parts(message)[0]] = Blow(command, obj.handle.serial, law, sound, str(given["id"]))
 
 
 def _parts(message: Message) -> tuple[tuple[Argument, ...], Argument, Argument]:

@@ -109,7 +109,7 @@ def told(performer):
 @pytest.mark.parametrize("striker", ["drumstick", "felt-hammer", "steel", "fingertip"])
 def test_a_blow_that_is_repeated_is_the_command_of_its_message(rewound, preset, striker):
     performer, rewind = rewound(preset)
-    blows = Repeated(performer.scene)
+    blows = Repeated(performer.scene, {})
 
     def blow(velocity, *keys):
         return Message("/object/object/impact", (velocity, "striker", striker, *keys, "id", "impact"))
@@ -130,9 +130,42 @@ def test_a_blow_that_is_repeated_is_the_command_of_its_message(rewound, preset, 
         rewind()
 
 
+@pytest.mark.parametrize("preset", ["wood-block", "frame-drum", "glass-ball", "piano-string", "marimba-bar"])
+def test_a_blow_is_the_same_command_on_an_object_of_another_size(preset):
+    keys = ("striker", "drumstick", "gain", -6.0, "id", "impact")
+    first, again = (Message("/object/object/impact", (each, *keys)) for each in (0.3, 0.7))
+
+    def sized(size):
+        made = Message("/object/new", ("object", preset, "size", size, "most_modes", 9))
+        return scenes._made(48_000, 1, [made], carom.Presets())
+
+    small, known = sized(0.9), {}
+    small.perform([first], 0.01)
+    Repeated(small.scene, known).remember(first)
+    large, other = sized(1.2), sized(1.2)
+    large.perform([again], 0.05)
+    assert other.repeat(Repeated(other.scene, known), again, 0.05)
+    assert told(other) == told(large)
+
+
+def test_blows_are_repeated_on_objects_of_other_sizes_alone(monkeypatch):
+    """Clips are those without; what else is drawn of the object may change its blows."""
+    recipe = {
+        **RECIPE,
+        "object": {"preset": "wood-block", "size": {"uniform": (0.8, 1.2)}, "material": {"choice": ["wood", "steel"]}},
+        "impact": {"striker": "wood", "velocity": {"uniform": (0.5, 1)}},
+    }
+    del recipe["spin"]
+    scenes._blows.cache_clear()
+    again = rows(recipe, (), 12)
+    assert scenes._blows.cache_info().currsize == 2
+    monkeypatch.setattr(scenes, "_blows", lambda *told: None)
+    assert all(map(same, rows(recipe, (), 12), again))
+
+
 def test_what_is_no_blow_of_before_or_is_refused_is_not_repeated(rewound):
     performer, rewind = rewound("wood-block")
-    blows, keys = Repeated(performer.scene), ("striker", "steel", "position", 0.2, "id", "impact")
+    blows, keys = Repeated(performer.scene, {}), ("striker", "steel", "position", 0.2, "id", "impact")
     first = Message("/object/object/impact", (0.3, *keys))
     performer.perform([first], 0.01)
     blows.remember(first)
