@@ -208,5 +208,5 @@ def _object(obj: PlayedObject, presets: list[ObjectPreset]) -> dict[str, Any]:
         "serial": obj.handle.serial,
         "preset": presets.index(obj.preset),
         "mass": obj.mass,
-        "lowest": float(obj.modes.frequency[0]) if obj.modes.frequency.size else 0.0,
+        "pitch": obj.modes.pitch,
     }

@@ -47,7 +47,7 @@ class Lines(NamedTuple):
 
 
 class Added(Protocol):
-    """A source of modes to add to a body whose lowest mode is at `lowest` (Hz)."""
+    """A source of modes to add to a body whose lowest mode, or that which is played, is at `lowest` (Hz)."""
 
     def lines(self, lowest: float) -> Lines: ...
 
@@ -135,7 +135,7 @@ class Complete:
         """Return the modes up to `top` (Hz); where there would be more than MOST_MODES, without the shape's highest."""
         own = self.make(top=top, **arguments)
         loudest = _loudest(own if top >= _WHOLE else self.make(top=_WHOLE, **arguments))
-        parts = [_modes(each.lines(float(own.frequency[0])), loudest, own.mass, top) for each in self.added]
+        parts = [_modes(each.lines(own.pitch), loudest, own.mass, top) for each in self.added]
         most, added = max(MOST_MODES, own.frequency.size), sum(part.frequency.size for part in parts)
         room = most - added
         if room < 1:

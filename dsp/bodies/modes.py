@@ -69,6 +69,7 @@ class Modes:
     it is struck: as a whole if it is free to move (acceleration.py), about that point if it is thin (near.py).
     glide in 1/J and cone in kg: how far the tension rises with the energy that rings, Delta T/T = glide x energy, and
     about a striker as it touches, tau (1 + tau) = glide x cone x velocity^2 (tension.py); 0 where it does not.
+    fundamental in Hz: the mode that is played, where a lower one rings along; 0: the lowest.
     unheard: what is felt of the modes that are not among these; None where they are not known. sheet: the coupling of a
     plate's modes by its stretching (karman.py); None where they are not coupled.
 
@@ -86,6 +87,12 @@ class Modes:
     unheard: Unheard | None = None
     sheet: "Sheet | None" = None
     faces: Faces | None = None
+    fundamental: float = 0.0
+
+    @property
+    def pitch(self) -> float:
+        """The pitch (Hz) that notes are tuned by; 0 where no mode is heard."""
+        return self.fundamental or (float(self.frequency[0]) if self.frequency.size else 0.0)
 
     @property
     def along(self) -> Array:

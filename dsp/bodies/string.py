@@ -9,16 +9,28 @@ import numpy.typing as npt
 
 from ..kept import Kept
 from .choices import MOST_WIRES
-from .heard import Best, heard, largest
+from .heard import Best, heard, largest, pressure
 from .material import Array, Material
-from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive, selected
-from .radiation.board import BOARDS
+from .modes import (
+    MOST_MODES,
+    Indices,
+    Modes,
+    ascending,
+    audible,
+    path,
+    read_only,
+    require_choice,
+    require_positive,
+    selected,
+)
+from .radiation.board import BOARDS, Board
 from .tension import string_glide
 from .unheard import FINER, felt_of, shares_of
 from .unison import in_unison
 
 _FURTHER = 8  # times the modes that are heard: those that are felt
 _ORDERS = 64  # orders by which tables of waves grow, so that few are made
+_RESONANCE = "frequency", "quality", "mass"
 _SIGN_AT = 0.07  # of the length: whose sign a mode's sound has
 
 
@@ -85,10 +97,12 @@ def string(
     waves, sign = _waves(at.size, order.size), peak * np.sin(np.pi * (_SIGN_AT * order))
     which = order.astype(int) - 1
     resistance = lost * body.radiated_share(frequency)
-    if wires > 1 or best is None:
+    if wires > 1 or body.single or best is None:
         modes = heard(material, frequency, resistance, (peak * waves[:, which], sign), mass, lost)
         if wires > 1:
             modes = in_unison(modes, material.decay(frequency), lost, wires, mistuning, top)
+        if body.single:
+            modes = _with_single(modes, body, fundamental, top)
         count = modes.frequency.size
         modes = modes if best is None else best.of(modes)
     else:
@@ -101,6 +115,31 @@ def string(
     felt = _Sines(frequencies[higher], orders[higher], at.size, peak / math.sqrt(wires))
     glide = string_glide(material, length, diameter, tension) / wires
     return replace(modes, glide=glide, unheard=felt_of(felt, material.decay, count, top))
+
+
+def _with_single(modes: Modes, board: Board, fundamental: float, top: float) -> Modes:
+    """Return a string's modes with the board's single ones: each moves the bridge, and the string with it, as one end
+    of a string that is driven there: sin(k (L - x))/sin(k L). The string's lowest is what notes are tuned by.
+
+    Near a mode of the string both share what moves: 1/sin becomes sin/(sin^2 + m/M) for a string's mass m and a
+    modal mass M.
+    """
+    single = [mode for mode in board.single if mode.frequency <= top]
+    frequency, quality, modal = (np.array([getattr(mode, name) for mode in single]) for name in _RESONANCE)
+    turn, x = np.pi * frequency / fundamental, np.linspace(0, 1, len(modes.strike))[:, None]
+    moved = np.sin(turn * (1 - x)) * np.sin(turn) / (np.sin(turn) ** 2 + modes.mass / modal) / np.sqrt(modal)
+    decay = np.pi * frequency / quality
+    sound = pressure(2 * decay * board.radiated_share(frequency), np.ones(frequency.size))
+    both = np.concatenate([modes.frequency, frequency])
+    order = ascending(both)[:MOST_MODES]
+    return replace(
+        modes,
+        fundamental=float(modes.frequency[0]),
+        frequency=both[order],
+        decay=np.concatenate([modes.decay, decay])[order],
+        strike=np.concatenate([modes.strike, moved], axis=1)[:, order],
+        pressure=np.concatenate([modes.pressure, sound], axis=1)[:, order],
+    )
 
 
 @dataclass(frozen=True)

@@ -130,7 +130,7 @@ def _begins(gesture: Gesture) -> Verb:
 
 
 GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains")
-NOTE = Note("note", "tunes it so that its lowest mode is at this note (A4, 69, is 440 Hz); `tune` counts from there")
+NOTE = Note("note", "tunes its lowest mode, or its string, to this note (A4, 69, is 440 Hz); `tune` counts from there")
 PITCH = Number("pitch", 1.0, 20_000.0, "Hz", "the same in Hz", useful=(30.0, 4_000.0))
 VELOCITY = Number("velocity", 0, 127, "", "as MIDI has it", useful=(1, 127))
 

@@ -24,14 +24,14 @@ def tuned(modes: Modes, values: Values) -> float:
         return tune
     if len(given) > 1:
         raise Refused("note and pitch: expected one of the two")
-    if not modes.frequency.size:
+    if not modes.pitch:
         raise Refused(f"{given[0]}: it has no mode that is heard, and so no pitch; expected an object that has one")
     pitch = values.numbers.get("pitch") or _A4 * 2.0 ** ((values.numbers["note"] - _A4_NUMBER) / 12.0)
-    tune += 12.0 * math.log2(pitch / float(modes.frequency[0]))
+    tune += 12.0 * math.log2(pitch / modes.pitch)
     try:
         return check_number(SETTINGS["tune"], tune)
     except Refused as error:
-        raise Refused(f"{given[0]}: its lowest mode is at {modes.frequency[0]:.1f} Hz: {error}") from None
+        raise Refused(f"{given[0]}: its pitch is {modes.pitch:.1f} Hz: {error}") from None
 
 
 def speed_of(velocity: float) -> float:

@@ -25,6 +25,7 @@ RATE, ATTACK, SECONDS = 48_000, 0.02, 1.0
 LOWEST_BAND, HIGHEST_BAND, FLOOR = 100.0, 16_000.0, -60.0
 """Hz, Hz, and dB under the loudest band: what lies lower counts as this low; where both do, the band does not count."""
 ONSET = 0.05  # of the highest sample
+TUNED = ("guitar-string",)  # by their tension: `tune` would move the modes of the guitar, too
 
 PAIRS: tuple[Pair, ...] = (
     ("Glocken C9", "glockenspiel-bar", {}),
@@ -85,8 +86,11 @@ def measured(pair: Pair, real: Recording, right: Recording | None = None) -> Mea
 
 def strike(preset: str, changes: dict[str, float], seconds: float = SECONDS, **keys: float | str) -> Recording:
     """Return a preset's strike, its default but for some keys, some seconds of it, from the left, without a limiter."""
-    about = {"velocity": carom.Presets().object(preset).velocity, **changes}
+    known = carom.Presets().object(preset)
+    about = {"velocity": known.velocity, **changes}
     velocity = about.pop("velocity")
+    if preset in TUNED:
+        about["fundamental"] = float(known.geometry["fundamental"]) * 2 ** (about.pop("tune", 0.0) / 12)
     with carom.Scene(RATE, limiter=False) as scene:
         body = scene.new("a", preset, stereo_width=0, **about)
         body.impact(velocity, at=0.0, **keys)

@@ -52,6 +52,17 @@ def test_an_object_is_made_at_a_pitch(session, key, value, hertz):
     assert lowest(session, "bar") == pytest.approx(hertz, rel=1e-5)
 
 
+def test_a_note_tunes_the_string_of_a_guitar_whose_body_rings_lower(session):
+    """The lowest mode is the body's at 100 Hz, and moves along; a copy is tuned by the same string."""
+    first = ("/object/new", ("g", "guitar-string", "pitch", 659.2)), ("/object/g/note", ("A4", 64))
+    session.perform([Message(*each) for each in first], NOW)
+    session.engine.process(QUANTUM)
+    string = session.objects["g"].modes.pitch
+    assert string == pytest.approx(329.6, rel=1e-3) and session.objects["g"].modes.frequency[0] == 100.0
+    assert lowest(session, "g") == pytest.approx(100.0 * 659.2 / string, rel=1e-5)
+    assert lowest(session, "g.69") == pytest.approx(100.0 * 440.0 / string, rel=1e-5)
+
+
 def test_what_is_no_note_is_refused(session):
     for bad in ("H4", "C#", "C11", -1, 128, "sixty"):
         assert "expected a MIDI number from 0 to 127, or a name" in refused(
@@ -59,7 +70,7 @@ def test_what_is_no_note_is_refused(session):
         )
     assert "expected one of the two" in refused(session, "/object/new", "b", "tom", "note", 60, "pitch", 200)
     far = refused(session, "/object/new", "b", "glockenspiel-bar", "note", 0)
-    assert far.startswith("note: its lowest mode is at 2093") and "tune = " in far
+    assert far.startswith("note: its pitch is 2093") and "tune = " in far
 
 
 def test_a_note_plays_a_copy_that_is_set_and_made_as_the_object_is(session):

@@ -314,8 +314,8 @@ const char *carom_object(const carom *scene, int number) {
 }
 
 double carom_pitch(const carom *scene, int number) {
-    double lowest = number < 0 ? 0.0 : number_of(item_at(item(scene->map, "objects"), number), "lowest");
-    return lowest > 0.0 ? 69.0 + 12.0 * log2(lowest / 440.0) : NAN;
+    double pitch = number < 0 ? 0.0 : number_of(item_at(item(scene->map, "objects"), number), "pitch");
+    return pitch > 0.0 ? 69.0 + 12.0 * log2(pitch / 440.0) : NAN;
 }
 
 static int64_t told_of(const carom *scene, const char *name) {

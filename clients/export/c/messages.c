@@ -136,8 +136,8 @@ static void copy(carom *scene, const object *of, const char *name, double note, 
     static const char *const columns[] = {"frequency", "sigma", "weight", "balance"};
     const value *state = part(scene, "state");
     int64_t size = laid(scene, of, "layout.size"), first = laid(scene, of, "layout.first");
-    double lowest = number_of(of->said, "lowest");
-    if (!(lowest > 0.0)) refuse(scene, "note: it has no mode that is heard, and so no pitch");
+    double pitch = number_of(of->said, "pitch");
+    if (!(pitch > 0.0)) refuse(scene, "note: it has no mode that is heard, and so no pitch");
     if (scene->mode + size > (int64_t)number_of(state, "modes") || scene->slot + 1 >= scene->object_room)
         refuse(scene, "note = %g: no room for another object", note);
     int64_t next = __atomic_load_n(&scene->next, __ATOMIC_ACQUIRE);
@@ -162,7 +162,7 @@ static void copy(carom *scene, const object *of, const char *name, double note, 
         const value *declared = item_at(item(item_of(part(scene, "verbs"), "/object/NAME/", each->key), "required"), 0);
         field_write(scene, made.bytes, "settings.", each->key, in_engine(declared, of->settings[place]));
     }
-    set(scene, &made, "settings.tune", 440.0 * pow(2.0, (note - 69.0) / 12.0) / lowest);
+    set(scene, &made, "settings.tune", 440.0 * pow(2.0, (note - 69.0) / 12.0) / pitch);
     send_command(scene, &made);
     add_object(scene, other, name);
     scene->slot++;

@@ -58,7 +58,7 @@ typedef struct {
 typedef struct {
     carom *scene;
     const instrument_object *object;
-    double pitch;   /* the note of its lowest mode; NAN: it has none */
+    double pitch;   /* the note that it plays by itself; NAN: it has none */
     uint64_t frame; /* at which messages are carried out, as much later as the scene's delay says */
     double values[MACROS];
     body bodies[KEYS];

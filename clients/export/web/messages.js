@@ -338,7 +338,7 @@ export class Messages {
   copy(object, name, note, time) {
     const { state, command, settings, verbs } = this.map;
     const { scene } = this;
-    if (!object.lowest) refuse("note: it has no mode that is heard, and so no pitch");
+    if (!object.pitch) refuse("note: it has no mode that is heard, and so no pitch");
     const size = this.said(object.made, "layout.size");
     if (this.mode + size > state.modes || this.slot + 1 >= state.objects) refuse(`note = ${note}: no room for another object`);
     const first = scene.live || object.batch < scene.next ? this.said(object.made, "layout.first") : refuse(`${name}: its object is not there yet`);
@@ -350,7 +350,7 @@ export class Messages {
     for (const [key, value] of Object.entries(object.settings ?? {})) {
       changed[`settings.${key}`] = inEngine(verbs[`/object/NAME/${key}`].required[0], value);
     }
-    changed["settings.tune"] = (A4_HZ * 2 ** ((note - A4) / 12)) / object.lowest;
+    changed["settings.tune"] = (A4_HZ * 2 ** ((note - A4) / 12)) / object.pitch;
     const bytes = new Uint8Array(scene.data.slice(object.made, object.made + command.size));
     this.write(new DataView(bytes.buffer), changed);
     scene.send(bytes);
