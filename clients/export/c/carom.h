@@ -53,7 +53,7 @@ long carom_delay(const carom *scene);       /* frames: a message for so many aft
 /* The name of an object, from 0 on in the order of the score; NULL from the last one on. */
 const char *carom_object(const carom *scene, int number);
 
-/* The note of an object's lowest mode, a real number (A4 is 69); NAN where there is none. */
+/* The note that an object plays by itself, a real number (A4 is 69); NAN where there is none. */
 double carom_pitch(const carom *scene, int number);
 
 void carom_report(const carom *scene, carom_state *state);

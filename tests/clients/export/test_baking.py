@@ -47,3 +47,14 @@ def test_a_scene_takes_no_memory_for_plates_that_it_lacks():
         baked = Baked(engine, session, [], [], engine.process(64))
         sizes.append(scene_map(baked, strikers)["state"]["size"])
     assert sizes == [STATE.fields[name][1] for name in ("curves", "pulses")]
+
+
+def test_a_guitar_is_exported_with_the_pitch_of_its_string():
+    """Copies that play notes are tuned by it, not by the lower modes of the body."""
+    engine = Engine(48_000.0, 1)
+    session, strikers = Session(engine, Presets()), Strikers(Presets())
+    strikers.names, strikers.surfaces = [], []
+    session.perform([Message("/object/new", ("a", "guitar-string"))], NOW)
+    baked = Baked(engine, session, [], [], engine.process(64), dict(session.objects))
+    told = scene_map(baked, strikers)["objects"]["a"]
+    assert told["pitch"] == pytest.approx(329.6, rel=1e-3)
