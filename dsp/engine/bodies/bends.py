@@ -15,7 +15,16 @@ from ...resonator.bank import Modes, inject_kept
 from ...resonator.mode import energy_of, ring_from, settle_under
 from ..memory.records import Contact
 from ..memory.state import COUPLING, Object, State
-from .objects import modes_of, point_of, ringing_of, shape_at
+from .objects import (
+    frequency_of,
+    highest_of,
+    modes_of,
+    point_of,
+    relief_of,
+    ringing_of,
+    shape_at,
+    sigma_of,
+)
 from .retuning import retune
 
 
@@ -120,8 +129,47 @@ def retune_bent(state: State, obj: Object, stretch: float, share: float) -> None
     obj.lent = allowed - total
     index = obj.contact
     while index >= 0:
-        state.contacts[index].unsettled = 1
-        index = state.contacts[index].next
+        contact = state.contacts[index]
+        contact.unsettled = 1
+        if contact.trait.held == 1:
+            _follow_static(state, contact, obj)
+        index = contact.next
+
+
+@kernel
+def _follow_static(state: State, contact: Contact, obj: Object) -> None:
+    """Bring the static output under a press to the modes as they are tuned now: those that have passed the highest
+    frequency hold no bend any more, and what the mix subtracts steps with what they leave."""
+    force = pressing_force(contact) * contact.now.gain
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0 and state.objects[point.slot].first == obj.first:
+            for i in range(min(point.modes, obj.bent)):
+                state.scratch.work[i] = shape_at(state, obj, point, i)
+            for channel in range(2):
+                obj.static[channel] -= force * contact.static[side, channel]
+            find_static(state, contact, side, obj, point.modes)
+            for channel in range(2):
+                obj.static[channel] += force * contact.static[side, channel]
+
+
+@kernel
+def find_static(state: State, contact: Contact, side: int, obj: Object, count: int) -> None:
+    """Put the static output for a push of 1 N on so many modes, whose shapes are in `work`, into `static`."""
+    left = right = 0.0
+    for i in range(min(count, obj.bent)):
+        frequency, sigma, weight = frequency_of(state, obj, i), 0.0, 0.0
+        if i >= obj.felt:
+            frequency, sigma, weight = relief_of(state, obj, i)
+        elif frequency <= highest_of(state):
+            sigma, weight = sigma_of(state, obj, i), state.bank.weight[obj.first + i]
+        if frequency > 0.0:
+            omega = 2.0 * math.pi * frequency
+            heard = state.scratch.work[i] * weight * omega / (omega * omega + sigma * sigma)
+            left += heard
+            right += heard * state.bank.balance[obj.first + i]
+    contact.static[side, 0] = left
+    contact.static[side, 1] = right
 
 
 @kernel

@@ -15,14 +15,15 @@ from ...native.typed import View
 from ...numerics.legendre import FINE, KEPT, MOMENTS, add_held
 from ...resonator.bank import inject, inject_fine, inject_kept, observe, receptance, transfer_receptance
 from ...rolling.body import share_of
+from ..bodies.bends import find_static
 from ..bodies.glide import tighten
-from ..bodies.objects import frequency_of, highest_of, modes_of, point_of, relief_of, sigma_of
+from ..bodies.objects import modes_of, point_of
 from ..bodies.sensing import push_sensed
 from ..bodies.strikers import begin_striker, drive_striker
 from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, modes_for, room_for_coupling
 from ..memory.records import Contact, ContactPoint
-from ..memory.state import COUPLING, SAMPLING, Object, State
+from ..memory.state import COUPLING, SAMPLING, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
 from .coupled_rolls import put_on_line
@@ -313,25 +314,6 @@ def find_transfer(state: State, contact: Contact, other: Contact) -> None:
                 )
                 for n in range(FINE):
                     scratch.receptance[n] += scratch.fine[n]
-
-
-@kernel
-def find_static(state: State, contact: Contact, side: int, obj: Object, count: int) -> None:
-    """Put the static output for a push of 1 N on so many modes, whose shapes are in `work`, into `static`."""
-    left = right = 0.0
-    for i in range(min(count, obj.bent)):
-        frequency, sigma, weight = frequency_of(state, obj, i), 0.0, 0.0
-        if i >= obj.felt:
-            frequency, sigma, weight = relief_of(state, obj, i)
-        elif frequency <= highest_of(state):
-            sigma, weight = sigma_of(state, obj, i), state.bank.weight[obj.first + i]
-        if frequency > 0.0:
-            omega = 2.0 * math.pi * frequency
-            heard = state.scratch.work[i] * weight * omega / (omega * omega + sigma * sigma)
-            left += heard
-            right += heard * state.bank.balance[obj.first + i]
-    contact.static[side, 0] = left
-    contact.static[side, 1] = right
 
 
 @kernel

@@ -23,13 +23,13 @@ from ...resonator.bank import inject_fine, inject_line
 from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 from ...rolling.body import share_of
 from ...schema import SPEED
+from ..bodies.bends import find_static
 from ..bodies.objects import modes_of, point_of, shapes_at
 from ..bodies.sensing import push_sensed
 from ..bodies.surface import direct, has_moved, keep_spot, put
 from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact, Slide
 from ..memory.state import COUPLING, QUANTUM, State
-from .contact_force import find_static
 from .coupled_rolls import position_of
 from .rolls import feed_of
 from .trace import trace_friction

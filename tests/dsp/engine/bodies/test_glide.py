@@ -320,6 +320,17 @@ def test_gains_are_heard_and_not_felt():
     assert rises(0.05, 20.0) == pytest.approx(plain, rel=1e-3)
 
 
+def test_modes_that_a_press_makes_too_high_to_be_heard_leave_no_step():
+    """The mix subtracts their share of the bend no more: with steps of 0.23 of the sound, were that a quantum late."""
+    engine = Engine(RATE)
+    handle = engine.add(string(np.linspace(100, 19_900, 150), t60=0.1, glide=40.0))
+    set_limiter(engine, False)
+    engine.send([gesture("press", handle, FELT, velocity=0.01, force=20.0)])
+    sound = engine.process(RATE // 2)[:, 0].astype(float)
+    edges = np.abs(np.diff(sound))[QUANTUM - 1 :: QUANTUM]
+    assert edges.max() < 0.01 * np.abs(sound).max()
+
+
 @pytest.mark.parametrize("force", (2.0, 20.0, 60.0))
 def test_a_press_tightens_it_by_the_energy_of_its_bend(force):
     """Kirchhoff's equation gives q = F phi/(omega^2 (1 + s)) at rest and s = glide sum omega^2 q^2."""
