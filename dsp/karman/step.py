@@ -170,12 +170,13 @@ def straighten(sheet: Sheet, rate: float) -> None:
 
 
 @simd_kernel
-def give_back(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
+def give_back(sheet: Sheet, y1: View[float], y2: View[float], h: float, share: float) -> None:
     """Give psi what a sample of h seconds takes of modes that stretching holds bent: at rest they would lose nothing.
 
     A mode's energy is (v^2 + omega^2 q^2)/2 with v = q' + decay q, and falls by 2 decay, bent or not; V changes by
     g q' = g v - decay g q, of which the kick does g v. What is due stays owed beyond a share `given` of what modes have
-    just lost.
+    just lost. From the rest of that psi gets a share of what it lacks: under a hand it drifts, and nothing swings
+    that could pay.
     """
     n = 2 * sheet.functions - sheet.plain
     g, velocity, before, moved = sheet.gradient[0], sheet.seen[0], sheet.seen[1], sheet.moved
@@ -188,6 +189,8 @@ def give_back(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
     sheet.owed += h * sheet.truth * due
     given = min(sheet.owed, sheet.given * lost)
     sheet.owed -= given
+    if share > 0.0:
+        given += min(share * _missing(sheet, y1, y2, h), sheet.given * lost - given)
     sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + 2.0 * given, 0.0))
 
 

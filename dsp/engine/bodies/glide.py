@@ -72,13 +72,14 @@ def _least_step(state: State, obj: Object) -> float:
 @kernel
 def energy_without_gains(state: State, obj: Object) -> float:
     """Return the energy (J) that rings on an object, as it were if all gestures had a gain of 1: gains are heard, not
-    felt. That of modes that are bent for good is in `deflection`, and not in it.
+    felt. That of modes that are bent for good is in `deflection`, and not in it; of a plate that stretches it is in
+    both, as stretching takes from the bend, too.
 
     The energy that came in a step counts with the gain of the loudest gesture in it.
     """
     weights = state.bank.weight[obj.first : obj.first + obj.live]
     modes = modes_of(state, obj, 0, obj.live)
-    if find_bend(state, obj, modes):
+    if find_bend(state, obj, modes) and obj.sheet < 0:
         bent = in_work(state, modes)
         for i in range(len(modes.y1)):
             bent.y1[i] = modes.y1[i] - bent.y1[i]

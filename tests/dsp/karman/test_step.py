@@ -98,7 +98,7 @@ def sway(
         q = y1[0] * sheet.moved[0]
         answer[0] = 3 * bend[0] * q**2 + 4 * bend[1] * q**3
         take(sheet, bend[0] * q**3 + bend[1] * q**4, answer)
-        give_back(sheet, y1, y2, 1.0 / rate)
+        give_back(sheet, y1, y2, 1.0 / rate, 0.0)
         kick(sheet, y1, y2, 1.0 / rate)
         heard[n] = q
         y1[0], y2[0] = a1[0] * y1[0] + a2[0] * y2[0], y1[0]
