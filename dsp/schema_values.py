@@ -30,9 +30,11 @@ _FRICTION = Parameter("friction", 0.0, np.inf, "", "coefficient, of pieces on wh
 _OWN_LAW = (
     Parameter("own_stiffness", 0.0, np.inf, "N/m^a", "of pieces if they fall on nothing", default=0.0),
     Parameter("own_dissipation", 0.0, np.inf, "s/m", "the same", default=0.0),
-    Parameter("own_level", 0.0, np.inf, "", "the same", default=0.0),
+    Parameter("own_level", 0.0, np.inf, "", "of pieces if they fall on nothing: as `level`", default=0.0),
 )
-_LEVEL = Parameter("level", 0.0, np.inf, "", "of what breaks: its gain as loud as it is", default=1.0)
+_LEVEL = Parameter(
+    "level", 0.0, np.inf, "", "of what breaks: factor on its gain, so that all of it sounds at one level", default=1.0
+)  # fmt: skip
 _STAGE = Parameter(
     "stage", 0, 2, "", "of what breaks: 0 its cracks, 1 its pieces on an object, 2 on nothing", default=0.0
 )  # fmt: skip

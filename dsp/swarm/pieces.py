@@ -73,6 +73,7 @@ SPUN = 6.0
 """m R^2/I of a square about its diagonal, with its corners a distance R from its middle."""
 _CORNER = math.sqrt(0.5 * math.pi)  # of a square, in the radius of a disc of its area
 _NARROW, _COVERED = 1e-12, 40.0  # m^2; times: of a floor that is covered for sure
+_AT_ONCE = 1e-9  # s: corners that land within it do so together
 _HALF = math.sqrt(2.0) - 1.0  # the tangent of half of 45 degrees
 _DENSITY, _FLAT = 2500.0, 0.1  # kg/m^3, and the thickness of the usual piece in its radius (estimated)
 
@@ -100,7 +101,7 @@ def break_up(
         swarm.mass_of[p] *= whole / total
         up, above = _thrown(swarm, p)
         highest = above + 0.5 * max(up, 0.0) * up / STANDARD_GRAVITY
-        _tilt(swarm, p, p, uniform(swarm, p, OTHER) * min(_CORNER * _radius(swarm, p), highest))
+        _tilt(swarm, p, p, highest)
         falls = math.sqrt(max(up * up + 2.0 * STANDARD_GRAVITY * (above - _high(swarm, p)), 0.0))
         swarm.fall_of[p], swarm.turn_of[0, p], swarm.turn_of[1, p] = falls, 0.0, 0.0
         swarm.slide_of[p] = math.sqrt(max(_THROWN * speed * _THROWN * speed - up * up, 0.0))
@@ -147,11 +148,16 @@ def freed_by_cracks(swarm: Swarm, whole: float, speed: float) -> float:
 
 
 @kernel
-def _tilt(swarm: Swarm, p: int, number: int, size: float) -> None:
-    """Lay a piece tilted by a size (m: the sine of its angle, times R) in a direction at random, within 45 degrees of
-    its first corner, which is the lowest one then and lands."""
-    t = _HALF * uniform(swarm, number, FORM)
-    scale = size / (1.0 + t * t)
+def _tilt(swarm: Swarm, p: int, number: int, highest: float) -> None:
+    """Lay a piece at an angle at random, with its corners up to `highest` (m) below its middle.
+
+    All directions of its normal are alike: cosines are even, down to the least that leaves it so low. Its first corner
+    is the lowest one and lands, within 45 degrees of where the piece goes down.
+    """
+    t, radius = _HALF * uniform(swarm, number, FORM), _CORNER * _radius(swarm, p)
+    sine = min(highest / radius, 1.0)
+    less = uniform(swarm, number, OTHER) * sine * sine / (1.0 + math.sqrt(1.0 - sine * sine))  # than a cosine of 1
+    scale = radius * math.sqrt(less * (2.0 - less)) / (1.0 + t * t)
     swarm.tilt_of[0, p], swarm.tilt_of[1, p] = (1.0 - t * t) * scale, 2.0 * t * scale
     swarm.corner_of[p] = 0
 
@@ -281,11 +287,11 @@ def _hold(swarm: Swarm, p: int, flat: float, v: float) -> int:
 
 @kernel
 def _next_landing(swarm: Swarm, p: int, flat: float, held: int, lift: float) -> tuple[float, int]:
-    """Return the time (s) until the next corner of a piece lands, and which.
+    """Return the time (s) until the next corner of a piece lands, and which: of those that do so at once the fastest.
 
     held: a bit of each corner that rests; lift: m/s^2, by which each of them slows its fall.
     """
-    soonest, found, landed = math.inf, 0, swarm.corner_of[p] & 3
+    soonest, found, fastest, landed = math.inf, 0, 0.0, swarm.corner_of[p] & 3
     for corner in range(4):
         if held >> corner & 1 == 1:
             continue
@@ -300,8 +306,8 @@ def _next_landing(swarm: Swarm, p: int, flat: float, held: int, lift: float) -> 
             time = 2.0 * gap / (down + lands)
         elif pull > 0.0:
             time = (lands - down) / pull
-        if time < soonest:
-            soonest, found = time, corner
+        if time < soonest - _AT_ONCE or (time < soonest + _AT_ONCE and lands > fastest):
+            soonest, found, fastest = time, corner, lands
     return soonest, found
 
 
@@ -325,8 +331,7 @@ def _turn_over(swarm: Swarm, p: int, middle: float, fall: float, turn: float) ->
 
     middle, fall: where its middle is (m), and how fast it falls (m/s); turn: m/s, of a corner about the middle.
     """
-    number, highest = number_of(swarm, p), min(_high(swarm, p), _CORNER * _radius(swarm, p))
-    _tilt(swarm, p, number, highest * uniform(swarm, number, OTHER))
+    _tilt(swarm, p, number_of(swarm, p), _high(swarm, p))
     falls = math.sqrt(max(fall * fall + 2.0 * STANDARD_GRAVITY * (middle - _high(swarm, p)), 0.0))
     swarm.fall_of[p], swarm.turn_of[0, p], swarm.turn_of[1, p] = falls, turn, 0.0
     time: float = (falls - fall) / STANDARD_GRAVITY
