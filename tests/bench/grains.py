@@ -66,25 +66,25 @@ JUDGED = {
     "without lines, as in minetest; ufoai has duller ones, from 0.5 to 2 kHz",
     "can": "snaps of all strengths, some in bursts, over fixed lines of the wall and of the air inside, below 5 kHz; "
     "a bin that is emptied crackles as much, without lines",
-    "glass": "a burst of all frequencies, then pieces that clatter for 0.35 s, in short tones from 2 to 19 kHz, and "
-    "single ones until 0.5 s; glasses in rooms clatter for 1.3 s and more, panes for 0.3 s",
+    "glass": "a burst of all frequencies, then pieces that clatter for 0.4 s, in short tones from 2 to 19 kHz, and "
+    "single ones until 0.6 s; glasses in rooms clatter for 1.3 s and more, panes for 0.3 s",
     "glass in a room": "the same, and the room fills the pauses as in recordings, which have more below 3 kHz",
     "glass on a table": "the same, and the table fills the picture below 5 kHz where pieces land, as recordings are "
     "filled",
     "goblet": "as the glass, which has neither stem nor foot: large pieces ring from 1 to 4 kHz as well",
     "goblet in a room": "the same, and the room fills the pauses; it is over after 0.75 s",
     "goblet on a table": "the same, and the table is heard below 5 kHz in place of the large pieces",
-    "bottle": "as the goblet, louder below 7 kHz; a last large piece comes down at 0.43 s",
+    "bottle": "as the goblet, louder below 7 kHz, without pauses; it is over after 0.6 s",
     "bottle in a room": "the same, and the room fills the pauses; recordings clatter for longer",
     "bottle on a table": "the same, and the table is louder than the pieces are, below 5 kHz",
-    "glass by default": "the cracks, then pieces that clatter on boards for 0.35 s, with pauses; it is over after "
-    "0.45 s, recorded panes 40 dB below their loudest after 0.45 to 0.76 s, glasses in rooms after 1.4 s and more",
+    "glass by default": "the cracks, then pieces that clatter on boards for 0.3 s, with pauses; it is over after "
+    "0.5 s, recorded panes 40 dB below their loudest after 0.45 to 0.76 s, glasses in rooms after 1.4 s and more",
     "glass by default in a room": "the same, and the room fills the pauses; it is over after 0.6 s",
-    "glass by default, harder": "the same, then 0.05 s of silence until those pieces come down that flew up, from 0.4 "
-    "to 0.75 s; a recorded pane has such pauses between its last pieces, glasses in rooms have none",
+    "glass by default, harder": "the same, then those pieces that flew up come down from 0.4 to 0.9 s, with pauses of "
+    "0.05 s; a recorded pane has such pauses between its last pieces, glasses in rooms have none",
     "glass by default, harder in a room": "the same, and the room fills the pause; it is over after 0.9 s",
-    "pane": "a crack, then pieces that clatter on boards from 0.1 to 0.55 s, loudest below 5 kHz, and single ones "
-    "until 0.7 s; recorded panes are loudest in their first 0.1 s, and have single pieces until 0.5 to 0.8 s",
+    "pane": "a crack, then pieces that clatter on boards from 0.1 to 0.6 s, loudest below 5 kHz, and single ones "
+    "until 1.15 s; recorded panes are loudest in their first 0.1 s, and have single pieces until 0.5 to 0.8 s",
     "dice": "bursts of blows up to 10 kHz and more with pauses between, as recorded; the cup rings on at 0.8 kHz for "
     "50 ms",
     "rice": "the bowl's lines from 1 to 19 kHz, which fade as rice covers it, and then noise from 4 to 10 kHz; less "

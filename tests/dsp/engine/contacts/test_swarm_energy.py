@@ -101,7 +101,7 @@ def test_an_object_and_grains_that_ring_take_no_more_than_the_blows_bring(kind, 
 @pytest.mark.parametrize("rings", [False, True])
 def test_a_piece_loses_the_momentum_that_it_gives(modal_mass, rings):
     """A corner that lands at v and gives P flies off at P/m - v, as the energy that the piece has then tells. Blows
-    that come soon after one another give up to 5 % less. It stays down where P is less than m v."""
+    that come soon after one another give up to 6 % less. It stays down where P is less than m v."""
     engine, whole = Engine(RATE), 1e-3
     handle = engine.add(plate(40, modal_mass), 1.0)
     sound = engine.lay_out_striker(ringing(GRAIN[0])) if rings else {}
@@ -117,7 +117,7 @@ def test_a_piece_loses_the_momentum_that_it_gives(modal_mass, rings):
                 continue
             lost = (piece_energy(at, 0) - piece_energy(swarm, 0)) / (0.5 * mass * v**2)
             given.append(swarm["impulse"] / (mass * v))
-            assert 0.95 < max(given[-1], 1.0) / (1.0 + np.sqrt(max(1.0 - lost, 0.0))) < 1.001
+            assert 0.94 < max(given[-1], 1.0) / (1.0 + np.sqrt(max(1.0 - lost, 0.0))) < 1.001
     assert max(given) < 1.0 if modal_mass == 1e-3 else modal_mass < 1.0 or max(given) > 1.3
 
 
