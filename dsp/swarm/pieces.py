@@ -396,6 +396,16 @@ def bent_by_crack(swarm: Swarm, mass: float, piece: float, width: float) -> floa
 
 
 @kernel
+def heard_above(flat: float) -> float:
+    """Return the share of a piece's click that is heard above a floor, by the cosine of the angle at which it lies.
+
+    A body of radius a that moves is a dipole, loudest at k a = 1, and its image in the floor moves the other way: at a
+    height h both are 2 sin(k h) of one, straight above; 2 h/a of it at most, and not more than one.
+    """
+    return min(1.0, 2.0 * _CORNER * math.sqrt(max(1.0 - flat * flat, 0.0)))
+
+
+@kernel
 def number_of(swarm: Swarm, p: int) -> int:
     """Return the number of a piece's next blow, for its random numbers."""
     return MOST_PIECES + p * BOUNCES + swarm.bounced[p]
@@ -405,6 +415,13 @@ def number_of(swarm: Swarm, p: int) -> int:
 def piece_of(number: int) -> int:
     """Return the piece that a blow's number belongs to."""
     return (number - MOST_PIECES) // BOUNCES
+
+
+@kernel
+def size_at(swarm: Swarm, c: int) -> float:
+    """Return ln of a size, in that of the usual grain: of a grain's, and from SIZES on of a click's."""
+    size: float = swarm.smallest + (c if c < SIZES else 3 * (c - SIZES) + 1) / swarm.finer
+    return size
 
 
 @kernel

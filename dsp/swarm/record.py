@@ -16,6 +16,9 @@ PLACES = 8
 """Places on an object at which the blows of a swarm fall."""
 SIZES = 24
 """Sizes of grains that sound each by itself, where they differ."""
+CLICKS = 8
+"""Sizes of pieces that click each by itself: every third of SIZES."""
+SOUNDS = SIZES + CLICKS
 ONE_SIZE = 1e-9
 """Sizes per unit of ln, where all grains sound as the usual one."""
 KNOTS = 16
@@ -157,9 +160,9 @@ class Swarm(Record):
     sized: int  # 1: its grains sound by their sizes
     smallest: float  # ln of the smallest of these, in the usual grain's
     finer: float  # sizes per unit of ln
-    size_grid: Annotated[View2D[f32], SIZES, GRID]
-    size_busy: Annotated[View[int], SIZES]
-    voice: Annotated[View[int], SIZES]  # that sounds, -1: none yet
+    size_grid: Annotated[View2D[f32], SOUNDS, GRID]  # and from SIZES on the clicks of pieces
+    size_busy: Annotated[View[int], SOUNDS]
+    voice: Annotated[View[int], SOUNDS]  # that sounds, -1: none yet
     store: float  # J: that its blows may still spend
     pieces: int  # that fall; 0: it is of another kind
     cracked: int  # pieces that its cracks set free; 0: it has none

@@ -19,7 +19,7 @@ from ...numerics.legendre import FALL, MOMENTS, RISE
 from ...numerics.random import STEP, mixed
 from ...resonator.bank import Modes, Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
 from ...resonator.simd import LANES
-from ...swarm.record import SIZES
+from ...swarm.record import SOUNDS
 from ...swarm.ringing import kept_by, left_by
 from ..memory.quality import silence_of
 from ..memory.records import Contact
@@ -84,7 +84,7 @@ def sound_grains(state: State, contact: Contact, size: int, ratio: float, row: i
     striker's own size."""
     if not _sounds(state, contact):
         return
-    swarm, owner = state.swarms[contact.swarm], contact.number * SIZES + size + 1
+    swarm, owner = state.swarms[contact.swarm], contact.number * SOUNDS + size + 1
     if swarm.voice[size] < 0 or state.voices[swarm.voice[size]].owner != owner:
         kept, contact.voice = contact.voice, -1
         _take_voice(state, contact, False)

@@ -22,14 +22,16 @@ from ...swarm.pieces import (
     bounce_piece,
     flow_of,
     freed_within,
+    heard_above,
     landing_of,
     number_of,
     piece_below,
     piece_beside,
     piece_of,
+    size_at,
     size_of,
 )
-from ...swarm.record import BACK, BATCH, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Swarm
+from ...swarm.record import BACK, BATCH, CLICKS, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Pulses, Swarm
 from ...swarm.ringing import kept_of, left_by
 from ...swarm.times import PLACE, SIZE, take_blows, uniform
 from ..memory.commands import NUMBERS
@@ -129,12 +131,25 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
             swarm.busy[where] = max(swarm.busy[where], end)
         if sizes:
             c, alike = _size_of_blow(state, contact, swarm, blows, n, width - swarm.log_rate)
+            if swarm.pieces > 0:
+                _click(contact, swarm, blows, n, c, state.pulses, at)
             width -= blows.shorter[n]
             _ring(state, swarm, c, at, width, loss, alike * momentum)
             if swarm.pieces > 0 and blows.below[n] >= 0:
                 c, alike = _size_of_piece(state, contact, swarm, blows, n, blows.below[n])
                 _ring(state, swarm, c, at, width, loss, MIDDLE * alike * momentum)
         swarm.impulse += momentum
+
+
+@kernel
+def _click(contact: Contact, swarm: Swarm, blows: Blows, n: int, size: int, pulses: Pulses, at: float) -> None:
+    """Lay a pulse onto the grid of a piece's click: all of its blow moves it, as a whole."""
+    c, toward = SIZES + size // (SIZES // CLICKS), blows.toward[n]
+    mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
+    alike = swarm.m * math.exp(3.0 * size_at(swarm, c)) / mass
+    momentum = blows.momentum[n] * toward * heard_above(toward * TILT) * alike
+    end = lay_pulse(pulses, swarm.table, swarm.size_grid[c], at, blows.width[n], blows.loss[n], momentum)
+    swarm.size_busy[c] = max(swarm.size_busy[c], end)
 
 
 @kernel

@@ -19,8 +19,8 @@ from ...schema_records import Steered
 from ...swarm.blows import NARROWEST, ROLL_OFF, mean_mass
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import find_force, find_moments, move_on
-from ...swarm.pieces import CRACKING, JUNCTIONS, STRONGEST, break_up, freed_by_cracks
-from ...swarm.record import BACK, BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SWARMS, WIDTHS, Knot, Swarm
+from ...swarm.pieces import CRACKING, JUNCTIONS, STRONGEST, break_up, freed_by_cracks, size_at
+from ...swarm.record import BACK, BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SOUNDS, SWARMS, WIDTHS, Knot, Swarm
 from ...swarm.ringing import bent_by
 from ...swarm.times import add_knot, drop_knots, on_lattice, seed_swarm
 from ..bodies.objects import frequency_of, is_felt, shape_at
@@ -93,7 +93,7 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     swarm.sized = int(contact.sound >= 0 and (varied or swarm.bends > 0))
     swarm.smallest = -math.log(2.0) if varied else 0.0
     swarm.finer = (SIZES - 1) / (2.0 * math.log(2.0)) if varied else ONE_SIZE
-    for c in range(SIZES):
+    for c in range(SOUNDS):
         swarm.size_busy[c], swarm.voice[c] = 0, -1
         for n in range(GRID):
             swarm.size_grid[c, n] = 0.0
@@ -337,14 +337,14 @@ def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: Vie
 def _sound_sizes(state: State, contact: Contact, swarm: Swarm) -> None:
     """Drive the voices of a swarm's grains, size by size."""
     force = swarm.force[0]
-    for c in range(SIZES):
+    for c in range(SOUNDS):
         if swarm.size_busy[c] > 0:
             find_force(swarm.size_grid[c], force)
             move_on(swarm.size_grid[c], QUANTUM)
             swarm.size_busy[c] -= QUANTUM
             row = contact.roll + 1 + PLACES + c
             find_moments(force, state.feeds[row, BEHIND:], state.scratch.work)
-            sound_grains(state, contact, c, math.exp(swarm.smallest + c / swarm.finer), row)
+            sound_grains(state, contact, c, math.exp(size_at(swarm, c)), row)
 
 
 @kernel

@@ -22,7 +22,7 @@ from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits
 from ...sizes import CAPACITY
 from ...spectral.layout import PHASES, REGION, Spectral
-from ...swarm.record import PLACES, SIZES, SWARMS, Blows, Pulses, Swarm
+from ...swarm.record import PLACES, SOUNDS, SWARMS, Blows, Pulses, Swarm
 from .capacity import DIRECTED, MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
 from .clock import Clock
 from .commands import Budget, Event, Method
@@ -40,7 +40,7 @@ CONTACTS = CAPACITY.contacts
 EVENTS = CAPACITY.events
 RING = CAPACITY.ring
 ROLLS = CAPACITY.rolls
-ROWS_OF_SWARM = 1 + PLACES + SIZES
+ROWS_OF_SWARM = 1 + PLACES + SOUNDS
 """Rows of forces that a swarm has, after those of rolls: of all of its places together, of each, and of each size."""
 DRIVEN = ROLLS + SWARMS * ROWS_OF_SWARM
 """Forces that go on, of rolls and of swarms."""

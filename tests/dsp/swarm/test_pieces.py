@@ -15,6 +15,7 @@ from carom.dsp.swarm.pieces import (
     break_up,
     freed_by_cracks,
     freed_within,
+    heard_above,
     landing_of,
     number_of,
     piece_below,
@@ -376,6 +377,16 @@ def test_a_piece_comes_free_while_a_crack_runs_round_it():
     times = (np.arange(10_000) + 0.5) / 10_000 * 2 * math.pi * radius / 1500.0
     assert math.exp(freed_within(swarm, 5e-3)) == pytest.approx(times.std(), rel=1e-6)
     assert freed_within(swarm, 4 * 5e-3) - freed_within(swarm, 5e-3) == pytest.approx(math.log(2.0))
+
+
+@pytest.mark.parametrize("sine", [0.01, 0.1, 0.3])
+def test_a_low_piece_is_heard_as_a_dipole_and_its_image_are(sine):
+    """Two dipoles of opposite signs, as far apart as the middle of a square is above its corner and its image, heard
+    from straight above at k a = 1, where a disc of its area is loudest."""
+    height = math.sqrt(math.pi / 2) * sine
+    wanted = abs(np.exp(1j * height) - np.exp(-1j * height))
+    assert heard_above(math.sqrt(1 - sine**2)) == pytest.approx(wanted, rel=0.03)
+    assert heard_above(0.5) == 1.0 and heard_above(1.0) == 0.0
 
 
 def test_pieces_fly_apart_without_a_momentum_of_their_own():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from carom.dsp.bodies import acceleration
 from carom.dsp.bodies.striker import Ringing, StrikerSound
 from carom.dsp.engine.bodies.striker_modes import in_air
 from carom.dsp.engine.memory.state import QUANTUM
@@ -119,6 +120,30 @@ def test_a_piece_loses_the_momentum_that_it_gives(modal_mass, rings):
             given.append(swarm["impulse"] / (mass * v))
             assert 0.94 < max(given[-1], 1.0) / (1.0 + np.sqrt(max(1.0 - lost, 0.0))) < 1.001
     assert max(given) < 1.0 if modal_mass == 1e-3 else modal_mass < 1.0 or max(given) > 1.3
+
+
+def test_a_piece_clicks_by_all_of_its_blow_however_much_it_rings():
+    """All of the momentum moves the piece as a whole, whatever of the energy its modes are left (here they radiate
+    nothing): as loud a click for its momentum as without modes. By the share of the blow that these are left it was
+    0.14 of that."""
+    found, click = [], acceleration.sphere(GRAIN[0], 0.02)
+    for modes in (None, Ringing(FREQUENCY, (DECAY,) * 4, (0.0,) * 4, 40.0 / GRAIN[0])):
+        engine = Engine(RATE)
+        handle = engine.add(plate(40, 10.0), 1.0)
+        values = {**SHATTER, "stage": 2.0, "pieces": 1.0, "whole": 1e-4, "spread": 1.0}
+        values |= {
+            **engine.lay_out_striker(StrikerSound(GRAIN[0], click, 0.02, modes)),
+            **engine.lay_out_pulses(GRAIN[3]),
+        }
+        engine.send([gesture("shatter", handle, GRAIN, 0.0, 7, **values)])
+        swarm, impulse, loudest = engine.state[0]["swarms"][0], 0.0, 0.0
+        while swarm["bounced"][0] < 1:
+            engine.process(QUANTUM)
+            impulse += swarm["impulse"]
+        for _ in range(2):
+            loudest = max(loudest, np.abs(engine.process(QUANTUM)[:, 0]).max())
+        found.append(loudest / impulse)
+    assert found[1] == pytest.approx(found[0], rel=0.2)
 
 
 @pytest.mark.slow
