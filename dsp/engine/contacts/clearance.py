@@ -7,6 +7,7 @@ compliance of the point, as sum phi_i q_i <= sqrt(sum omega_i^2 q_i^2 sum phi_i^
 
 import math
 
+from ...contact.collocation import elastic
 from ...contact.coupled_flight import apart_for
 from ...native.jit import kernel
 from ...resonator.mode import energy_of
@@ -31,7 +32,7 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
         if point.slot >= 0:
             obj = state.objects[point.slot]
             far, fast, change = _reach(state, obj, point)
-            given, kicked = _given_by_others(state, contact, point.slot) if keeps_strikers(state) else (0.0, 0.0)
+            given, kicked = _given_by_others(state, contact, side, far) if keeps_strikers(state) else (0.0, 0.0)
             distance += far / contact.now.gain
             speed += fast / contact.now.gain
             acceleration += change / contact.now.gain
@@ -77,7 +78,7 @@ def _farthest(state: State, contact: Contact, side: int, far: float, given: floa
 @kernel
 def energy_beside(state: State, obj: Object, contact: Contact) -> float:
     """Return the energy (J) of an object that a contact touches, and what others may give it yet."""
-    given, _ = _given_by_others(state, contact, contact.point[0].slot)
+    given, _ = _given_by_others(state, contact, 0, contact.reach)
     return given + _energy_of(state, obj)
 
 
@@ -108,13 +109,15 @@ def _energy(state: State, obj: Object, begin: int, end: int) -> float:
 
 
 @kernel
-def _given_by_others(state: State, contact: Contact, slot: int) -> tuple[float, float]:
-    """Return the energy (J) that others which touch an object may give it yet, and how much faster they make its points
-    (m/s).
+def _given_by_others(state: State, contact: Contact, side: int, far: float) -> tuple[float, float]:
+    """Return the energy (J) that others which touch an object may give it yet, which moves so far (m), and how much
+    faster they make its points (m/s).
 
-    Faster each by twice its own speed at most: a free surface moves with twice the speed of the wave that comes to it.
+    Blows make them faster by twice their own speed at most: a free surface moves with twice the speed of the wave that
+    comes to it. What lasts does by sqrt(2 E sum phi^2) at most.
     """
     energy = speed = 0.0
+    slot, give = contact.point[side].slot, contact.point[side].give
     index = state.objects[slot].contact
     while index >= 0:
         other = state.contacts[index]
@@ -122,8 +125,28 @@ def _given_by_others(state: State, contact: Contact, slot: int) -> tuple[float, 
             fast = other.v_in * other.now.gain
             energy += 0.5 * other.m * fast * fast
             speed += min(moved_by(contact, other) * contact.v_in * contact.now.gain, 2.0 * fast)
+        elif index != contact.index and _leans(other):
+            stored = _stored(other, far) * other.now.gain * other.now.gain
+            energy += stored
+            speed += math.sqrt(2.0 * stored * give)
         index = other.next
     return energy, speed
+
+
+@kernel
+def _leans(contact: Contact) -> bool:
+    """True if a body rolls, slides or rests on an object, or is pressed on it, and feels how that moves."""
+    return contact.touching == 1 and contact.trait.lasts == 1 and contact.solver == COUPLING
+
+
+@kernel
+def _stored(contact: Contact, far: float) -> float:
+    """Return the energy (J) of a body that leans on an object: that of its motion and of its compression, and the work
+    of what pushes it as it follows the object so far (m)."""
+    coupled = contact.coupled
+    compression = max(coupled.motion[0], 0.0)
+    moving = 0.5 * coupled.m * coupled.v * coupled.v
+    return moving + elastic(compression, coupled.k, coupled.a) + max(coupled.push, 0.0) * (compression + far)
 
 
 @kernel

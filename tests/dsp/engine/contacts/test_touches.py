@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from carom.dsp.bodies import listed
 from carom.dsp.contact.accuracy import LEVELS
@@ -15,6 +16,7 @@ from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.dsp.contact.coupled_reference import Blow, Touch, touches
+from tests.dsp.engine.contacts.test_coupling import modal
 from tests.dsp.engine.support import RATE, gesture, stop
 
 FREQUENCY = np.array([170.0, 395.0, 720.0, 1330.0, 2450.0, 4300.0, 7900.0])
@@ -171,3 +173,52 @@ def test_touches_beyond_those_of_a_sample_count_with_the_last():
     begin_touch(contact, 0.9)
     look_at_touches(contact)
     assert (made["touched"][0], kept["begin"][0], kept["end"][0]) == (1, 0.0, 1.0)
+
+
+RESTING, THROWN = (0.2, 1e6, 0.1, 1.0), (0.001, 1e7, 0.0, 1.0)
+"""Laws of a body that lies on an object, and of one that strikes it: linear springs."""
+LOAD, SPEED, BEGIN = 2.0, 0.1, 400.5  # N, m/s, samples
+
+
+def caught(frequency, sigma, phi, times):
+    """Return how a point moves at times (s) that a body rests on and another one strikes, by DOP853: displacements and
+    their rates (modes as turning phasors)."""
+    omega, n = 2 * np.pi * frequency, len(frequency)
+
+    def force(law, x, v):
+        return law[1] * x * max(0.0, 1.0 + law[2] * v) if x > 0.0 else 0.0
+
+    def motion(_, y):
+        real, imaginary = y[4 : 4 + n], y[4 + n :]
+        q = imaginary / omega
+        u = real - sigma * q
+        rest = force(RESTING, y[0] - phi @ q, y[1] - phi @ u) - LOAD
+        blow = force(THROWN, y[2] - phi @ q, y[3] - phi @ u)
+        pushed = phi * (rest + blow)
+        turning = [-sigma * real - omega * imaginary + pushed, omega * real - sigma * imaginary]
+        return np.concatenate([[y[1], -rest / RESTING[0], y[3], -blow / THROWN[0]], *turning])
+
+    y = np.zeros(4 + 2 * n)
+    y[0], y[3] = LOAD / RESTING[1], SPEED
+    solved = solve_ivp(motion, (BEGIN / RATE, times[-1]), y, "DOP853", times, rtol=1e-11, atol=1e-15).y
+    return phi @ (solved[4 : 4 + n] + 1j * solved[4 + n :])
+
+
+@pytest.mark.parametrize(("level", "bound"), [("-60", -50), ("exact", -120)])
+def test_an_object_on_which_a_body_rests_catches_up_with_a_striker(level, bound):
+    """The body that rests on it throws it back after a striker that has left: they touch again a few samples later."""
+    engine = Engine(RATE)
+    frequency = np.geomspace(200.0, 15_000.0, 24)
+    handle = engine.add(listed(frequency=frequency, t60=np.full(24, T60), modal_mass=0.01, mass=1.0, top=20_000), 0.05)
+    lies = gesture("rest", handle, RESTING, 3.25, 7, load=LOAD)
+    strikes = gesture("impact", handle, THROWN, BEGIN, 8, velocity=SPEED)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level)), lies, strikes])
+    times, moved = [], []
+    for _ in range(12):
+        engine.process(QUANTUM)
+        frequency, sigma, phi, z = modal(engine, handle, 24)
+        if engine.position > BEGIN + 1:
+            times.append((engine.position - 1) / RATE)
+            moved.append(z @ phi)
+    right = caught(frequency, sigma, phi, np.array(times))
+    assert 20.0 * math.log10(abs(np.array(moved) - right).max() / abs(right).max()) < bound
