@@ -13,6 +13,7 @@ import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from carom.clients.export import c, web
@@ -188,7 +189,7 @@ def _field(entry: Any, path: str) -> float:
 def use(name: str) -> None:
     """Put a module's callback in the place of the engine's."""
     other = importlib.import_module(name)
-    engine.callback, engine.MODULE = other.callback, name
+    engine.callback, engine.MODULE = SimpleNamespace(compute=other.callback), name
     web.callback = c.callback = other
 
 
