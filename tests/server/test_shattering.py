@@ -7,6 +7,7 @@ import carom
 from carom.dsp.bodies.air import IMPEDANCE, SPEED
 from carom.dsp.bodies.plate import plate
 from carom.dsp.engine.bodies.striker_modes import radiated_by
+from carom.dsp.engine.memory.state import End
 from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets
 from carom.server.scene.session import Session
@@ -137,3 +138,53 @@ def test_a_gain_that_steers_pieces_is_as_loud_as_the_same_that_they_begin_with(s
         for more in ("", f"0.1 /gesture/pieces/gain -3{steered}\n")
     )
     assert np.abs(kept[4_800:]).max() > 0.0 and np.abs(told - kept).max() < 1e-6 * np.abs(kept).max()
+
+
+_ABOUT = {
+    "roll": ("pane", "roll", 0.5, "striker", "glass-marble"),
+    "slide": ("pane", "slide", 0.1, "striker", "chalk"),
+    "press": ("pane", "press", 5.0),
+    "spin": ("pane", "spin", 20.0, "striker", "coin"),
+    "bounce": ("pane", "bounce", 0.2),
+    "rain": ("pane", "rain", 500.0),
+    "on felt": ("pane", "rest", "felt"),
+    "on the board": ("pane", "rest", "board"),
+    "a cup on it": ("cup", "rest", "pane"),
+    "a bounce of it": ("board", "bounce", 0.05, "by", "pane"),
+}
+
+
+@pytest.mark.parametrize("gesture", _ABOUT)
+def test_what_goes_on_about_an_object_ends_as_it_breaks(gesture):
+    """A body that lies, rolls or slides on it, and it itself on another, fell silent as if nothing had happened to
+    them."""
+    session = Session(Engine(RATE), Presets())
+    for name, preset in (("pane", "glass-plate"), ("cup", "plastic-cup"), ("board", "wood-board")):
+        say(session, "/object/new", name, preset)
+    name, action, *args = _ABOUT[gesture]
+    begun = [say(session, f"/object/{name}/{action}", *args, "id", "it"), say(session, "/object/board/press", 1.0)]
+    say(session, "/object/pane/shatter", 0.5, "onto", "cup", "id", "pieces", time=9_000.0)
+    session.engine.process(8_960)
+    before = [each.id for each in session.take_ends()]
+    session.engine.process(9_600 if action != "bounce" else 28_800)  # a striker that touches stays for half a second
+    ended = {each.id: each.end for each in session.take_ends() if each.id != "pieces"}
+    assert begun == [[], []] and before == [] and ended == {"it": End.STOPPED}
+    assert "board-1" in {id.name for id in session.gestures.running()}
+
+
+def test_pieces_that_fall_on_what_breaks_fall_on():
+    score = "0 /object/new pane glass-plate\n0 /object/new floor tiled-floor\n0 /object/pane/shatter 1 seed 1\n"
+    engine = [carom.render(score + more, RATE, seconds=0.3).samples for more in ("", "0.05 /object/floor/shatter 1")]
+    assert np.abs(engine[1][9_600:]).max() > 0.1 * np.abs(engine[0][9_600:]).max() > 0.0
+
+
+def test_what_ends_as_an_object_breaks_does_so_at_any_block_size():
+    def sound(size):
+        session = Session(Engine(RATE), Presets())
+        say(session, "/object/new", "pane", "glass-plate")
+        for action, *args in (("roll", 0.5, "seed", 1), ("rest", "felt", 0.2), ("slide", 0.1, "seed", 2)):
+            say(session, f"/object/pane/{action}", *args)
+        say(session, "/object/pane/shatter", 1.0, "onto", "none", "seed", 3, time=4_815.3)
+        return np.concatenate([session.engine.process(size) for _ in range(12_000 // size)])[:11_000]
+
+    assert np.array_equal(sound(37), sound(4_000)) and np.abs(sound(37)[6_000:]).max() > 0.0

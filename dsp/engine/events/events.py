@@ -38,7 +38,7 @@ from ..output.space_lines import leave_space, listen, place_object
 from ..panic import let_fade
 from .gestures import start_gesture
 from .queue import has_room, order_heap, pop, push, sink, swap
-from .steering import is_running, is_steered, steer, stop_gesture, stop_gestures_on
+from .steering import is_running, is_steered, steer, stop_gesture, stop_gestures_about, stop_gestures_on
 
 _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
 _PATIENCE = 1.0  # s that an event waits for its object
@@ -191,6 +191,8 @@ def carry_out(state: State, event: Event) -> None:
     if event.serial > 0 and kind != KIND_NEW:
         wake(state, event.slot)
     if kind == KIND_GESTURE:
+        if state.traits[event.what].breaks == 1 and event.values.stage == 0.0:
+            stop_gestures_about(state, event.slot, event.serial, event.time)
         start_gesture(state, state.objects[event.slot], event)
     elif kind == KIND_STEER:
         steer(state, event)

@@ -152,3 +152,19 @@ def stop_gestures_on(state: State, obj: Object, time: float) -> None:
         if contact.trait.single == 0 or contact.touching == 1:  # a blow that was to come still does
             _stop(state, index, time)
         index = contact.next
+
+
+@kernel
+def stop_gestures_about(state: State, slot: int, serial: int, time: float) -> None:
+    """End all gestures on an object that breaks, and those of others that lie on it or that it plays: all falls with
+    it. The fall of pieces goes on."""
+    for i in range(state.active):
+        index = state.objects[state.order[i]].contact
+        while index >= 0:
+            contact = state.contacts[index]
+            about = False
+            for side in range(2):
+                about |= contact.point[side].slot == slot and contact.point[side].serial == serial
+            if about and contact.trait.breaks == 0 and (contact.trait.single == 0 or contact.touching == 1):
+                _stop(state, index, time)
+            index = contact.next
