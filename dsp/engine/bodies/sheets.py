@@ -40,7 +40,7 @@ _MOST_STRETCHED = 0.25  # of the energy: more must not be taken from the modes a
 _LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
 _UNHEARD = 1e-9  # output
 _GIVEN, _GIVEN_STRUCK = 0.9999, 0.999  # of what modes have lost: how much they may get back, and in a contact
-_DRIFTS = 0.05  # s in which psi follows the grid's under a hand, which holds a plate so still that modes can't pay
+_DRIFTS = 0.05  # s in which psi follows the grid's under a hand, which holds a dome so still that modes can't pay
 _FADES = 0.04  # s in which stretching fades as a plate falls asleep
 
 
@@ -229,7 +229,7 @@ def kick_modes(state: State, obj: Object) -> None:
         extrapolate(sheet, sheet.turn / every)
     behind = is_behind(sheet)
     if not behind:
-        drifts = sheet.turn == 0 and obj.deflection > 0.0
+        drifts = sheet.turn == 0 and obj.deflection > 0.0 and sheet.grids[sheet.level].domed == 1
         give_back(sheet, y1, y2, h, every * h / _DRIFTS if drifts else 0.0)
     if sheet.turn == 0:
         if behind and sheet.given == _GIVEN:
