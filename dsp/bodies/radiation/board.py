@@ -3,9 +3,14 @@
 The force at its bridge or clamp, F per unit modal velocity, puts the power |F|^2 Y/2 into the board. Y is the mean
 conductance of a plate, 1/(8 sqrt(D m)) (Cremer, Heckl, Petersson, Structure-Borne Sound, 2005). Of this power the share
 R/(R + eta omega) is radiated, R = 2 rho c sigma/m, with the efficiency of a plate in a wall: P c/(pi^2 S f_c)
-sqrt(f/f_c) below the critical frequency, 1/sqrt(1 - f_c/f) above. Below its lowest mode Y falls as f^4. Single modes
-stand out of the mean only where they are listed: a mode of mass M at f_1, of a quality Q, adds Re[j omega/(M (omega_1^2
-- omega^2 + j omega omega_1/Q))]. Such a mode rings, too, as the string pulls at it (string.py).
+sqrt(f/f_c) below the critical frequency, 1/sqrt(1 - f_c/f) above. Wood is stiffer along its grain, by a ratio r:
+bending waves at theta to the grain have the rigidity D (r^(1/4) cos^2 theta + r^(-1/4) sin^2 theta)^2, of the geometric
+mean D (Huber's plate), and f_c of their own. Modes lie evenly in the plane of wavenumbers, so evenly in phi, of which
+f_c (r^(-1/4) cos^2 phi + r^(1/4) sin^2 phi) is the critical frequency: coincidence is spread over the root of r
+(Cremer, Heckl, Petersson on orthotropic plates). Outlines are curved, so directions share their energy, and R is the
+mean. Below its lowest mode Y falls as f^4. Single modes stand out of the mean only where they are listed: a mode of
+mass M at f_1, of a quality Q, adds Re[j omega/(M (omega_1^2 - omega^2 + j omega omega_1/Q))]. Such a mode rings, too,
+as the string pulls at it (string.py).
 
 A ribbed board is one plate only as long as its waves are long. Where half of one fits between two ribs, waves stay
 between these, and the board gives way and radiates as the bare panel does (Ege and Boutillon, Proc. ICA, 2010: the rise
@@ -29,6 +34,7 @@ from ..air import IMPEDANCE, SPEED
 from ..material import Array
 
 _JOIN = 1.25  # times the critical frequency: up to here from its inverse the efficiency follows a power law
+_DIRECTIONS = 16  # of waves, from along the grain to across
 
 
 @dataclass(frozen=True)
@@ -64,12 +70,14 @@ class Beam:
 @dataclass(frozen=True)
 class Ribs:
     """Ribs of a board: the frequency (Hz) from which waves stay between them, their length in all (m), and the mass per
-    area (kg/m^2) and the rigidity (N m) of the panel between them, as which the board behaves an octave higher."""
+    area (kg/m^2), the rigidity (N m), and the ratio of rigidities along and across the grain, of the panel between
+    them, as which the board behaves an octave higher."""
 
     between: float
     length: float
     areal: float
     rigidity: float
+    grain: float
 
 
 @dataclass(frozen=True)
@@ -78,7 +86,8 @@ class Board:
     area (m^2), its perimeter (m), and the frequency (Hz) of its lowest mode.
 
     ribs: if it has any. Of one with a bridge on feet: the frequency (Hz) at which that rocks, and its quality. glued: a
-    bridge that is glued on. single: modes that stand out of the mean, as they are measured at the bridge.
+    bridge that is glued on. grain: the ratio of rigidities along and across the grain. single: modes that stand out of
+    the mean, as they are measured at the bridge.
     """
 
     areal: float
@@ -91,6 +100,7 @@ class Board:
     bridge: float = math.inf
     bridge_quality: float = 1.0
     glued: Beam | None = None
+    grain: float = 1.0
     single: tuple[Resonance, ...] = ()
 
     def conductance(self, frequency: Array) -> Array:
@@ -112,10 +122,11 @@ class Board:
 
     def radiated_share(self, frequency: Array) -> Array:
         """Return the share of the board's power that becomes sound."""
-        resistance = _resistance(frequency, self.areal, self.rigidity, self.perimeter, self.area)
+        resistance = _resistance(frequency, self.areal, self.rigidity, self.perimeter, self.area, self.grain)
         if self.ribs:
             edges = self.perimeter + 2 * self.ribs.length
-            panel = _resistance(frequency, self.ribs.areal, self.ribs.rigidity, edges, self.area)
+            ribs = self.ribs
+            panel = _resistance(frequency, ribs.areal, ribs.rigidity, edges, self.area, ribs.grain)
             resistance = resistance * (panel / resistance) ** _between(self.ribs, frequency)
         share: Array = resistance / (resistance + self.loss_factor * 2 * math.pi * frequency)
         return share
@@ -132,37 +143,41 @@ def _mobility(areal: float, rigidity: float) -> float:
     return 1 / (8 * math.sqrt(rigidity * areal))
 
 
-def _resistance(frequency: Array, areal: float, rigidity: float, perimeter: float, area: float) -> Array:
-    """Return the resistance R (1/s) of a plate's modes in a wall."""
-    critical = SPEED**2 / (2 * math.pi) * math.sqrt(areal / rigidity)
-    ratio = frequency / critical
+def _resistance(frequency: Array, areal: float, rigidity: float, perimeter: float, area: float, grain: float) -> Array:
+    """Return the resistance R (1/s) of a plate's modes in a wall, the mean of their directions."""
+    along = np.cos(0.5 * math.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS) ** 2
+    spread = grain**-0.25 * along + grain**0.25 * (1 - along)
+    critical = SPEED**2 / (2 * math.pi) * math.sqrt(areal / rigidity) * spread
+    ratio = np.asarray(frequency)[..., None] / critical
     low = perimeter * SPEED / (math.pi**2 * area * critical) * np.sqrt(np.minimum(ratio, 1 / _JOIN))
     high = 1 / np.sqrt(1 - 1 / np.maximum(ratio, _JOIN))
     rise = np.clip((np.log(ratio) / math.log(_JOIN) + 1) / 2, 0, 1)
-    resistance: Array = 2 * IMPEDANCE / areal * low ** (1 - rise) * high**rise
+    resistance: Array = 2 * IMPEDANCE / areal * np.mean(low ** (1 - rise) * high**rise, axis=-1)
     return resistance
 
 
 _THICKNESS, _DENSITY = 0.008, 390.0
-_RIGIDITY = math.sqrt(11.5e9 * 0.47e9) * _THICKNESS**3 / 12
-"""Spruce: its thickness (m), its density (kg/m^3), its rigidity (N m) from the moduli along and across the grain, as
-recalled from Ege's thesis."""
+_ALONG, _ACROSS = 11.5e9, 0.47e9
+_RIGIDITY = math.sqrt(_ALONG * _ACROSS) * _THICKNESS**3 / 12
+_SPRUCE, _HARDWOOD = _ALONG / _ACROSS, 10.0
+"""Spruce: its thickness (m), its density (kg/m^3), its moduli along and across the grain (Pa), as recalled from Ege's
+thesis, and its rigidity (N m). Ratios of moduli; of hard woods it is 8 to 14 (Wood Handbook, as recalled)."""
 
 PIANO = Board(
     areal=4.0, rigidity=2000.0, loss_factor=0.02, area=1.4, perimeter=5.0, lowest=60.0,
-    ribs=Ribs(between=1100.0, length=10.0, areal=_DENSITY * _THICKNESS, rigidity=_RIGIDITY),
+    ribs=Ribs(between=1100.0, length=10.0, areal=_DENSITY * _THICKNESS, rigidity=_RIGIDITY, grain=_SPRUCE),
 )  # fmt: skip
 """8 mm of spruce with eleven ribs of 0.9 m: a conductance of 1.4e-3 s/kg, where a piano's is 1e-3 within a factor of 2
 up to the frequency from which waves stay between the ribs (Giordano, J. Acoust. Soc. Am. 103, 1998; Ege and Boutillon
 2010), and 7e-3 s/kg above. Losses: of 1 to 3 % (Ege, Boutillon, Rebillat, J. Sound Vib. 332, 2013)."""
 
-BOX = Board(areal=7.0, rigidity=350.0, loss_factor=0.02, area=0.02, perimeter=0.6, lowest=150.0)
+BOX = Board(areal=7.0, rigidity=350.0, loss_factor=0.02, area=0.02, perimeter=0.6, lowest=150.0, grain=_HARDWOOD)
 """The top of a hollow box for tongues, 200 x 100 x 10 mm of hard wood, estimated: a conductance of 2.5e-3 s/kg. The
 lowest mode is that of the air in it."""
 
 CELLO = Board(
     areal=2.0, rigidity=25.0, loss_factor=0.025, area=0.24, perimeter=2.0, lowest=220.0,
-    bridge=2000.0, bridge_quality=3.0,
+    bridge=2000.0, bridge_quality=3.0, grain=_SPRUCE,
     single=(Resonance(100.0, 30.0, 3.0), Resonance(180.0, 30.0, 0.4), Resonance(220.0, 35.0, 0.6)),
 )  # fmt: skip
 """The top of a cello: 4.5 mm of spruce, 0.75 m long, with what its bass bar adds, estimated. Its air resonance and two
@@ -172,13 +187,19 @@ quality estimated."""
 
 GUITAR = Board(
     areal=1.3, rigidity=10.0, loss_factor=0.02, area=0.14, perimeter=1.5, lowest=350.0,
-    glued=Beam(mass=0.19, rigidity=13.7),
+    ribs=Ribs(
+        between=600.0, length=2.4, grain=_SPRUCE,
+        areal=_DENSITY * 0.0025, rigidity=_RIGIDITY * (0.0025 / _THICKNESS) ** 3,
+    ),
+    glued=Beam(mass=0.19, rigidity=13.7), grain=_SPRUCE,
     single=(Resonance(100.0, 25.0, 0.6), Resonance(195.0, 18.0, 0.12), Resonance(390.0, 40.0, 0.15)),
 )  # fmt: skip
-"""The top of a classical guitar: 2.5 mm of spruce with its struts, estimated. Its bridge: Indian rosewood of 830 kg/m^3
-and 11.5 GPa (dealers' data), 28 x 8 mm under the saddle, as is usual. Its coupled modes of air and top near 100
-and 195 Hz, where an effective mass of 0.1 kg is usual (Christensen and Vistisen, J. Acoust. Soc. Am. 68, 1980, as
-recalled), and one more. The quality of that near 195 Hz is as it rings in seven notes of three recorded guitars, a T60
-of 0.20 s in their median (FluidR3, freepats, A320U); the other qualities and masses estimated."""
+"""The top of a classical guitar: 2.5 mm of spruce with its struts, estimated: seven of 0.25 m along the grain, 45 mm
+apart, and two of 0.3 m across it; half a wave fits between two of them, across the grain, at 600 Hz. Its bridge:
+Indian rosewood of 830 kg/m^3 and 11.5 GPa (dealers' data), 28 x 8 mm under the saddle, as is usual. Its coupled
+modes of air and top near 100 and 195 Hz, where an effective mass of 0.1 kg is usual (Christensen and Vistisen, J.
+Acoust. Soc. Am. 68, 1980, as recalled), and one more. The quality of that near 195 Hz is as it rings in seven notes
+of three recorded guitars, a T60 of 0.20 s in their median (FluidR3, freepats, A320U); the other qualities and masses
+estimated."""
 
 BOARDS = dict(zip(choices.BOARDS, (PIANO, BOX, CELLO, GUITAR), strict=True))
