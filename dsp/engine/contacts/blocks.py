@@ -38,6 +38,7 @@ from .contact_list import acts, take_place, take_room_again
 from .coupled_rolls import PASSED, passed_by
 from .flights import release_spent
 from .linear_rests import may_be_linear, note_calm, run_linear
+from .presses import press
 from .rolls import feed_of, register_roll
 from .slides import rubs
 from .trace import trace_press, trace_roll
@@ -320,7 +321,7 @@ def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
         if n > net.begin:
             feel(state.blocks, net, size, n - 1 - net.begin)
         for i in range(size):
-            net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]])
+            net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]], n)
         if not step_blocks(state.contacts, state.blocks, net, size, n - net.begin):
             return n
         for i in range(size):
@@ -347,8 +348,11 @@ def _leave(state: State, net: Net, end: int) -> None:
 
 
 @kernel
-def _lead(state: State, contact: Contact, block: Block) -> float:
-    """Lay the path under a contact over the coming sample; return the share of its force that the object gets."""
+def _lead(state: State, contact: Contact, block: Block, frame: int) -> float:
+    """Lay the path under a contact over the sample that ends at a frame, or press it on; return the share of its force
+    that the object gets."""
+    if contact.trait.held == 1:
+        press(contact, frame)
     if contact.trait.along == 0:
         return 1.0
     roll = state.rolls[contact.roll]

@@ -39,6 +39,8 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
             faster += kicked / contact.now.gain
             farthest += _farthest(state, contact, side, far, given) / contact.now.gain
     contact.reach = distance
+    if contact.trait.held == 1:
+        contact.coupled.push = max(contact.coupled.push, contact.push)  # the greatest up to the quantum's end
     if not seen:
         contact.coupled.motion[0] = contact.coupled.position + distance  # at most
         acceleration = math.inf  # the gap's rate is not known

@@ -12,6 +12,7 @@ from ..memory.state import COUPLING, State
 from .contact_force import drive, find_transfer, gain_of, observe_points
 from .contact_list import acts, share_object
 from .coupled_rolls import lead_roll
+from .presses import press
 from .solver_choice import choose_tolerance, count_steps, price_of
 
 
@@ -23,16 +24,17 @@ def solve_groups(state: State, frame: int) -> None:
     for i in range(count):
         if candidates[i] >= 0:
             _gather(state, i, count)
-            _solve(state)
+            _solve(state, frame)
 
 
 @noinline_kernel
-def solve_alone(state: State, contact: Contact) -> None:
-    """Solve a coupled contact by itself over the coming sample, in which it begins after the others were solved."""
+def solve_alone(state: State, contact: Contact, frame: int) -> None:
+    """Solve a coupled contact by itself over the sample that ends at a frame, in which it begins after the others were
+    solved."""
     choose_tolerance(state, contact)
     state.scratch.together.size = 1
     state.scratch.together.member[0] = contact.index
-    _solve(state)
+    _solve(state, frame)
 
 
 @kernel
@@ -99,8 +101,8 @@ def _see_each_other(contact: Contact, other: Contact) -> bool:
 
 
 @noinline_kernel
-def _solve(state: State) -> None:
-    """Find the moments of all forces in `together` over the coming sample, and have them act."""
+def _solve(state: State, frame: int) -> None:
+    """Find the moments of all forces in `together` over the sample that ends at a frame, and have them act."""
     group = state.scratch.together
     _sort(group)
     price = price_of(group.size)
@@ -108,6 +110,8 @@ def _solve(state: State) -> None:
         contact = state.contacts[group.member[i]]
         if contact.trait.along == 1:
             lead_roll(state, contact)
+        if contact.trait.held == 1:
+            press(contact, frame)
         observe_points(state, contact)
         if contact.coupled.tolerance == HELD and not holds_steps(state):
             state.stats.over_budget += 1

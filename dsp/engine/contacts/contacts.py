@@ -11,7 +11,7 @@ import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
-from ...schema import BY_POINT, FORCE, POINT, STEERABLE, gestures_steered_by
+from ...schema import BY_POINT, POINT, STEERABLE, gestures_steered_by
 from ..bodies.strikers import roll_striker
 from ..bodies.surface import put, put_other
 from ..memory.order import wake
@@ -31,6 +31,7 @@ from .contact_list import (
     take_out,
 )
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
+from .presses import add_static, glide_push, lay_on
 from .rests import begin_rest, keep_resting
 from .rolls import feed_of, feed_on, register_roll
 from .slides import lead_slide, rub, rubs
@@ -38,7 +39,6 @@ from .solver_choice import is_moved
 from .swarms import delay_swarm, has_run_out, swarm_on
 from .trace import trace_roll
 
-_LAID = FORCE.glide  # s: also of a striker's weight
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 
 _GLIDES = np.array([max(each.glide for each in gestures_steered_by(name).values()) for name in STEERABLE])
@@ -158,7 +158,7 @@ def _lift(state: State, contact: Contact, frames: int) -> None:
     """Take a pressing striker away, to be laid on again after so many frames."""
     release_modes(state, contact)
     contact.touching = contact.asleep = contact.ahead = 0
-    contact.push = 0.0
+    contact.push = contact.push_gap = 0.0
     contact.start = state.position + frames
     contact.fraction = 0.0
 
@@ -170,22 +170,10 @@ def _push_on(state: State, contact: Contact) -> None:
         release_striker(state, contact, contact.until)
         if contact.trait.held == 1:
             contact.push = 0.0  # a hand is taken away at once
-    if contact.push != contact.push_target:
-        slowly = math.exp(-QUANTUM / (_LAID * state.rate))
-        contact.push = contact.push_target + (contact.push - contact.push_target) * slowly
+    glide_push(state, contact, float(QUANTUM))
     contact.coupled.push = contact.push
     if contact.push != 0.0:
-        _add_static(state, contact)
-
-
-@kernel
-def _add_static(state: State, contact: Contact) -> None:
-    """Record the static deflection of the objects under the push, so that the mix can subtract it."""
-    for side in range(2):
-        if contact.point[side].slot >= 0:
-            obj = state.objects[contact.point[side].slot]
-            for channel in range(2):
-                obj.static[channel] += contact.now.gain * contact.push * contact.static[side, channel]
+        add_static(state, contact)
 
 
 @noinline_kernel
@@ -263,6 +251,8 @@ def _begin(state: State, contact: Contact, frame: int) -> bool:
         return True
     contact.begun = float(state.position + frame)
     if begin_rest(state, contact) if contact.trait.rests == 1 else begin_contact(state, contact, is_pushed(contact)):
+        if contact.trait.held == 1:
+            lay_on(state, contact)
         return True
     report_end(state, contact.gesture, END_NO_ROOM)
     return False
@@ -324,7 +314,7 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
             if not stays:
                 break
             if contact.solver == COUPLING and contact.solved == 0:
-                solve_alone(state, contact)
+                solve_alone(state, contact, frame)
             if apply_contact_force(state, contact, frame):
                 leaves = contact.solver == COUPLING and contact.trait.along == 0
                 stays = not leaves or follow_coupled(state, contact, frame)

@@ -16,6 +16,7 @@ from .bounces import fly_off
 from .clearance import energy_beside, flight, is_beyond
 from .contact_list import KEPT_ASIDE, acts, append_contact, give_room_back, report_end, take_out
 from .gesture_kernels import come_back
+from .presses import fly_pressed
 
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
 _SLOW = 3.0  # times sqrt(g x_e), the velocity below which a bouncing striker's weight counts while it touches
@@ -90,11 +91,20 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     skipped = min(samples, _LONGEST_LEAP)
     if contact.trait.falls == 1 and skipped > _HOP:
         contact.begun = now  # a flight: it does not stay
-    fly_on(coupled, skipped)
-    give_room_back(state, contact)
-    contact.start = state.position + frame + int(skipped)
-    contact.fraction = 0.0
+    _skip(state, contact, frame, skipped)
     return True
+
+
+@kernel
+def _skip(state: State, contact: Contact, frame: int, samples: float) -> None:
+    """Advance a striker unseen by whole samples from a frame on, which it surely stays apart."""
+    if contact.trait.held == 1:
+        fly_pressed(contact, frame, samples)
+    else:
+        fly_on(contact.coupled, samples)
+    give_room_back(state, contact)
+    contact.start = state.position + frame + int(samples)
+    contact.fraction = 0.0
 
 
 @kernel

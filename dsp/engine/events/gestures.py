@@ -113,7 +113,7 @@ def _describe(state: State, contact: Contact, event: Event) -> None:
 def _push(contact: Contact, values: Values) -> None:
     """Set the force that pushes a striker on: its weight, or a hand, which is laid on."""
     target = contact.target
-    contact.push = contact.push_target = 0.0
+    contact.push = contact.push_target = contact.push_gap = 0.0
     contact.has_weight = int(values.weight)
     if contact.trait.falls == 1:
         contact.push = contact.push_target = contact.m * target.gravity

@@ -82,8 +82,9 @@ class Contact(Record):
     debt: int  # steps of a coupled contact beyond those granted
     static: Annotated[View2D[float], 2, 2]  # static output of each object at left and right for a push of 1 N
     asleep: int  # 1: a rest whose objects are still; nothing of it is computed
-    push: float  # N: on a coupled striker, gliding
+    push: float  # N: on a coupled striker at the quantum's end, gliding
     push_target: float  # to this
+    push_gap: float  # N: by which it is beyond that
     sound: int  # place of its striker among those that sound, -1: none
     sound_serial: int
     spot: np.uint64  # of its striker that touches, by which second pulses scatter; 0: not known yet

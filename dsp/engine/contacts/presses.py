@@ -1,0 +1,80 @@
+"""The force that presses a striker on: it comes and goes as 1 - exp(-t/T) does.
+
+It is taken sample by sample, from the instant at which the striker is laid on: a light one that bounces under it would
+tell where the quanta begin.
+"""
+
+import math
+
+from ...contact.coupled_flight import fly_on
+from ...native.jit import kernel
+from ...schema import FORCE
+from ..memory.records import Contact
+from ..memory.state import QUANTUM, State
+from .contact_force import observe_points
+
+_GLIDE = FORCE.glide  # s: also of a striker's weight
+_REACHED = 1e-12  # N: as near to its target a push has reached it
+
+
+@kernel
+def lay_on(state: State, contact: Contact) -> None:
+    """Begin to press a striker on where it begins to touch, with no force yet."""
+    observe_points(state, contact)
+    contact.push = 0.0
+    glide_push(state, contact, state.position - 1 + QUANTUM - contact.start - contact.fraction)
+    add_static(state, contact)
+
+
+@kernel
+def glide_push(state: State, contact: Contact, left: float) -> None:
+    """Bring the push on a striker nearer to its target by the end of the quantum, of which so many samples are left."""
+    gap = (contact.push - contact.push_target) * math.exp(-left / (_GLIDE * state.rate))
+    contact.push_gap = gap if abs(gap) > _REACHED else 0.0
+    contact.push = contact.push_target + contact.push_gap
+
+
+@kernel
+def press(contact: Contact, frame: int) -> None:
+    """Set the push on a coupled striker that is pressed on to that amid the sample that ends at a frame.
+
+    One that grows moves it a trifle less than its mean does, which is taken off at the sample's beginning.
+    """
+    coupled, left = contact.coupled, QUANTUM - frame - 0.5
+    coupled.push = max(_push_at(contact, left), 0.0)
+    if contact.push_gap != 0.0:
+        grown = -contact.push_gap * math.exp(left * coupled.period / _GLIDE) * coupled.period / _GLIDE
+        less = grown * coupled.period * coupled.period / (12.0 * coupled.m)
+        coupled.position -= less
+        coupled.motion[0] -= less
+
+
+@kernel
+def fly_pressed(contact: Contact, frame: int, samples: float) -> None:
+    """Advance a striker that is pressed on and touches nothing by whole samples from a frame on, as its push grows."""
+    coupled, left = contact.coupled, float(QUANTUM - 1 - frame)
+    first, time = _push_at(contact, left), samples * coupled.period
+    x = time / _GLIDE
+    gap = contact.push_gap * math.exp(left * coupled.period / _GLIDE)
+    coupled.push = first + gap * (-math.expm1(-x) / x - 1.0) if x > 0.0 else first  # its mean
+    fly_on(coupled, samples)
+    coupled.position += gap * time * time * x * (1.0 - x * (0.5 - 0.15 * x)) / (12.0 * coupled.m)
+
+
+@kernel
+def _push_at(contact: Contact, left: float) -> float:
+    """Return the push (N) on a striker so many samples before the quantum's end."""
+    if contact.push_gap == 0.0:
+        return contact.push
+    return contact.push + contact.push_gap * math.expm1(left * contact.coupled.period / _GLIDE)
+
+
+@kernel
+def add_static(state: State, contact: Contact) -> None:
+    """Record the static deflection of the objects under the push at the quantum's end, so that the mix can subtract
+    it."""
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            obj = state.objects[contact.point[side].slot]
+            for channel in range(2):
+                obj.static[channel] += contact.now.gain * contact.push * contact.static[side, channel]
