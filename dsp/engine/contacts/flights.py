@@ -17,6 +17,7 @@ from .clearance import energy_beside, flight, is_beyond
 from .contact_list import KEPT_ASIDE, acts, append_contact, give_room_back, report_end, take_out
 from .gesture_kernels import come_back
 from .presses import fly_pressed
+from .spins import next_turn
 
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
 _SLOW = 3.0  # times sqrt(g x_e), the velocity below which a bouncing striker's weight counts while it touches
@@ -56,12 +57,12 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     if contact.trait.rests == 1:
         return math.isfinite(coupled.v)
     now = float(state.position + frame)
-    if contact.trait.repeats == 1 and contact.trait.falls == 0 and _has_left(contact, now):
+    samples = 0.0 if coupled.touching == 1 else flight(state, contact, True)
+    if contact.trait.repeats == 1 and contact.trait.falls == 0 and _turns_on(state, contact, now, samples):
         return come_back(contact.kind, state, contact, frame)
     if now >= contact.gone_at or not math.isfinite(coupled.v):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
-    samples = 0.0 if coupled.touching == 1 else flight(state, contact, True)
     if _is_over(contact, now, samples):
         report_end(state, contact.gesture, END_STOPPED)
         return False
@@ -171,12 +172,16 @@ def _call_back(state: State, contact: Contact, now: float) -> None:
 
 
 @kernel
-def _has_left(contact: Contact, now: float) -> bool:
-    """True if a coupled contact has touched and is over, at a time in samples."""
+def _turns_on(state: State, contact: Contact, now: float, samples: float) -> bool:
+    """True if a disc's contact is over, at a time in samples: its rim has left for good, or surely touches nothing for
+    so many samples, by whose end the next contact is due."""
     coupled = contact.coupled
-    return (
-        (coupled.touching == 0 and coupled.contacts > 0) or now >= contact.gone_at or not math.isfinite(coupled.v)
-    )  # fmt: skip
+    if not math.isfinite(coupled.v):
+        return True
+    due = now + samples >= contact.origin + next_turn(contact) * state.rate
+    if contact.gone_at < math.inf:
+        return due or now >= contact.gone_at
+    return coupled.touching == 0 and coupled.contacts > 0 and (due or samples == math.inf)
 
 
 @kernel

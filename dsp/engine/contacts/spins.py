@@ -55,11 +55,25 @@ def turn_on(state: State, contact: Contact, frame: int) -> bool:
 
 
 @kernel
+def next_turn(contact: Contact) -> float:
+    """Return when the turn is over that has begun with a disc's contact, in s from the beginning."""
+    power = 1.0 - contact.quickening
+    after = max((contact.lasts - contact.turned) ** power - _step(contact, power), 0.0)
+    over: float = contact.lasts - after ** (1.0 / power)
+    return over
+
+
+@kernel
+def _step(contact: Contact, power: float) -> float:
+    """Return what a turn takes off left^(1 - n), of the time (s) that is left."""
+    return power / (contact.tempo * math.sqrt(contact.target.gravity))
+
+
+@kernel
 def _turn(contact: Contact, now: float) -> bool:
     """Find the next contact that is not before `now` (s from the beginning). False if it lies still first."""
     power = 1.0 - contact.quickening
-    left = contact.lasts - contact.turned
-    step = power / (contact.tempo * math.sqrt(contact.target.gravity))  # of left^(1 - n) in a turn
+    left, step = contact.lasts - contact.turned, _step(contact, power)
     before = left**power
     turns = -math.floor((max(contact.lasts - now, 0.0) ** power - before) / step)
     after = before - max(turns, 1) * step

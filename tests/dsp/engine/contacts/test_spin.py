@@ -17,21 +17,21 @@ COIN = (0.0075, 1e9, 0.1, 1.5)
 EURO = {"duration": 3.0, "angle": 20.0, "radius": 0.0116, "flat": 0.2, "seed": 1}
 
 
-def spun(seconds=3.5, law=COIN, modes=None, start=100.25, **keys):
+def spun(seconds=3.5, law=COIN, modes=None, start=100.25, rate=RATE, **keys):
     """Return when the contacts of a spin begin (s from its beginning), their impulses (N s), the engine, and how it
     ended."""
-    engine = Engine(RATE)
+    engine = Engine(rate)
     engine.trace(True)
     handle = engine.add(modes or bell(modal_mass=1e3), 0.05)
     engine.send([gesture("spin", handle, law, start, 7, **{**EURO, **keys})])
     entries = []
-    for _ in range(round(seconds * RATE / QUANTUM)):
+    for _ in range(round(seconds * rate / QUANTUM)):
         engine.process(QUANTUM)
         entries.append(engine.traced())
     trace = np.concatenate(entries)
     numbers, first = np.unique(trace["contact"], return_index=True)
     impulses = [trace["impulse"][trace["contact"] == number].sum() for number in numbers]
-    return (trace["begin"][first] - start) / RATE, np.array(impulses), engine
+    return (trace["begin"][first] - start) / rate, np.array(impulses), engine
 
 
 def turns_of_eulers_disc(power, **keys):
@@ -165,6 +165,25 @@ def test_contacts_that_last_longer_than_a_turn_leave_turns_out():
     times, _, engine = spun(law=(0.05, 2e3, 0.5, 1.5), radius=0.002, angle=2.0, duration=1.0)
     assert (np.diff(times) > 5e-3).all() and times[-1] <= 1.0
     assert engine.ended() == [(7, End.RESTED)] and engine.stats.contacts_active == 0
+
+
+@pytest.mark.parametrize("rate", [24_000, 96_000])
+def test_a_heavy_disc_gives_a_light_object_as_much_at_any_rate(rate):
+    """The rim touches it again and again until it has been turned back: in each turn it gives all of its momentum."""
+    light = listed(frequency=np.linspace(300, 9_000, 24), t60=[0.3] * 24, modal_mass=0.002, mass=1.0, top=20_000)
+    given = []
+    for each in (RATE, rate):
+        times, impulses, _ = spun(0.5, modes=light, start=100.25 * each / RATE, rate=each)
+        given.append(impulses[times < 0.45].sum())
+        assert len(impulses) > 2 * len(turned(times))
+    assert given[1] == pytest.approx(given[0], rel=0.01)
+    hits = [0.2 * 2 * math.sqrt(STANDARD_GRAVITY * 0.0116 * math.sin(math.radians(20)))] * len(turned(times))
+    assert given[0] > 0.9 * COIN[0] / 5 * sum(hits)
+
+
+def turned(times):
+    """Return those that begin a turn: after 5 ms without a contact."""
+    return times[np.diff(times, prepend=-1.0) > 5e-3]
 
 
 def test_an_object_that_spins_rings_too():
