@@ -33,7 +33,7 @@ class Kept(Generic[_Key, _Value]):
         self.most = most
         self._size = size
         self._lock = Lock()
-        self._values: OrderedDict[_Key, tuple[_Value, float]] = OrderedDict()  # with when they were last asked for (s)
+        self._values: OrderedDict[_Key, tuple[_Value, float, int]] = OrderedDict()  # when last asked for (s), bytes
         self._bytes = 0
 
     def get(self, key: _Key) -> _Value | None:
@@ -41,23 +41,22 @@ class Kept(Generic[_Key, _Value]):
         with self._lock:
             found = self._values.pop(key, None)
             if found:
-                self._values[key] = found[0], time.monotonic()
+                self._values[key] = found[0], time.monotonic(), found[2]
             self._forget()
             return found[0] if found else None
 
     def all(self) -> list[tuple[_Key, _Value]]:
         """Return all keys and values."""
         with self._lock:
-            return [(key, value) for key, (value, _) in self._values.items()]
+            return [(key, value) for key, (value, _, _) in self._values.items()]
 
     def put(self, key: _Key, value: _Value) -> None:
         """Keep a value; where another thread was faster, that one's."""
         with self._lock:
-            if key in self._values:
-                return
-            self._values[key] = value, time.monotonic()
-            self._bytes += self._size(value)
-            self._forget()
+            entry = value, time.monotonic(), self._size(value)
+            if self._values.setdefault(key, entry) is entry:
+                self._bytes += entry[2]
+                self._forget()
 
     def forget(self) -> None:
         """Forget what nobody has asked for lately."""
@@ -67,8 +66,7 @@ class Kept(Generic[_Key, _Value]):
     def _forget(self) -> None:
         oldest = time.monotonic() - SECONDS
         while self._values and (self._bytes > self.most or next(iter(self._values.values()))[1] < oldest):
-            _, (gone, _) = self._values.popitem(last=False)
-            self._bytes -= self._size(gone)
+            self._bytes -= self._values.popitem(last=False)[1][2]
 
 
 _everything: WeakSet[Kept[Any, Any]] = WeakSet()
