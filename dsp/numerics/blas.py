@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 from functools import cache
 from threading import Lock
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 def on_one_thread() -> AbstractContextManager[None]:
     """Limit BLAS, numpy's and that of scipy if it is loaded, to one thread while any user is in this context: whoever
     enters sets the limit, the last to leave lifts it."""
-    return _blas.on_one_thread()
+    return _blas
 
 
 class _Blas:
@@ -25,28 +24,30 @@ class _Blas:
     def __init__(self) -> None:
         self._lock = Lock()
         self._users = 0
-        self._limited: list[tuple[Any, int]] = []  # libraries, and how many threads each had
+        self._seen: list[Any] = []  # libraries that were looked at since the first user entered
+        self._limited: list[tuple[Any, int]] = []  # those that had more threads, and how many
 
-    @contextmanager
-    def on_one_thread(self) -> Iterator[None]:
-        """Limit BLAS to one thread while any user is in this context: whoever enters sets the limit, the last to leave
-        lifts it."""
+    def __enter__(self) -> None:
         with self._lock:
             self._users += 1
-            for library in _libraries("scipy.linalg" in sys.modules):
+            libraries = _libraries("scipy.linalg" in sys.modules)
+            if libraries is self._seen:
+                return
+            self._seen = libraries
+            for library in libraries:
                 count = library.num_threads
                 if count not in (None, 1):
                     self._limited.append((library, count))
                     library.set_num_threads(1)
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._users -= 1
-                if self._users == 0:
-                    while self._limited:
-                        library, before = self._limited.pop()
-                        library.set_num_threads(before)
+
+    def __exit__(self, *_: object) -> None:
+        with self._lock:
+            self._users -= 1
+            if self._users == 0:
+                self._seen = []
+                while self._limited:
+                    library, before = self._limited.pop()
+                    library.set_num_threads(before)
 
 
 @cache  # to look through all libraries takes longer than many an object
