@@ -45,12 +45,14 @@ class Curves:
         along = _along(x) / _STEP
         first = np.floor(along).astype(int) - _NODES // 2 + 1
         places = first + np.arange(_NODES)[:, None]
-        piece = places // _AT_ONCE - _LOWEST
+        begin = places // _AT_ONCE
+        piece, within = begin - _LOWEST, places - _AT_ONCE * begin
         with self._lock:
-            lacking = self._slot[group, piece] < 0
-            if lacking.any():
+            slot = self._slot[group, piece]
+            if (lacking := slot < 0).any():
                 self._add(np.broadcast_to(group, piece.shape)[lacking], piece[lacking])
-            found = self._values[self._slot[group, piece], places % _AT_ONCE, column]
+                slot = self._slot[group, piece]
+            found = self._values.reshape(-1, 2).take((slot * _AT_ONCE + within) * COLUMNS + column, axis=0)
         weights = cubic_weights(along - first)
         resistance, mass = ((weights * found[..., i]).sum(axis=0) for i in (0, 1))
         return np.asarray(np.exp(resistance) + 1j * x * mass)

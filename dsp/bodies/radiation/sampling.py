@@ -57,9 +57,9 @@ class Filling:
             return
         x, wanted = self._places
         level = np.log(np.maximum(loads.resistance[self._given], _LEAST))
-        columns = level, loads.mass[self._given]
-        found = [_value(x, y, _slopes(x, y, self._begins), self._at, wanted) for y in columns]
-        loads.resistance[self._asked], loads.mass[self._asked] = np.exp(found[0]), found[1]
+        y = np.stack([level, loads.mass[self._given]])
+        level, mass = _value(x, y, _slopes(x, y, self._begins), self._at, wanted)
+        loads.resistance[self._asked], loads.mass[self._asked] = np.exp(level), mass
 
 
 def _cubic(x: Array, y: Array, wanted: Array) -> Array:
@@ -69,22 +69,25 @@ def _cubic(x: Array, y: Array, wanted: Array) -> Array:
 
 
 def _slopes(x: Array, y: Array, begins: Indices) -> Array:
-    """Return the slopes at the points of families, each of which begins at one of these places."""
+    """Return the slopes (..., k) at the points of families, each of which begins at one of these places."""
     step = np.diff(x)
     step[begins[1:] - 1] = 1.0  # from one family to the next: no slope asks for it
     rise = np.diff(y) / step
     slope = np.empty_like(y)
-    slope[1:-1] = (step[1:] * rise[:-1] + step[:-1] * rise[1:]) / (step[1:] + step[:-1])
-    ends = np.append(begins[1:], y.size) - 1
-    slope[begins], slope[ends] = 2 * rise[begins] - slope[begins + 1], 2 * rise[ends - 1] - slope[ends - 1]
+    slope[..., 1:-1] = (step[1:] * rise[..., :-1] + step[:-1] * rise[..., 1:]) / (step[1:] + step[:-1])
+    ends = np.append(begins[1:], x.size) - 1
+    first = 2 * rise[..., begins] - slope[..., begins + 1]
+    slope[..., ends] = 2 * rise[..., ends - 1] - slope[..., ends - 1]
+    slope[..., begins] = first
     return slope
 
 
 def _value(x: Array, y: Array, slope: Array, i: Indices, wanted: Array) -> Array:
     """Return the value at each place that is wanted, between the points i and i + 1."""
     step = x[i + 1] - x[i]
-    rise = (y[i + 1] - y[i]) / step
+    here, there = y[..., i], y[..., i + 1]
+    rise = (there - here) / step
     t = (wanted - x[i]) / step
-    bend = (slope[i] - rise) * (1 - t) + (rise - slope[i + 1]) * t
-    value: Array = y[i] + step * t * (rise + (1 - t) * bend)
+    bend = (slope[..., i] - rise) * (1 - t) + (rise - slope[..., i + 1]) * t
+    value: Array = here + step * t * (rise + (1 - t) * bend)
     return value
