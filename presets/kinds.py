@@ -354,7 +354,10 @@ class ObjectPreset:
         added = self.added
         if "cavity" in data:
             data["cavity"] = {key: value * factor ** POWERS.get(key, 0) for key, value in data["cavity"].items()}
-            added = tuple(_added(key, f"[{key}] ", data[key]) for key in ADDED if key in data)
+            added = tuple(
+                _added(key, f"[{key}] ", data[key]) if key == "cavity" else each
+                for key, each in zip((key for key in ADDED if key in data), added, strict=True)
+            )
         alike = factor != 1.0 and len(scaled) == len(lengths) and has_similar(shape.make, self.geometry)
         of_one_size = (factor, self.geometry) if alike else None
         return replace(

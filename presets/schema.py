@@ -9,7 +9,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from ..dsp import bodies, schema
 from ..dsp.bodies.choices import BOARDS, EDGES, ENDS, MOST_WIRES
@@ -169,7 +169,8 @@ ROUND: Fields = {"split": Quantity(0, 0.1), "imperfection": ANGLE}
 DOUBLETS: Fields = {**ROUND, "split_seed": Whole(0, 1_000_000)}
 
 
-class Addition(NamedTuple):
+@dataclass(frozen=True)
+class Addition:
     """A class of modes that are added to a shape's, by its name in `dsp.bodies`, and what its arguments may be."""
 
     name: str
@@ -180,7 +181,7 @@ class Addition(NamedTuple):
         found: Callable[..., Added] = getattr(bodies, self.name)
         return found
 
-    @property
+    @cached_property
     def required(self) -> tuple[str, ...]:
         parameters = inspect.signature(self.make).parameters
         return tuple(key for key in self.fields if parameters[key].default is inspect.Parameter.empty)
@@ -220,7 +221,7 @@ class Shape:
         """The keys of its material's damping that an object may give anew."""
         return DAMPING if self.has_material else {}
 
-    @property
+    @cached_property
     def required(self) -> tuple[str, ...]:
         return tuple(key for key in self.fields if self.parameters[key].default is inspect.Parameter.empty)
 
