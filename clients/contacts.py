@@ -205,12 +205,17 @@ def _drive(
         sound=sounding["sound"],
         share=sounding["share"],
         ratio=sounding["ratio"],
-        snaps=tuple((begin - start, impulse) for begin, impulse in table.numbers[snapped][:, _PULSE].tolist()),
+        snaps=_snaps(table, snapped, start) if len(snapped) else (),
     )
 
 
 _SILENT: Mapping[str, Any] = {"sound": -1, "share": 0.0, "ratio": 1.0}
 _NO_FRICTION = np.zeros((0, 1 + TRACED_MOMENTS))
+
+
+def _snaps(table: _Table, snapped: NDArray[np.intp], start: int) -> tuple[tuple[float, float], ...]:
+    """Return the frames and impulses (N s) of second pulses."""
+    return tuple((begin - start, impulse) for begin, impulse in table.numbers[snapped][:, _PULSE].tolist())
 
 
 def _friction(table: _Table, rubbed: NDArray[np.intp], first: int, size: int) -> NDArray[np.float64]:

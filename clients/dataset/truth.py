@@ -183,6 +183,8 @@ def _beyond_lanes(modes: Modes, tune: float, rate: int) -> list[int]:
     top = top_of.py_func(rate)
     order = np.argsort(modes.decay, kind="stable")
     order = order[modes.frequency[order] <= top]
+    if len(order) % LANES == 0:
+        return []
     beyond = np.zeros(len(modes.frequency), np.bool_)
     beyond[order[len(order) // LANES * LANES :]] = True
     found: list[int] = np.flatnonzero(beyond[(modes.frequency <= top) & (modes.frequency * tune <= top)]).tolist()

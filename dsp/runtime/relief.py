@@ -34,9 +34,9 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
         return Relief(np.empty(0), np.empty(0), np.empty((len(sides), len(strike), 0)))
     omega = 2 * np.pi * frequency
     weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
-    size = np.sqrt((strike[:rows] ** 2).mean(axis=0) * (weight**2).mean(axis=0)) + 1e-300
+    size = np.sqrt(_mean_square(strike[:rows]) * _mean_square(weight)) + 1e-300
     band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES)
-    bands = [band == each for each in sorted(set(band.tolist()))]
+    bands = [np.flatnonzero(band == each) for each in sorted(set(band.tolist()))]
     high = np.log(omega) * size
     middle = np.exp([np.add.reduce(high[each]) / np.add.reduce(size[each]) for each in bands])
     natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
@@ -45,3 +45,9 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
         # Summed without BLAS, whose last bits are not the same with any number of threads.
         np.add.reduce(strike[:, each] * weight[:, None, each], axis=-1, out=static[..., place])
     return Relief(TURN * natural / (2 * np.pi), DAMPING * natural, -static * natural / TURN)
+
+
+def _mean_square(rows: Array) -> Array:
+    """Return the mean of the squares of rows."""
+    found: Array = np.add.reduce(rows**2) / len(rows)
+    return found

@@ -14,5 +14,7 @@ def settled(unheard: Unheard | None, nyquist: float) -> Unheard:
     share = np.minimum(unheard.frequency / nyquist, HIGHEST)  # as `recurring` does, one by one
     nearest = np.floor(share + 0.5)
     moved = (nearest >= 1.0) & (np.abs(share - nearest) < APART)
-    kept = np.where(moved, nearest + np.where(share >= nearest, APART, -APART), share) * nyquist
+    if moved.any():
+        share = np.where(moved, nearest + np.where(share >= nearest, APART, -APART), share)
+    kept = share * nyquist
     return Unheard(kept, unheard.decay, unheard.strike * (kept / unheard.frequency))

@@ -28,12 +28,13 @@ class Versioned(Protocol):
     def names(self) -> Collection[str]: ...
 
 
+_SIGNS = frozenset("*?[{")
 _STARS = re.compile(r"\*+")
 
 
 def is_pattern(address: str) -> bool:
     """True if an address, or a part of one, may match others than itself."""
-    return any(sign in address for sign in "*?[{")
+    return not _SIGNS.isdisjoint(address)
 
 
 def match(pattern: str, part: str) -> bool:
