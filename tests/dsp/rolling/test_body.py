@@ -65,7 +65,7 @@ def thirds(spectra, frequencies):
     ("body", "on", "seeds"),
     [
         ({**MARBLE, "mu": 20.0}, {**GLASS, "roughness": 5e-8}, 32),
-        (STEEL_BALL, WOOD, 32),
+        (STEEL_BALL, WOOD, 64),
         (WHEEL, STONE, 4),
         (SOFT_BALL, CLOTH, 4),
     ],

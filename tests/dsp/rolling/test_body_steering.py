@@ -45,14 +45,18 @@ def test_steering_on_a_flat_surface_is_silent(changes):
 
 
 def test_roughness_can_come_to_a_smooth_surface():
-    force, here = steered(ground(1), MARBLE, {"roughness": 1.0})
-    body = roll.make_roll(ground(1), **{**MARBLE, "roughness": 0.0})
-    assert np.abs(roll.roll_moments(body, 0.0, 0.1, 48000)).max() < 1e-12
-    body["target"]["roughness"] = 1.0
-    after = roll.roll_moments(body, 0.1, 0.4, 48000)[:, 0] * 48000
-    assert after[9600:].std() == pytest.approx(force[9600:].std(), rel=0.5)
-    assert np.abs(after[:2400]).max() < 2 * np.abs(after[9600:]).max()
-    assert here["ended"] == 0
+    """A body is as loud as where it was rough from the beginning, by the median of nine surfaces: hops are chaos."""
+    ratios = []
+    for seed in range(1, 10):
+        force, here = steered(ground(seed), MARBLE, {"roughness": 1.0})
+        body = roll.make_roll(ground(seed), **{**MARBLE, "roughness": 0.0})
+        assert np.abs(roll.roll_moments(body, 0.0, 0.1, 48000)).max() < 1e-12
+        body["target"]["roughness"] = 1.0
+        after = roll.roll_moments(body, 0.1, 0.4, 48000)[:, 0] * 48000
+        ratios.append(after[9600:].std() / force[9600:].std())
+        assert np.abs(after[:2400]).max() < 2 * np.abs(after[9600:]).max()
+        assert here["ended"] == 0
+    assert np.median(ratios) == pytest.approx(1.0, rel=0.25)
 
 
 def test_speed_zero_ends_it():

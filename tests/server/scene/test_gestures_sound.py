@@ -126,14 +126,15 @@ def third_octaves(sound: np.ndarray, rate: int, low: float, high: float) -> np.n
 def test_what_strikes_is_heard_alike_at_any_rate(render, gesture):
     """A body's own sound, in thirds of an octave up to 0.4 of the lowest rate, within 0.6 dB.
 
-    Clicks have the right values at each sample: a marble's treble folds, and covers what little it has below 320 Hz.
+    Clicks have the right values at each sample: a marble's treble folds, and covers what is 50 dB fainter.
     """
     text = f"0 /limiter off\n0 /object/new a wall gain 40\n0.01 /object/a/{gesture.format('')}\n"
     rates = (44_100, 48_000, 96_000)
     bands = [third_octaves(render(text, 1.0, rate)[:, 0], rate, 320.0, 0.4 * rates[0]) for rate in rates]
-    assert (bands[-1] > 0).all()
+    loud = bands[-1] > 1e-5 * bands[-1].max()
+    assert loud.sum() > 8
     for each in bands[:-1]:
-        np.testing.assert_allclose(10 * np.log10(each / bands[-1]), 0.0, atol=0.6)
+        np.testing.assert_allclose(10 * np.log10(each / bands[-1])[loud], 0.0, atol=0.6)
 
 
 @pytest.mark.slow
