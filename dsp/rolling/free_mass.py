@@ -1,62 +1,41 @@
 """The forces at a collocation step's nodes between a path and one free mass on a dashpot.
 
 With the matrix P of integrals up to the nodes (INTEGRAL), a step of h s and the mass m, forces f take q = (h/m) P f +
-f/Z off the rates of compression, and h P q off the compressions, with 1/Z the dashpot's mobility. Newton's method with
-the mean of the nodes' stiffness and damping for all of them has a matrix that is a polynomial of P. In P's
-eigenvectors, which are known beforehand, it is solved by one real division and a complex one. The difference between
-the nodes counts by the square of the swing in a step: each iteration gains two to four digits.
+f/Z off the rates of compression, and h P q off the compressions, with 1/Z the dashpot's mobility. Newton's method takes
+each node's own slopes, and three equations are solved by their determinants. What an iteration leaves is the law's
+curvature over its change: where that is bounded well enough, as mostly after the first, another one is spared.
 """
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ..contact.collocation import INTEGRAL, WEIGHTS, raised, solve
-from ..contact.step_record import Step
+from ..contact.collocation import INTEGRAL, raised, solve
+from ..contact.step_record import NODES, Step
 from ..native.jit import kernel, noinline_kernel
 
 _ITERATIONS = 10
 _SOLVED = 1e-11  # share of the forces by which they may err
-_SLOW = 0.3  # of the change before: where a change is more, Newton's method with each node's own slopes takes over
+_SLOW = 0.3  # of the change before: where a change is more, they are sought from 0, too
+_NEAR = 10.0  # a node is deeper by this factor than it moves, where the law is bounded over its change
 
+Three = tuple[float, float, float]
 
-def _eigenvectors() -> tuple[float, complex, NDArray[np.float64], NDArray[np.float64]]:
-    """Return P's real eigenvalue and a complex one; the first's vector and both parts of the other's, and their
-    inverse."""
-    values, vectors = np.linalg.eig(INTEGRAL)
-    real = int(np.argmin(abs(values.imag)))
-    other = int(np.argmax(values.imag))
-    basis = np.column_stack([vectors[:, real].real, vectors[:, other].real, vectors[:, other].imag])
-    return float(values[real].real), complex(values[other]), basis, np.linalg.inv(basis)
-
-
-_REAL, _OTHER, _basis, _inverse = _eigenvectors()
-_OTHER_RE, _OTHER_IM = _OTHER.real, _OTHER.imag
-_SQUARE_RE, _SQUARE_IM = (_OTHER * _OTHER).real, (_OTHER * _OTHER).imag
 _TWICE = INTEGRAL @ INTEGRAL
-_P = tuple(tuple(float(x) for x in row) for row in INTEGRAL)
-_PP = tuple(tuple(float(x) for x in row) for row in _TWICE)
-_B = tuple(tuple(float(x) for x in row) for row in _basis)
-_C = tuple(tuple(float(x) for x in row) for row in _inverse)
-_W = tuple(float(x) for x in WEIGHTS)
+_P: tuple[Three, ...] = tuple((float(a), float(b), float(c)) for a, b, c in INTEGRAL)
+_PP: tuple[Three, ...] = tuple((float(a), float(b), float(c)) for a, b, c in _TWICE)
+_MOST_ONCE = float(abs(INTEGRAL).sum(axis=1).max())  # P times numbers, over the greatest of these
+_MOST_TWICE = float(abs(_TWICE).sum(axis=1).max())
 
 
 @kernel
-def _times(
-    matrix: tuple[tuple[float, ...], ...],
-    f0: float,
-    f1: float,
-    f2: float,
-) -> tuple[float, float, float]:
+def _times(matrix: tuple[Three, ...], f: Three) -> Three:
     """Multiply a matrix of 3 x 3 numbers by a vector."""
     return (
-        matrix[0][0] * f0 + matrix[0][1] * f1 + matrix[0][2] * f2,
-        matrix[1][0] * f0 + matrix[1][1] * f1 + matrix[1][2] * f2,
-        matrix[2][0] * f0 + matrix[2][1] * f1 + matrix[2][2] * f2,
+        matrix[0][0] * f[0] + matrix[0][1] * f[1] + matrix[0][2] * f[2],
+        matrix[1][0] * f[0] + matrix[1][1] * f[1] + matrix[1][2] * f[2],
+        matrix[2][0] * f[0] + matrix[2][1] * f[1] + matrix[2][2] * f[2],
     )
 
 
 @kernel
-def _law(x: float, v: float, k: float, mu: float, a: float) -> tuple[float, float, float]:
+def _law(x: float, v: float, k: float, mu: float, a: float) -> Three:
     """Return the contact force (N) and its slopes over x and v."""
     slack = 1.0 + mu * v
     if x <= 0.0 or slack <= 0.0:
@@ -66,12 +45,9 @@ def _law(x: float, v: float, k: float, mu: float, a: float) -> tuple[float, floa
 
 
 @kernel
-def _compressions(
-    step: Step, f: tuple[float, float, float], h: float, lightness: float, mobility: float
-) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+def _compressions(step: Step, f: Three, h: float, lightness: float, mobility: float) -> tuple[Three, Three]:
     """Return the compressions and their rates under forces at the nodes."""
-    p = _times(_P, f[0], f[1], f[2])
-    pp = _times(_PP, f[0], f[1], f[2])
+    p, pp = _times(_P, f), _times(_PP, f)
     heavy, light = h * lightness, h * mobility
     x = (
         step.free_x[0] - (heavy * pp[0] + light * p[0]),
@@ -87,16 +63,34 @@ def _compressions(
 
 
 @kernel
-def _slopes(
-    stiffness: float, damping: float, h: float, lightness: float, mobility: float
-) -> tuple[float, float, float]:
-    """Return the reciprocals of Newton's matrix in P's eigenvectors: a real number, and a complex one by its parts."""
-    c0, c1, c2 = 1.0 + damping * mobility, damping * lightness + stiffness * h * mobility, stiffness * h * lightness
-    real = 1.0 / (c0 + _REAL * (c1 + _REAL * c2))
-    re = c0 + _OTHER_RE * c1 + _SQUARE_RE * c2
-    im = _OTHER_IM * c1 + _SQUARE_IM * c2
-    size = 1.0 / (re * re + im * im)
-    return real, re * size, -im * size
+def _row(p: Three, pp: Three, once: float, twice: float) -> Three:
+    """Return the sum of two rows by their weights."""
+    return once * p[0] + twice * pp[0], once * p[1] + twice * pp[1], once * p[2] + twice * pp[2]
+
+
+@kernel
+def _cross(a: Three, b: Three) -> Three:
+    """Return the cross product of two vectors."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def _change(stiffness: Three, damping: Three, r: Three, h: float, lightness: float, mobility: float) -> Three:
+    """Return Newton's change of the forces, by the nodes' slopes and by how far the forces are from the law."""
+    heavy, light = h * lightness, h * mobility
+    a = _row(_P[0], _PP[0], stiffness[0] * light + damping[0] * lightness, stiffness[0] * heavy)
+    b = _row(_P[1], _PP[1], stiffness[1] * light + damping[1] * lightness, stiffness[1] * heavy)
+    c = _row(_P[2], _PP[2], stiffness[2] * light + damping[2] * lightness, stiffness[2] * heavy)
+    a = a[0] + (1.0 + damping[0] * mobility), a[1], a[2]
+    b = b[0], b[1] + (1.0 + damping[1] * mobility), b[2]
+    c = c[0], c[1], c[2] + (1.0 + damping[2] * mobility)
+    bc, ca, ab = _cross(b, c), _cross(c, a), _cross(a, b)
+    share = 1.0 / (a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2])
+    return (
+        share * (r[0] * bc[0] + r[1] * ca[0] + r[2] * ab[0]),
+        share * (r[0] * bc[1] + r[1] * ca[1] + r[2] * ab[1]),
+        share * (r[0] * bc[2] + r[1] * ca[2] + r[2] * ab[2]),
+    )
 
 
 @noinline_kernel
@@ -110,40 +104,39 @@ def solve_free_mass(
     """
     k, mu, a = law
     f = step.f[0], step.f[1], step.f[2]
-    inverse = 1.0, 1.0, 0.0
+    moved = h * (lightness * _MOST_TWICE + mobility * _MOST_ONCE)  # m: the most by which 1 N moves a node
+    sped = lightness * _MOST_ONCE + mobility
     before = 0.0
     for n in range(_ITERATIONS):
         x, v = _compressions(step, f, h, lightness, mobility)
         r0, s0, d0 = _law(x[0], v[0], k, mu, a)
         r1, s1, d1 = _law(x[1], v[1], k, mu, a)
         r2, s2, d2 = _law(x[2], v[2], k, mu, a)
-        if n == 0:
-            stiffness, damping = _W[0] * s0 + _W[1] * s1 + _W[2] * s2, _W[0] * d0 + _W[1] * d1 + _W[2] * d2
-            inverse = _slopes(stiffness, damping, h, lightness, mobility)
-        real, re, im = inverse
-        c0, c1, c2 = _times(_C, r0 - f[0], r1 - f[1], r2 - f[2])
-        # c1 - i c2 is the coordinate that P multiplies by its complex eigenvalue.
-        d = _times(_B, real * c0, re * c1 + im * c2, re * c2 - im * c1)
+        d = _change((s0, s1, s2), (d0, d1, d2), (r0 - f[0], r1 - f[1], r2 - f[2]), h, lightness, mobility)
         f = f[0] + d[0], f[1] + d[1], f[2] + d[2]
         change = max(abs(d[0]), abs(d[1]), abs(d[2]))
         enough = _SOLVED * max(abs(f[0]), abs(f[1]), abs(f[2])) + negligible
-        if change <= enough or (n > 0 and change * change <= enough * before):
+        # The law's second derivatives: f''/f' are (a - 1)/x, and a/x over both x and v.
+        least, by = min(x[0], x[1], x[2]), moved * change
+        curved = by * (0.5 * (a - 1.0) * max(s0, s1, s2) * by + a * max(d0, d1, d2) * sped * change)
+        bounded = min(s0, s1, s2) > 0.0 and _NEAR * by <= least and curved <= enough * least
+        if bounded or change <= enough or (n > 0 and change * change <= enough * before):
             step.f[0], step.f[1], step.f[2] = f
             return True
         if n > 0 and not change <= _SLOW * before:
             break
         before = change
-    return _solve_each(step, h, lightness, mobility, law, negligible)
+    return _solve_anew(step, h, lightness, mobility, law, negligible)
 
 
 @noinline_kernel
-def _solve_each(
+def _solve_anew(
     step: Step, h: float, lightness: float, mobility: float, law: tuple[float, float, float], negligible: float
 ) -> bool:
-    """Solve for the same by Newton's method with each node's own slopes."""
+    """Solve for the same from `step.f`, then from 0."""
     k, mu, a = law
-    for i in range(3):
-        for j in range(3):
+    for i in range(NODES):
+        for j in range(NODES):
             step.give_v[i, j] = lightness * INTEGRAL[i, j]
             step.give_x[i, j] = h * (lightness * _TWICE[i, j] + mobility * INTEGRAL[i, j])
         step.give_v[i, i] += mobility

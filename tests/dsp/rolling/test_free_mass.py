@@ -46,3 +46,26 @@ def test_forces_are_newtons(seed):
     largest = max(np.abs(exact["f"]).max(), 1e-300)
     assert forces(step, h, lightness, mobility, law, 0.0)
     assert step["f"] == pytest.approx(exact["f"], abs=1e-9 * largest)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mobility", [0.0, 1.0])
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.3])
+def test_forces_err_as_little_as_they_may(exponent, mobility):
+    """Forces are within what may err, after one iteration where the bound says that it will do, and after more."""
+    worst, random = 0.0, np.random.default_rng(int(10 * exponent))
+    for _ in range(2000):
+        m, rest = 10.0 ** random.uniform(-3, 0), 10.0 ** random.uniform(-7, -5)
+        weight = 9.81 * m
+        k, h = weight / rest**exponent, 10.0 ** random.uniform(-1.5, 0) / np.sqrt(exponent * 9.81 / rest)
+        law = (k, random.uniform(0.0, 1.0) * h / rest, exponent)
+        step = np.zeros(1, STEP)[0]
+        step["free_x"] = rest * (1.0 + 10.0 ** random.uniform(-3, -0.5) * random.normal(size=NODES))
+        step["free_v"] = 10.0 ** random.uniform(-3, -0.5) * rest / h * random.normal(size=NODES)
+        step["f"] = weight * random.uniform(0.5, 1.5, size=NODES)
+        exact, negligible = step.copy(), weight * 10.0 ** random.uniform(-7, -4)
+        args = h, h / m, mobility * 0.1 * rest / (h * weight), law
+        assert forces(exact, *args, 0.0)
+        assert forces(step, *args, negligible)
+        worst = max(worst, np.abs(step["f"] - exact["f"]).max() / negligible)
+    assert worst < 1.0
