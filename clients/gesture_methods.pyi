@@ -200,6 +200,10 @@ class ShatterKeys(Keys, total=False):
     pieces: SupportsFloat
     height: SupportsFloat
     steepness: SupportsFloat
+    whole: SupportsFloat
+    thick: SupportsFloat
+    thicker: SupportsFloat
+    parts: SupportsFloat
     spread: SupportsFloat
     seed: SupportsFloat
     onto: str

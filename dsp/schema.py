@@ -202,9 +202,7 @@ IRREGULARITY = Parameter(
     "irregularity", 0.0, 1.0, "", "how far from round: energy comes and goes between flight and rotation",
     default=0.0, steerable=True, steered="from its next contact on",
 )  # fmt: skip
-SEED = Parameter(
-    "seed", 0, 2**31 - 1, "", "of its random numbers; another one for each gesture if none is given", whole=True
-)
+SEED = Parameter("seed", 0, 2**31 - 1, "", "of its random numbers; another for each gesture if not given", whole=True)
 ROUGHNESS = Parameter(
     "roughness", 0.0, 100.0, "times", "the surface's own", default=1.0, useful=(0.0, 10.0), steerable=True
 )
@@ -392,8 +390,7 @@ POUR = Gesture(
 )  # fmt: skip
 STEP = Gesture(
     "step", "treads on it once, from heel to toe: crackles as the weight comes and goes, each as a blow of the striker",
-    FORCE._replace(help="the weight of who walks; it comes and goes as a foot's force does", useful=(100.0, 1500.0)
-    ),
+    FORCE._replace(help="the weight of who walks; it comes and goes as a foot's force does", useful=(100.0, 1500.0)),
     (
         Parameter(
             "crackles", 0.0, 1e4, "1/N", "for each change of the force; it changes by three times the weight in a step",
@@ -415,6 +412,10 @@ SHATTER = Gesture(
         Parameter("pieces", 1, MOST_PIECES, "", "into which it breaks", default=60.0, whole=True),
         HEIGHT._replace(help="up to which the pieces are as it breaks, each at its own", default=0.1),
         Parameter("steepness", 1.01, 3.0, "", "b, where as many pieces have a mass m as m^-b", default=1.35),
+        Parameter("whole", 1e-9, 1e6, "kg", "mass of all pieces as thick as the striker; else the object's own"),
+        Parameter("thick", 0.0, 1e6, "kg", "mass of its thick parts besides: a foot, a bottom, a neck", default=0.0),
+        Parameter("thicker", 0.1, 10.0, "times", "thickness of these, in that of the striker", default=2.5),
+        Parameter("parts", 1, MOST_PIECES, "", "how many these are", default=1.0, whole=True),
         SPREAD,
         SEED,
     ),

@@ -123,6 +123,9 @@ class Values(Record):
     height: float  # m
     crackles: float  # 1/N
     pieces: float
+    thick: float  # kg
+    thicker: float  # times
+    parts: float
 
 class Settings(Record):
     """The settings of an object."""

@@ -52,6 +52,20 @@ class StrikerSound(NamedTuple):
     snap: Snap | None = None
 
 
+def magnified(sound: StrikerSound, ratio: float) -> StrikerSound:
+    """Return the sound of a striker that is larger by a ratio, in all its sizes alike; without a second pulse.
+
+    Frequencies and rates of decay go as 1/ratio, those of radiation too, and the pressure per N s as 1/ratio^2.
+    """
+    click, own, less = sound.click, sound.ringing, ratio**-2
+    if click:
+        click = Click(click.frequency / ratio, click.decay / ratio, click.strength * less)
+    if own:
+        frequency, decay = (tuple(each / ratio for each in column) for column in (own.frequency, own.decay))
+        own = Ringing(frequency, decay, tuple(each * less for each in own.weight), own.mobility * less / ratio)
+    return StrikerSound(sound.mass * ratio**3, click, sound.radius * ratio, own)
+
+
 def ringing(
     frequency: Sequence[float],
     t60: float | Sequence[float],

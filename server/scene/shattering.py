@@ -5,6 +5,7 @@ Where a message does not say on what they fall, they do on an object called FLOO
 
 from collections.abc import Callable
 
+from ...dsp.bodies.striker import StrikerSound, magnified
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import GAIN, HEIGHT, SETTINGS
@@ -13,7 +14,7 @@ from ..osc.addresses import Call, calls
 from ..osc.arguments import Refused, shown
 from ..osc.wire import Message
 from .contact_law import law_of
-from .limits import require_short
+from .limits import Contact, require_short
 from .object_call import ObjectCall
 from .objects import PlayedObject
 from .transaction import Sent, Transaction
@@ -22,6 +23,10 @@ FLOOR, OF_FLOOR = "floor", "wooden-floor"
 """The object on which pieces fall if the message names none, and the preset of which it is made."""
 NOTHING = "none"
 """Stands for a floor that is not heard."""
+_ALIKE = 3.0
+"""The steepness of thick parts: their masses differ by little. Cracks branch at a distance that goes as the stress to
+the power -2 (swarm/pieces.py), and so as the thickness to the power 4 where a wall is bent: thick parts stay whole."""
+_OTHER_SEED = 2.0**40
 _HEARD_AS = ("gain", "pan", "distance")
 
 Translate = Callable[[Transaction, Call], None]
@@ -43,17 +48,18 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
     for each in (law, landing):
         require_short(velocity, each)
     number = to.start(to.id(to.transaction.gestures.made_for))
+    seed = to.seed(number)
     motion = {
         **law._asdict(),
         **to.transaction.pulses(law.exponent),
         "velocity": velocity,
-        "whole": to.obj.modes.mass,
+        "whole": values.numbers.get("whole", values.defaults.get("whole", to.obj.modes.mass)),
         "pieces": values.number("pieces"),
         "height": values.number(HEIGHT.name),
         "steepness": values.number("steepness"),
         "position": values.numbers.get("position", 0.5),
         "spread": values.number("spread"),
-        "seed": to.seed(number),
+        "seed": seed,
         "gain": GAIN.in_engine(values.number("gain")),
         "friction": to.transaction.laws.sliding_of(to.striker)["dynamic"],
     }
@@ -65,13 +71,40 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
     own["own_level"] = motion["level"] = level / scale.object(to.obj.preset)
     own["level"] = level / scale.object(below.preset)
     pieces = {**motion, **landing._asdict(), **own, "stage": 1.0 if onto else 2.0}
+    fall = (pieces, pieces | _thick_parts(to, law, landing, sound, seed)) if values.number("thick") else (pieces,)
     _add(
         to,
         (to.obj, below),
         Command(NOW, "shatter", here, motion),
-        Command(NOW, "shatter", below.handle, pieces, gesture=number, by=here if onto else None),
+        *(Command(NOW, "shatter", below.handle, each, gesture=number, by=here if onto else None) for each in fall),
         Command(NOW, Kind.SET, here, value=1.0, parameter="damp"),
     )
+
+
+def _thick_parts(
+    to: ObjectCall, law: Contact, landing: Contact, sound: StrikerSound | None, seed: float
+) -> dict[str, float]:
+    """Return the values by which thick parts differ from the other pieces: each is a piece that is magnified.
+
+    law, landing, sound, seed: of the other pieces, on what breaks and on what they fall on.
+    """
+    values, ratio = to.values, to.values.number("thicker")
+    larger = _magnified(landing, ratio)
+    require_short(values.number("velocity"), larger)
+    return {
+        **larger._asdict(),
+        "own_stiffness": _magnified(law, ratio).stiffness,
+        **(to.transaction.engine.lay_out_striker(magnified(sound, ratio)) if sound else {}),
+        "whole": values.number("thick"),
+        "pieces": values.number("parts"),
+        "steepness": _ALIKE,
+        "seed": seed + _OTHER_SEED,
+    }
+
+
+def _magnified(law: Contact, ratio: float) -> Contact:
+    """Return the contact law of a piece that is larger by a ratio, in all its sizes alike."""
+    return law._replace(mass=law.mass * ratio**3, stiffness=law.stiffness * ratio ** (2.0 - law.exponent))
 
 
 def _onto(translate: Translate, to: ObjectCall) -> PlayedObject | None:

@@ -71,7 +71,7 @@ JUDGED = {
     "glass in a room": "the same, and the room fills the pauses as in recordings, which have more below 3 kHz",
     "glass on a table": "the same, and the table fills the picture below 5 kHz where pieces land, as recordings are "
     "filled",
-    "goblet": "as the glass, which has neither stem nor foot: large pieces ring from 1 to 4 kHz as well",
+    "goblet": "as the glass: large pieces ring from 1 to 4 kHz as well",
     "goblet in a room": "the same, and the room fills the pauses; it is over after 0.75 s",
     "goblet on a table": "the same, and the table is heard below 5 kHz in place of the large pieces",
     "bottle": "as the goblet, louder below 7 kHz, without pauses; it is over after 0.6 s",

@@ -190,3 +190,12 @@ def end_contacts(state: State, obj: Object) -> None:
     while obj.contact >= 0:
         report_end(state, state.contacts[obj.contact].gesture, END_GONE)
         end_contact(state, obj, -1, obj.contact)
+
+
+@kernel
+def is_running(state: State, gesture: int) -> bool:
+    """True if there is anything of a gesture to be steered."""
+    found = False
+    for i in range(len(state.contacts)):
+        found |= state.contacts[i].gesture == gesture
+    return found

@@ -25,6 +25,7 @@ from .contact_list import (
     acts,
     append_contact,
     end_contact,
+    is_running,
     release_modes,
     report_end,
     schedule_contact,
@@ -64,8 +65,10 @@ def update_contacts(state: State, obj: Object) -> None:
         ended = _wait_longer(state, contact) if waits else _go_on(state, index)
         if ended:
             rested = is_gone(state, contact) or has_run_out(contact)
-            report_end(state, contact.gesture, END_RESTED if rested else END_STOPPED)
+            gesture, breaks = contact.gesture, contact.trait.breaks
             end_contact(state, obj, before, index)
+            if breaks == 0 or not is_running(state, gesture):  # thick parts fall beside the others
+                report_end(state, gesture, END_RESTED if rested else END_STOPPED)
         else:
             before = index
             if not waits and contact.asleep == 0 and (contact.touching or contact.start < state.position + QUANTUM):

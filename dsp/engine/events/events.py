@@ -4,7 +4,7 @@ from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel, noinline_kernel
 from ..bodies.objects import set_of
 from ..bodies.sensing import mount
-from ..contacts.contact_list import refuse_gesture
+from ..contacts.contact_list import is_running, refuse_gesture
 from ..memory.channels import ask_gains
 from ..memory.clock import sample_at
 from ..memory.commands import (
@@ -38,7 +38,7 @@ from ..output.space_lines import leave_space, listen, place_object
 from ..panic import let_fade
 from .gestures import start_gesture
 from .queue import has_room, order_heap, pop, push, sink, swap
-from .steering import is_running, is_steered, steer, stop_gesture, stop_gestures_about, stop_gestures_on
+from .steering import is_steered, steer, stop_gesture, stop_gestures_about, stop_gestures_on
 
 _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
 _PATIENCE = 1.0  # s that an event waits for its object

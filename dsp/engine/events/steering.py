@@ -122,15 +122,6 @@ def _takes(state: State, contact: Contact, event: Event) -> bool:
 
 
 @kernel
-def is_running(state: State, gesture: int) -> bool:
-    """True if there is anything of a gesture to be steered."""
-    found = False
-    for i in range(len(state.contacts)):
-        found |= state.contacts[i].gesture == gesture
-    return found
-
-
-@kernel
 def _stop(state: State, index: int, time: float) -> None:
     """End a gesture: a bouncing striker doesn't come back, a rolling body halts, a pressing one is released."""
     contact = state.contacts[index]
