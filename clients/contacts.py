@@ -32,7 +32,7 @@ class Drive:
     moments (N) with its gain; (0, 7) where nothing does. fed: the force, but not the friction, drives modes by
     one number a frame (dsp/resonator/fed.py). stays: it acts at one place with one gain, and nothing rubs. sound: the
     place of a striker that sounds among the engine's, -1: none; share: of its output; ratio: of its radius to that of
-    its kind. snaps: second pulses of the striker, (frame, N s).
+    its kind; left: of the force, for its own modes. snaps: second pulses of the striker, (frame, N s).
     """
 
     moments: NDArray[np.float64]
@@ -44,6 +44,7 @@ class Drive:
     sound: int = -1
     share: float = 0.0
     ratio: float = 1.0
+    left: float = 1.0
     snaps: tuple[tuple[float, float], ...] = ()
 
 
@@ -205,11 +206,12 @@ def _drive(
         sound=sounding["sound"],
         share=sounding["share"],
         ratio=sounding["ratio"],
+        left=sounding["left"],
         snaps=_snaps(table, snapped, start) if len(snapped) else (),
     )
 
 
-_SILENT: Mapping[str, Any] = {"sound": -1, "share": 0.0, "ratio": 1.0}
+_SILENT: Mapping[str, Any] = {"sound": -1, "share": 0.0, "ratio": 1.0, "left": 1.0}
 _NO_FRICTION = np.zeros((0, 1 + TRACED_MOMENTS))
 
 

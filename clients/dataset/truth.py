@@ -272,7 +272,7 @@ def _sound_of(performer: Performer, drive: Drive, told: Told | None) -> _Sound:
     have the same."""
     if drive.sound < 0 or told is None:
         return _SILENT
-    key = performer.engine.striker_at(drive.sound), drive.share, drive.ratio
+    key = performer.engine.striker_at(drive.sound), drive.share, drive.ratio, drive.left
     if key not in told.strikers:
         if len(told.strikers) >= _MOST_STRIKERS:
             told.strikers.clear()
@@ -283,7 +283,8 @@ def _sound_of(performer: Performer, drive: Drive, told: Told | None) -> _Sound:
             float(kind["weight"][0]) * drive.ratio * share * told.gains,
         )
         rings = np.flatnonzero((np.arange(len(kind["frequency"])) >= kind["clicks"]) & (kind["frequency"] > 0.0))
-        ringing = kind["frequency"][rings], kind["sigma"][rings], np.outer(kind["weight"][rings] * share, told.gains)
+        loud = np.outer(kind["weight"][rings] * share * drive.left, told.gains)
+        ringing = kind["frequency"][rings], kind["sigma"][rings], loud
         told.strikers[key] = _Sound(click, int(kind["clicks"]) // CLICK_MODES, ringing, bool(kind["momentum"] > 0.0))
     return told.strikers[key]
 

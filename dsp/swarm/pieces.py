@@ -41,7 +41,7 @@ from ..native.typed import View2D
 from ..numerics.constants import STANDARD_GRAVITY
 from ..numerics.elementary import exp, log
 from ..schema import MOST_PIECES
-from .record import SIZES, Swarm
+from .record import ONE_SIZE, SIZES, Swarm
 from .ringing import bent_by, kept_by
 from .times import FORM, GAP, MAGNITUDE, OTHER, VARIETY, uniform
 
@@ -420,6 +420,8 @@ def piece_of(number: int) -> int:
 @kernel
 def size_at(swarm: Swarm, c: int) -> float:
     """Return ln of a size, in that of the usual grain: of a grain's, and from SIZES on of a click's."""
+    if c >= SIZES and swarm.finer <= ONE_SIZE:
+        return swarm.smallest
     size: float = swarm.smallest + (c if c < SIZES else 3 * (c - SIZES) + 1) / swarm.finer
     return size
 

@@ -71,3 +71,9 @@ def left_by(given: float, ratio: float) -> float:
     given: the momentum in m v, if the object did not yield.
     """
     return max(1.0 - given * given * ratio * (1.0 - ratio), 0.0)
+
+
+@kernel
+def clicks_apart(swarm: Swarm) -> bool:
+    """True if a swarm's grains have voices for their clicks beside those of their modes, which have less of a blow."""
+    return swarm.pieces > 0 or (swarm.bends > 0 and swarm.cracked == 0)

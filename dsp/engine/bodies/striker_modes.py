@@ -10,6 +10,7 @@ from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode
 from ...resonator.simd import LANES
 from ...swarm.record import SIZES, Swarm
+from ...swarm.ringing import clicks_apart
 from ...swarm.times import FORM, uniform
 from ..memory.records import Contact
 from ..memory.state import State
@@ -68,11 +69,11 @@ def rescale(state: State, voice: Voice, contact: Contact, size: int, ratio: floa
     A grain of the same form has frequencies and decays as the ratio's inverse, and is heard by a force as the ratio. A
     piece of what breaks is a sheet as thick as the others: its area goes as its mass, the ratio's third power, and the
     frequencies of its bending as the inverse of that. A larger one radiates less by them. No piece is a square or a
-    disc: its modes are apart by up to IRREGULAR of what these have, and others that it touches damp it, too. A piece's
-    click is a voice of its own, from number SIZES on: all of a blow moves that, but not the modes.
+    disc: its modes are apart by up to IRREGULAR of what these have, and others that it touches damp it, too. The click
+    of what rings is a voice of its own, from number SIZES on: all of a blow moves that, but not the modes.
     """
     striker, modes, swarm = state.strikers[contact.sound], modes_of_voice(voice), state.swarms[contact.swarm]
-    breaks, lands, clicks = contact.trait.breaks == 1, swarm.pieces > 0, size >= SIZES
+    breaks, apart, clicks = contact.trait.breaks == 1, clicks_apart(swarm), size >= SIZES
     area = ratio * ratio * (ratio if breaks else 1.0)
     edge = math.sqrt(area)
     for i in range(striker.size):
@@ -86,7 +87,7 @@ def rescale(state: State, voice: Voice, contact: Contact, size: int, ratio: floa
         weight = striker.weight[i] * area / lower * louder
         if i < striker.clicks:
             if i == 0:
-                set_click(modes, i, frequency, sigma, state.rate, weight if clicks or not lands else 0.0)
+                set_click(modes, i, frequency, sigma, state.rate, weight if clicks or not apart else 0.0)
         elif 0.0 < frequency < top_of(state.rate) and not clicks:
             turned = complex(-sigma / (2.0 * math.pi * frequency), 1.0)
             set_mode(modes, i, frequency, sigma, state.rate, weight * turned)

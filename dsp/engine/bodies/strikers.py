@@ -41,10 +41,11 @@ def begin_striker(state: State, contact: Contact) -> None:
     if not _sounds(state, contact):
         return
     _take_voice(state, contact, True)
-    state.voices[contact.voice].share[0] = share_of_blow(state, contact)
-    striker = state.strikers[contact.sound]
+    striker, voice, left = state.strikers[contact.sound], state.voices[contact.voice], left_of_blow(state, contact)
+    voice.share[0] = share_of_blow(state, contact)
+    for i in range(striker.clicks, striker.size):
+        voice.struck[i] = left * striker.struck[i]
     if striker.momentum > 0.0:
-        voice = state.voices[contact.voice]
         voice.snap = contact.now.gain * _second_pulse(striker, contact)
         voice.snap_at = contact.start + contact.fraction + striker.delay * state.rate
 
@@ -171,18 +172,25 @@ def _take_voice(state: State, contact: Contact, needed: bool) -> None:
 
 @kernel
 def share_of_blow(state: State, contact: Contact) -> float:
-    """Return the factor on a blow's moments by which its striker sounds: the output per Pa over the striker's mass,
-    less where the striker's own modes would ring with more than half of the energy that the object leaves them."""
-    striker, pulse = state.strikers[contact.sound], contact.pulse
+    """Return the factor on a blow's moments by which its striker sounds: the output per Pa over the striker's mass."""
     share: float = state.objects[contact.point[0].slot].level * contact.trait.meets / contact.m
+    return share
+
+
+@kernel
+def left_of_blow(state: State, contact: Contact) -> float:
+    """Return the factor on that for a striker's own modes: less than 1 where they would ring with more than half of the
+    energy that the object leaves them. All of the blow moves the striker as a whole, which clicks."""
+    striker, pulse = state.strikers[contact.sound], contact.pulse
     if striker.bends == 0 or striker.momentum > 0.0 or contact.trait.swarms > 0 or not contact.v_in > 0.0:
-        return share
+        return 1.0
     rigid = 1.0 + pulse.restitution
     given = rigid * pulse.momentum / (contact.m * contact.v_in)
     mass_ratio = contact.trait.meets * striker.mobility / striker.bends
     width = log(_WIDTH * pulse.duration / state.rate)
     kept, _, _ = kept_by(striker.bend, striker.bends, (mass_ratio, 0.0), (width, width), given, contact.a)
-    return share * math.sqrt(kept * left_by(rigid, _ratio_of(contact)))
+    left: float = math.sqrt(kept * left_by(rigid, _ratio_of(contact)))
+    return left
 
 
 @kernel

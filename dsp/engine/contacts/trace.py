@@ -4,7 +4,7 @@ from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel
 from ...native.typed import View, View2D
 from ...rolling.body import share_of
-from ..bodies.strikers import share_of_blow
+from ..bodies.strikers import left_of_blow, share_of_blow
 from ..memory.records import Contact, Slide
 from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
 from ..memory.striker_state import Voice
@@ -210,7 +210,7 @@ def _publish(state: State) -> None:
 @kernel
 def _tell_striker(state: State, contact: Contact, entry: Trace) -> None:
     """Tell of an entry's striker how it sounds."""
-    entry.sound, entry.share, entry.ratio = -1, 0.0, 1.0
+    entry.sound, entry.share, entry.ratio, entry.left = -1, 0.0, 1.0, 1.0
     if contact.sound < 0 or state.strikers[contact.sound].serial != contact.sound_serial:
         return
     striker = state.strikers[contact.sound]
@@ -220,4 +220,4 @@ def _tell_striker(state: State, contact: Contact, entry: Trace) -> None:
         entry.share = state.objects[contact.point[0].slot].level / roll.m
         entry.ratio = roll.target.radius / striker.radius if striker.clicks > 0 else 1.0
     else:
-        entry.share = share_of_blow(state, contact)
+        entry.share, entry.left = share_of_blow(state, contact), left_of_blow(state, contact)
