@@ -29,9 +29,9 @@ from .harmonics import (
     NOTES,
     WITHIN,
     as_it_may_be_bowed,
-    bowed,
     compared,
     fall,
+    fall_of_bowed,
     lasting,
     played,
     shortened,
@@ -230,7 +230,7 @@ def by_harmonics() -> None:
     for _, font in there((CELLO,)):
         slopes, bows = [fall(font.recording(name))[1] for name, *_ in CELLO.pairs], as_it_may_be_bowed()
         real = f"{mean(slopes):.1f} (notes: {min(slopes):.1f} to {max(slopes):.1f})"
-        ours = f"{fall(bowed())[1]:.1f} (as it may be bowed: {min(bows):.1f} to {max(bows):.1f})"
+        ours = f"{fall_of_bowed()[1]:.1f} (as it may be bowed: {min(bows):.1f} to {max(bows):.1f})"
         print(f"cello, dB an octave from {LOWEST:.0f} to {HIGHEST:.0f} Hz: {real}, ours {ours}")
 
 

@@ -5,7 +5,20 @@ import pytest
 
 import carom
 
-from .harmonics import FIRST, SWELLS, Bar, agree, bowed, fall, lasting, near, over_the_rest, own, shortened, swell
+from .harmonics import (
+    FIRST,
+    SWELLS,
+    Bar,
+    agree,
+    fall,
+    fall_of_bowed,
+    lasting,
+    near,
+    over_the_rest,
+    own,
+    shortened,
+    swell,
+)
 from .recordings import RATE
 from .soundfont import Recording
 
@@ -84,6 +97,6 @@ def test_a_shorter_bar_sounds_the_note_and_is_struck_as_far_off_its_middle(prese
 def test_a_bowed_cello_falls_as_recorded_ones_do():
     """Nine notes of FluidR3's cello fall by 17.2 dB an octave in the mean, from 13.5 to 20.6; nine of ToneJS's by 22.6,
     from 11.4 to 35.2."""
-    pitch, slope = fall(bowed())
+    pitch, slope = fall_of_bowed()
     assert pitch == pytest.approx(146.8, rel=0.01)
     assert slope == pytest.approx((-17.2 - 22.6) / 2, abs=3.0)

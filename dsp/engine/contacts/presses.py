@@ -1,4 +1,4 @@
-"""The force that presses a striker on: it comes and goes as 1 - exp(-t/T) does.
+"""The force that presses a striker on: it comes as 1 - exp(-t/T) does, and goes as exp(-t/T).
 
 It is taken sample by sample, from the instant at which the striker is laid on: a light one that bounces under it would
 tell where the quanta begin.
@@ -40,33 +40,30 @@ def press(contact: Contact, frame: int) -> None:
 
     One that grows moves it a trifle less than its mean does, which is taken off at the sample's beginning.
     """
-    coupled, left = contact.coupled, QUANTUM - frame - 0.5
-    coupled.push = max(_push_at(contact, left), 0.0)
-    if contact.push_gap != 0.0:
-        grown = -contact.push_gap * math.exp(left * coupled.period / _GLIDE) * coupled.period / _GLIDE
-        less = grown * coupled.period * coupled.period / (12.0 * coupled.m)
-        coupled.position -= less
-        coupled.motion[0] -= less
+    coupled, gap = contact.coupled, _gap_at(contact, QUANTUM - frame - 0.5)
+    coupled.push = max(contact.push - contact.push_gap + gap, 0.0)
+    less = -gap * coupled.period**3 / (12.0 * coupled.m * _GLIDE)
+    coupled.position -= less
+    coupled.motion[0] -= less
 
 
 @kernel
 def fly_pressed(contact: Contact, frame: int, samples: float) -> None:
     """Advance a striker that is pressed on and touches nothing by whole samples from a frame on, as its push grows."""
-    coupled, left = contact.coupled, float(QUANTUM - 1 - frame)
-    first, time = _push_at(contact, left), samples * coupled.period
+    coupled, gap = contact.coupled, _gap_at(contact, QUANTUM - 1.0 - frame)
+    time = samples * coupled.period
     x = time / _GLIDE
-    gap = contact.push_gap * math.exp(left * coupled.period / _GLIDE)
-    coupled.push = first + gap * (-math.expm1(-x) / x - 1.0) if x > 0.0 else first  # its mean
+    coupled.push = contact.push - contact.push_gap - gap * math.expm1(-x) / x  # its mean
     fly_on(coupled, samples)
     coupled.position += gap * time * time * x * (1.0 - x * (0.5 - 0.15 * x)) / (12.0 * coupled.m)
 
 
 @kernel
-def _push_at(contact: Contact, left: float) -> float:
-    """Return the push (N) on a striker so many samples before the quantum's end."""
+def _gap_at(contact: Contact, left: float) -> float:
+    """Return by how much (N) the push on a striker is beyond its target so many samples before the quantum's end."""
     if contact.push_gap == 0.0:
-        return contact.push
-    return contact.push + contact.push_gap * math.expm1(left * contact.coupled.period / _GLIDE)
+        return 0.0
+    return contact.push_gap * math.exp(left * contact.coupled.period / _GLIDE)
 
 
 @kernel

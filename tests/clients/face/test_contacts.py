@@ -13,7 +13,7 @@ RATE = 1000.0
 
 def trace(*entries):
     return np.array(
-        [(entry[0], 0, entry[1], 0, 0.5, 1.0, 0.8, *entry[2:], 0.0, 1.0, 0, 0, -1, 0.0, 1.0) for entry in entries],
+        [(entry[0], 0, entry[1], 0, 0.5, 1.0, 0.8, *entry[2:], 0.0, 1.0, 0, 0, -1, 0.0, 1.0, 1.0) for entry in entries],
         TRACE,
     )
 
