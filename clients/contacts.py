@@ -32,7 +32,8 @@ class Drive:
     moments (N) with its gain; (0, 7) where nothing does. fed: the force, but not the friction, drives modes by
     one number a frame (dsp/resonator/fed.py). stays: it acts at one place with one gain, and nothing rubs. sound: the
     place of a striker that sounds among the engine's, -1: none; share: of its output; ratio: of its radius to that of
-    its kind; left: of the force, for its own modes. snaps: second pulses of the striker, (frame, N s).
+    its kind; left: the share of the force by which its own modes ring. snaps: second pulses of the striker, (frame,
+    N s).
     """
 
     moments: NDArray[np.float64]

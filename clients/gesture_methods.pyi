@@ -200,10 +200,10 @@ class ShatterKeys(Keys, total=False):
     pieces: SupportsFloat
     height: SupportsFloat
     steepness: SupportsFloat
-    whole: SupportsFloat
-    thick: SupportsFloat
-    thicker: SupportsFloat
-    parts: SupportsFloat
+    wall_mass: SupportsFloat
+    thick_mass: SupportsFloat
+    thick_ratio: SupportsFloat
+    thick_parts: SupportsFloat
     spread: SupportsFloat
     seed: SupportsFloat
     onto: str

@@ -123,9 +123,10 @@ class Values(Record):
     height: float  # m
     crackles: float  # 1/N
     pieces: float
-    thick: float  # kg
-    thicker: float  # times
-    parts: float
+    wall_mass: float  # kg
+    thick_mass: float  # kg
+    thick_ratio: float  # times
+    thick_parts: float
 
 class Settings(Record):
     """The settings of an object."""

@@ -53,7 +53,7 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
         **law._asdict(),
         **to.transaction.pulses(law.exponent),
         "velocity": velocity,
-        "whole": values.numbers.get("whole", values.defaults.get("whole", to.obj.modes.mass)),
+        "whole": values.number("wall_mass") or to.obj.modes.mass,
         "pieces": values.number("pieces"),
         "height": values.number(HEIGHT.name),
         "steepness": values.number("steepness"),
@@ -71,7 +71,7 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
     own["own_level"] = motion["level"] = level / scale.object(to.obj.preset)
     own["level"] = level / scale.object(below.preset)
     pieces = {**motion, **landing._asdict(), **own, "stage": 1.0 if onto else 2.0}
-    fall = (pieces, pieces | _thick_parts(to, law, landing, sound, seed)) if values.number("thick") else (pieces,)
+    fall = (pieces, pieces | _thick_parts(to, law, landing, sound, seed)) if values.number("thick_mass") else (pieces,)
     _add(
         to,
         (to.obj, below),
@@ -88,15 +88,15 @@ def _thick_parts(
 
     law, landing, sound, seed: of the other pieces, on what breaks and on what they fall on.
     """
-    values, ratio = to.values, to.values.number("thicker")
+    values, ratio = to.values, to.values.number("thick_ratio")
     larger = _magnified(landing, ratio)
     require_short(values.number("velocity"), larger)
     return {
         **larger._asdict(),
         "own_stiffness": _magnified(law, ratio).stiffness,
         **(to.transaction.engine.lay_out_striker(magnified(sound, ratio)) if sound else {}),
-        "whole": values.number("thick"),
-        "pieces": values.number("parts"),
+        "whole": values.number("thick_mass"),
+        "pieces": values.number("thick_parts"),
         "steepness": _ALIKE,
         "seed": seed + _OTHER_SEED,
     }

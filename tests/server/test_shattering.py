@@ -194,7 +194,7 @@ def test_what_ends_as_an_object_breaks_does_so_at_any_block_size():
 def test_wall_and_thick_parts_have_the_mass_of_the_mesh(name):
     preset = Presets().object(name)
     parts = preset.gestures["shatter"].numbers
-    assert parts["whole"] + parts["thick"] == pytest.approx(preset.modes(2e4).mass, rel=0.01)
+    assert parts["wall_mass"] + parts["thick_mass"] == pytest.approx(preset.modes(2e4).mass, rel=0.01)
 
 
 def test_a_thick_part_is_a_magnified_piece():

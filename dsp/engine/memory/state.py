@@ -130,7 +130,7 @@ class Trace(Record):
     sound: int  # place of the striker that sounds, -1: none does
     share: float  # of the striker's output that the force moves
     ratio: float  # of its radius to that of its kind
-    left: float  # of the force, moves its own modes
+    left: float  # share of the force by which its own modes ring; all of it moves its click
 
 
 TRACE = dtype_of(Trace)

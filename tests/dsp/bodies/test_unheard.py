@@ -8,7 +8,7 @@ import pytest
 from carom.dsp import bodies
 from carom.dsp.bodies.shearing import rectangles_shear
 from carom.dsp.bodies.string import _Sines
-from carom.dsp.bodies.unheard import Felt, _spaced, completed, with_unheard
+from carom.dsp.bodies.unheard import Felt, completed, with_unheard
 from carom.presets import Presets
 
 STEEL = Presets().material("steel")
@@ -138,10 +138,3 @@ def test_a_body_of_few_modes_keeps_all_that_are_known():
     felt = with_unheard(heard, Felt(np.array([9e3, 2e4]), np.ones((1, 2))), STEEL.decay, TOP).unheard
     np.testing.assert_array_equal(felt.frequency, [9e3, 2e4])
     assert with_unheard(heard, Felt(np.empty(0), np.empty((1, 0))), STEEL.decay, TOP) is heard
-
-
-def test_gathered_modes_lie_where_numpy_spaces_them():
-    rng = np.random.default_rng(11)
-    for lowest, octaves in zip(2 ** rng.uniform(0, 16, 500), rng.uniform(1e-6, 8, 500), strict=True):
-        highest = lowest * 2**octaves
-        np.testing.assert_array_equal(_spaced(lowest, highest), np.geomspace(lowest, highest, 8))
