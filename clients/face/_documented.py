@@ -8,7 +8,8 @@ from typing import Any, TypeVar
 from .clients.actions import Actions
 from .dsp.schema import Parameter as Number
 from .server.osc.addresses import VERBS
-from .server.osc.arguments import Key
+from .server.osc.arguments import Either, Key, Vector
+from .server.osc.tables import default_of
 
 Acting = TypeVar("Acting", bound=Actions)
 
@@ -34,7 +35,15 @@ def _with_keys(method: Callable[..., None], keys: Iterable[Key]) -> Callable[...
 
     lines = [inspect.getdoc(method) or "", "", "Keys:"]
     for key in keys:
-        kind = f"{key.low:g} to {key.high:g} {key.unit}".rstrip() if isinstance(key, Number) else "a name"
-        lines.append(f"  {key.name}: {kind}" + (f"; {key.help}" if key.help else ""))
+        lines.append(f"  {key.name}: " + "; ".join(filter(None, (_kind(key), key.help + default_of(key)))))
     same.__doc__ = "\n".join(lines)
     return same
+
+
+def _kind(key: Key) -> str:
+    """Say which values a key takes."""
+    if isinstance(key, Number):
+        return key.bounds
+    if isinstance(key, Vector):
+        return f"x, y, z, each {key.axes[0].bounds}"
+    return f"one of {', '.join(key.words)}" if isinstance(key, Either) else "a name"

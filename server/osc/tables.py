@@ -1,4 +1,4 @@
-"""The address space as the tables of server/README.md; `python -m carom.server.osc.tables` prints them."""
+"""The tables of addresses and of keys in the pages of server/; `python -m carom.server.osc.tables` prints them."""
 
 from ...dsp.schema import Parameter as Number
 from .addresses import KEYS, NOTE, PITCH, STRIKE, VERBS
@@ -11,7 +11,7 @@ from .world_verbs import WORLD
 
 
 def table() -> str:
-    """Return the address space as two Markdown tables: addresses, and the keys of gestures."""
+    """Return two Markdown tables: all addresses, and the keys of gestures."""
     return f"{address_table()}\n\n{key_table()}"
 
 
@@ -51,7 +51,7 @@ def key_table() -> str:
 
 def _row(key: Key) -> str:
     """Return the row of a gesture's key, with a place for the gestures that take it."""
-    return f"| {_marked(key)} | {{}} | {key.help}{_default(key)} |"
+    return f"| {_marked(key)} | {{}} | {key.help}{default_of(key)} |"
 
 
 def _marked(parameter: Key) -> str:
@@ -59,7 +59,8 @@ def _marked(parameter: Key) -> str:
     return str(parameter).replace(parameter.name, f"`{parameter.name}`", 1)
 
 
-def _default(parameter: Key) -> str:
+def default_of(parameter: Key) -> str:
+    """Say which value a key has that is not given, as the end of its help; "" where it has none of its own."""
     if not isinstance(parameter, Number) or parameter.default is None:
         return ""
     return f"{'; ' * bool(parameter.help)}{parameter.default:g} if not given"

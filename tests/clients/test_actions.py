@@ -51,6 +51,8 @@ def test_the_keys_are_listed_for_a_scene_alone():
     for name in SHARED:
         assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
         assert "Keys:" not in inspect.getdoc(getattr(carom.Client, name))
+    assert "\n  point: x, y, z, each -1000 to 1000 m; " in inspect.getdoc(carom.Scene.slide)
+    assert "\n  gravity: 0.01 to 1000 m/s^2; 9.80665 if not given\n" in inspect.getdoc(carom.Scene.roll)
 
 
 def test_arguments_go_before_keys_and_become_plain():
