@@ -27,6 +27,23 @@ slope = 2
 dissipation = 0.5
 """
 
+WALL = """description = "A body that gives way to nothing"
+source = "these tests"
+shape = "listed"
+level = 0.0  # dB
+
+[geometry]
+frequency = [440.0]  # Hz
+t60 = 0.01  # s
+modal_mass = 1e5  # kg
+mass = 1e5  # kg
+
+[strike]
+striker = "steel"
+velocity = 1.0  # m/s
+position = 0.5  # 0..1 along the path
+"""
+
 LISTED = """
 description = "two partials"
 source = "none"

@@ -14,6 +14,7 @@ from carom.server.osc.score import parse
 from carom.server.osc.wire import Message
 from carom.server.render import Options, blocks
 from carom.server.scene.session import Session
+from tests.presets.examples import WALL
 
 PRESETS = Presets()
 RATE = 48_000
@@ -23,22 +24,6 @@ CLICKING = [name for name in SOUNDING if PRESETS.striker(name).sound.click]
 SHEETS = "ping-pong", "coin", "bottle-shards", "glass-shards", "pane-shards", "leaves"
 """Strikers that are no solid balls, and whose mass is not that of one."""
 DISCS = "coin", "washer", "coins", "bottle-shards", "glass-shards", "pane-shards"
-WALL = """description = "A body that gives way to nothing"
-source = "these tests"
-shape = "listed"
-level = 0.0  # dB
-
-[geometry]
-frequency = [440.0]  # Hz
-t60 = 0.01  # s
-modal_mass = 1e5  # kg
-mass = 1e5  # kg
-
-[strike]
-striker = "steel"
-velocity = 1.0  # m/s
-position = 0.5  # 0..1 along the path
-"""
 
 
 @pytest.fixture

@@ -9,26 +9,11 @@ from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import Engine
 from carom.presets.library import Presets
 from carom.server.scene.session import Session
+from tests.presets.examples import WALL
 from tests.server.scene.support import refusal, say
 
 RATE = 48_000
 LAW = ("mass", 0.005, "stiffness", 5e7, "exponent", 1.5)
-PRESET = """description = "A body that gives way to nothing"
-source = "these tests"
-shape = "listed"
-level = 0.0  # dB
-
-[geometry]
-frequency = [440.0]  # Hz
-t60 = 0.01  # s
-modal_mass = 1e5  # kg
-mass = 1e5  # kg
-
-[strike]
-striker = "steel"
-velocity = 1.0  # m/s
-position = 0.5  # 0..1 along the path
-"""
 STRIKER = """description = "A ball of a restitution"
 source = "these tests"
 
@@ -42,7 +27,7 @@ restitution = 0.6
 @pytest.fixture
 def wall(tmp_path) -> Session:
     """A session with a wall."""
-    for kind, name, text in (("objects", "wall", PRESET), ("strikers", "ball", STRIKER)):
+    for kind, name, text in (("objects", "wall", WALL), ("strikers", "ball", STRIKER)):
         (tmp_path / kind).mkdir()
         (tmp_path / kind / f"{name}.toml").write_text(text)
     session = Session(Engine(RATE), Presets([tmp_path]))
