@@ -56,7 +56,7 @@ def suggestion(word: object, known: Iterable[str]) -> str:
 def expected(word: object, known: Iterable[str]) -> str:
     """Ask whether a near word is meant, or else list all the words that are expected."""
     words = list(known)
-    return suggestion(word, words) or f"expected one of {listed(words) or 'none'}"
+    return suggestion(word, words) or (f"expected one of {listed(words)}" if words else "there is none")
 
 
 def listed(words: Sequence[str]) -> str:

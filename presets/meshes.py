@@ -31,6 +31,7 @@ EDITION = "20"
 
 _BLOCKS = ("box", "cylinder")
 _MOST_BYTES = 500_000_000
+_GLB = b"glTF"  # how a .glb file begins
 _USUAL = (0.003, 10.0)  # m: sizes of which nobody is asked
 
 
@@ -93,6 +94,10 @@ def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, 
     size = path.stat().st_size
     if size > _MOST_BYTES:
         raise MeshError(f"{path}: {size / 1e6:.0f} MB: expected at most {_MOST_BYTES / 1e6:.0f} MB")
+    with path.open("rb") as file:
+        head = file.read(len(_GLB))
+    if path.suffix.lower() == ".glb" and head != _GLB:
+        raise MeshError(f"{path}: begins with {head!r}: expected {_GLB!r}, as all .glb files do")
     try:
         import trimesh
     except ImportError as error:

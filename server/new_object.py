@@ -40,10 +40,12 @@ def changed(presets: Presets, values: Values) -> ObjectPreset:
     cannot be."""
     name = values.words["preset"]
     if values.others:
-        own = presets.object(name).keys
+        preset = presets.object(name)
+        known = dict.fromkeys((*VERBS[NEW].named, *preset.keys))
         for key, value in values.others.items():
-            if key not in own:
-                raise Refused(f"{key} = {shown(value)}: {expected(key, dict.fromkeys((*VERBS[NEW].named, *own)))}")
+            if key not in known:
+                none = f"{name}, of the shape {preset.shape}, has no such key"
+                raise Refused(f"{key} = {shown(value)}: {none}; {expected(key, known)}")
     given = {**values.numbers, **values.words}
     changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS, *TUNINGS)}
     return presets.changed(name, (*values.others.items(), *changes.items()))

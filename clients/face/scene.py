@@ -133,9 +133,9 @@ class Scene(Actions, Closing):
             raise RenderError(f"seconds = {seconds}, frames = {frames}: expected one of the two")
         most = LONGEST_SCORE * self.rate
         if frames is None and not 0.5 < _number(seconds) * self.rate <= most:
-            raise RenderError(f"seconds = {seconds}: expected at least a frame, and at most {LONGEST_SCORE}")
+            raise RenderError(f"seconds = {_said(seconds)}: expected at least a frame, and at most {LONGEST_SCORE}")
         if frames is not None and not (1 <= _number(frames) <= most and _number(frames).is_integer()):
-            raise RenderError(f"frames = {frames}: expected a whole number from 1 to {most}")
+            raise RenderError(f"frames = {_said(frames)}: expected a whole number from 1 to {most}")
         with self._alone("render") as performer:
             capture = Capture(performer, self._frames)
             if performer.engine.position == 0:
@@ -204,7 +204,7 @@ class Object(ObjectMethods):
         """
         place = self._placed.position if position is None else _number(position)
         if not 0.0 <= place <= 1.0:
-            raise RenderError(f"position = {position}: expected 0 to 1")
+            raise RenderError(f"position = {_said(position)}: expected 0 to 1")
         performer = self.scene._performer
         settings, gains = self._first_settings, gains_of(self._first_settings, self.scene.channels)
         if performer and (heard := performer.heard(self._placed)):
@@ -225,6 +225,11 @@ def _number(value: object) -> float:
     if isinstance(value, bool | str) or not isinstance(value, SupportsFloat | SupportsIndex):
         return math.nan
     return float(value)
+
+
+def _said(value: object) -> str:
+    """Return a value as an error names it: a text in quotes, which a number is not."""
+    return repr(value) if isinstance(value, str) else str(value)
 
 
 def _settings(keys: Mapping[str, Value]) -> Settings:

@@ -210,7 +210,8 @@ class World(Grained, Closing):
             requests = self.simulation.add(name, shape, size, material, pose, **given)
         except WorldError as error:
             for key, value in given.items():
-                if key not in ABOUT and (found := near(key, ABOUT)) and f"{key} = " in str(error):
+                known = "shape", "size", "wall", *ABOUT
+                if key not in known and (found := near(key, known)) and f"{key} = " in str(error):
                     raise WorldError(f"body {name}: {key} = {value}: did you mean {found[0]}?") from None
             raise
         try:

@@ -150,7 +150,9 @@ def _number_or_word(word: str) -> int | float | str:
 def _time(word: wire.Argument) -> float:
     if isinstance(word, int | float) and 0 <= word <= LONGEST_SCORE:
         return float(word)
-    raise ValueError(f"time {word!r}: expected seconds from 0 to {LONGEST_SCORE}")
+    comma = isinstance(word, str) and isinstance(_number_or_word(word.replace(",", ".")), int | float)
+    sign = ", with a decimal point" if comma else ""
+    raise ValueError(f"time {word!r}: expected seconds from 0 to {LONGEST_SCORE}{sign}")
 
 
 def _message(words: list[wire.Argument]) -> wire.Message:

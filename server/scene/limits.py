@@ -153,7 +153,8 @@ def require_rollable(radius: float, surface: SurfacePreset, roughness: float) ->
     """Refuse a body that is too small for a surface: it would go up and down, not over it."""
     least = least_radius(surface, roughness)
     if radius < least:
-        raise Refused(f"radius = {radius:g}: expected at least {least:.3g} m on a surface of {least / _SMOOTH:.3g} m")
+        heights = f"heights of up to {least / _SMOOTH:.3g} m"
+        raise Refused(f"radius = {radius:g}: expected at least {least:.3g} m, as {surface.name} has {heights}")
 
 
 def least_radius(surface: SurfacePreset, roughness: float) -> float:

@@ -92,7 +92,8 @@ def place_object(to: ObjectCall) -> Command:
         table.places.pop(serial, None)
         return Command(NOW, Kind.POSE, values=pose_values((0.0, 0.0, 0.0)))
     if len(given) < 3:
-        raise Refused(f"place: expected x, y and z, got {len(given)} of 3 numbers")
+        said = ", ".join(f"{axis} = {numbers[axis]:g}" for axis in given)
+        raise Refused(f"{said}: expected x, y and z (m), or none of them")
     there = {obj.handle.serial for obj in to.transaction.objects.values()}
     table.places = {each: place for each, place in table.places.items() if each in there}
     if len(table.places.keys() | {serial}) > LINES:

@@ -37,14 +37,16 @@ def _mount(transaction: Transaction, call: Call, values: Values) -> None:
     name, target = values.words["name"], values.words["object"]
     require_name("name", name)
     table = transaction.sensors
-    if name == "new" or name in table.there:
-        raise Refused(f"name = {name}: expected another name, as there is such a sensor, or such an address")
+    if name == "new":
+        raise Refused("name = new: expected another name, as /sensor/new is an address")
+    if name in table.there:
+        raise Refused(f"name = {name}: there is such a sensor already; free it first")
     asked = table.time_of(transaction.time)
     found = {} if is_pattern(target) else transaction.objects.at(target, asked)
     if target not in found:
         known = list(transaction.objects.there(asked))
-        near = transaction.suggestion(target, known)
-        raise Refused(f"object = {shown(target)}: no such object{f'; {near}' if near else ''}")
+        near = transaction.suggestion(target, known) or there_are(known)
+        raise Refused(f"object = {shown(target)}: no such object; {near}")
     obj = found[target]
     sensor, full, number = sensor_asked(values), values.number("full"), table.free_number(name)
     place = sensed_place(target, obj, values)

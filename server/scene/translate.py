@@ -139,9 +139,9 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
     if values.number(argument) == 0.0 and not gesture.lasts:
         to.end_at_once()
         return
-    by = to.striking_object()
-    if by and gesture.swarms:
+    if gesture.swarms and "by" in to.values.words:
         raise Refused(f"by = {to.values.words['by']}: many small ones hit {to.name}; expected a striker")
+    by = to.striking_object()
     law = law_of(to, by)
     require_short(_FASTEST.get(gesture.name, _velocity)(values) or _APPROACH, law)
     is_named = not gesture.single or "id" in values.words
@@ -226,7 +226,7 @@ def _roll(to: ObjectCall) -> None:
         to.say("radius", radius)
     if speed > 0.0 and not goes_on:
         if not radius:
-            raise Refused("radius is missing: the striker has none")
+            raise Refused(f"radius is missing: {to.striker} is no ball; expected its radius (m)")
         require_rollable(radius, surface, roughness)
     number = to.start(id)
     motion = {**_own_values(to, ROLL), "speed": speed, "radius": radius or _ANY_RADIUS, "seed": to.seed(number)}

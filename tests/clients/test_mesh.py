@@ -106,6 +106,7 @@ def test_all_formats_are_read_alike(tmp_path, ending):
     [
         ("a.txt", b"x", "expected a file that ends in .obj"),
         ("a.glb", b"glTF but not quite", "not a mesh that can be read"),
+        ("a.glb", b"junk", "a.glb: begins with b'junk': expected b'glTF'"),
         ("a.stl", b"", "a.stl"),
         ("a.obj", b"v 0 0 0\n", "a.obj"),
     ],

@@ -31,7 +31,7 @@ def test_the_nearest_words_are_found(word, known, found):
 def test_an_error_asks_or_lists():
     assert expected("lenght", KEYS) == "did you mean length?"
     assert expected("colour", KEYS) == f"expected one of {', '.join(KEYS)}"
-    assert expected(1.0, ("a", "b")) == "expected one of a, b" and expected("a", ()) == "expected one of none"
+    assert expected(1.0, ("a", "b")) == "expected one of a, b" and expected("a", ()) == "there is none"
     assert suggestion("colour", KEYS) == suggestion(None, KEYS) == ""
     many = [f"word{n}" for n in range(2_000)]
     assert expected("colour", many).endswith("word62, word63 and 1,936 more")

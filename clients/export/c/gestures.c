@@ -129,7 +129,8 @@ static void find_radius(carom *scene, begun *to, double radius, int moves, int c
     const named *told = entry(&to->given, "radius") ? entry(&to->given, "radius") : entry(&to->defaults, "radius");
     if (is_true(to->gesture, "rolls")) {
         double found = told ? told->number : radius > 0.0 ? radius : number_of(to->striker, "radius");
-        if (!(found > 0.0) && moves && !continued) refuse(scene, "radius is missing: the striker has none");
+        if (!(found > 0.0) && moves && !continued)
+            refuse(scene, "radius is missing: the striker is no ball; expected its radius (m)");
         put(scene, &to->motion, "radius", found > 0.0 ? found : ANY_RADIUS);
     }
     if (to->surface && moves && !continued) {

@@ -225,7 +225,7 @@ export class Messages {
     if (gesture.slips) this.slip(motion, to, byMaterials ? { ...this.map.dry, radius } : striker.sliding, law, target);
     if (gesture.rolls) {
       motion.radius = given.radius ?? defaults.radius ?? (byMaterials ? radius : striker.radius);
-      if (!motion.radius && moves && !goesOn) refuse("radius is missing: the striker has none");
+      if (!motion.radius && moves && !goesOn) refuse("radius is missing: the striker is no ball; expected its radius (m)");
       motion.radius ||= ANY_RADIUS;
     }
     if (gesture.along && moves && !goesOn) {

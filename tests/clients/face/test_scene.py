@@ -185,7 +185,7 @@ def scene():
         (lambda s: s.impact("a", 1, at="now"), "at = 'now': expected seconds"),
         (lambda s: s.new("a", "wood-block"), "name = a: there is such an object already"),
         (lambda s: s.new("c", "wood-blok"), "did you mean wood-block"),
-        (lambda s: s.new("c", "wood-block", hue=1), "hue = 1: expected one of"),
+        (lambda s: s.new("c", "wood-block", hue=1), "hue = 1: wood-block, of the shape plate, has no such key"),
         (lambda s: s.steer("x", speed=1), "/gesture/x/speed: x: no such gesture"),
         (lambda s: s.steer("x"), "/gesture/x: expected a value to steer"),
         (lambda s: s.steer("x", colour=1, speed=2), "/gesture/x/colour: .*; /gesture/x/speed: "),

@@ -98,6 +98,7 @@ def test_empty(tmp_path: Path) -> None:
     ("text", "line", "reason"),
     [
         ("-1 /a", 1, "time -1: expected seconds from 0 to 2678400"),
+        ("0,5 /a", 1, "time '0,5': expected seconds from 0 to 2678400, with a decimal point"),
         ("0 /a\n\n-0.5 /a", 3, "time -0.5"),
         ("nan /a", 1, "time 'nan'"),
         ("inf /a", 1, "time 'inf'"),

@@ -220,6 +220,6 @@ def test_ids_are_kept_and_made_where_they_are_needed(played):
 def test_each_object_has_a_roll_of_its_own_by_an_id(played):
     say(played, "/object/cup/roll", 0.1, "striker", "steel", "id", "x")
     assert refusal(played, "/object/pane/roll", 0.1, "striker", "yarn", "id", "x") == (
-        "radius is missing: the striker has none"
+        "radius is missing: yarn is no ball; expected its radius (m)"
     )
     assert say(played, "/object/cup/roll", 0.2, "striker", "yarn", "id", "x") == []

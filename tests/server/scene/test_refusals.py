@@ -29,9 +29,9 @@ from tests.server.scene.support import refusal, say
         (
             "/object/new",
             ("b", "glass-plate", "colour", 1),
-            "colour = 1: expected one of gain, pan, distance, tune, decay, damp, gains, position, striker, note, ",
+            "colour = 1: glass-plate, of the shape plate, has no such key; expected one of gain, pan, distance, tune, ",
         ),
-        ("/object/new", ("b", "glass-plate", "gain", 1, "length", 1, "c", [1]), "c = [1]: expected one of gain, pan"),
+        ("/object/new", ("b", "glass-plate", "gain", 1, "length", 1, "c", [1]), "c = [1]: glass-plate, of the"),
         ("/object/new", ("b", "glass-plate", "striker", "feather"), "striker = 'feather': expected one of"),
         ("/object/new", ("b", "glass-plate", "length"), "length: its value is missing"),
         ("/object/x/impact", (1.0,), "x: no such object; there is a"),
@@ -87,7 +87,9 @@ def test_bad_messages_are_told_why(session, address, args, reason):
 
 
 def test_a_sensor_on_an_object_that_is_not_there_is_refused(session):
-    assert refusal(session, "/sensor/new", "tip", "quagmire").endswith("object = quagmire: no such object")
+    assert refusal(session, "/sensor/new", "tip", "quagmire").endswith("no such object; there is none")
+    say(session, "/object/new", "a", "church-bell")
+    assert refusal(session, "/sensor/new", "tip", "quagmire").endswith("no such object; there is a")
 
 
 def test_a_note_on_what_has_no_mode_is_refused(session):
@@ -135,7 +137,7 @@ def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, re
 @pytest.mark.parametrize(
     ("action", "args", "reason"),
     [
-        ("roll", ("striker", "felt-hammer"), "radius is missing: the striker has none"),
+        ("roll", ("striker", "felt-hammer"), "radius is missing: felt-hammer is no ball; expected its radius (m)"),
         ("roll", ("surface", "wood", "radius", 1e-3, "roughness", 100), "radius = 0.001: expected at least"),
         ("roll", ("striker", "steel", "radius", 8e-4, "surface", "corrugated"), "radius = 0.0008: expected at least"),
         ("roll", ("striker", "steel", "corners", 0.5), "corners = 0.5: expected a whole number"),
@@ -144,6 +146,8 @@ def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, re
         ("slide", ("striker", "bow", "press", "hand"), "press = hand: expected the id of a press on pane that goes on"),
         ("press", ("mass", 1e6, "stiffness", 1e-3), "the contact would last"),
         ("shake", ("by", "cup"), "by = cup: many small ones hit pane; expected a striker"),
+        ("shake", ("by", "nobody"), "by = nobody: many small ones hit pane; expected a striker"),
+        ("place", (2.0,), "x = 1, y = 2: expected x, y and z (m), or none of them"),
         ("rain", ("size", 1), "size = 1: expected a number from 5e-05 to 0.002 m"),
         ("shake", ("mass", 1e6, "stiffness", 1e-3), "the contact would last"),
         ("impact", ("id", "x" * 65), "expected 1 to 64 printable characters"),

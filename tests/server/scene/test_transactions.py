@@ -113,7 +113,7 @@ def test_a_bundle_that_strikes_everything_without_end_is_refused_in_time(session
 
 
 def test_what_fails_by_a_fault_of_ours_leaves_nothing(session, monkeypatch):
-    assert "self = 1: expected one of" in refusal(session, "/object/new", "a", "church-bell", "self", 1)
+    assert "self = 1: church-bell, of the shape" in refusal(session, "/object/new", "a", "church-bell", "self", 1)
 
     def broken(*_):
         raise KeyError("a fault")
