@@ -183,7 +183,19 @@ def swarms() -> str:
         rows.append((name, *cells))
     lines = [f"- {name.capitalize()}: {text}." for name, text in grains.JUDGED.items()]
     judged = "\n".join(textwrap.fill(line, 118, subsequent_indent="  ") for line in lines)
-    return f"{table(head, rows)}\n\n{judged}"
+    return f"{table(head, rows)}\n\n{judged}\n\n{_shattering(found)}"
+
+
+def _shattering(found: dict[str, Any]) -> str:
+    """Return what breaks beside recordings: of sounds in a room those of glasses in rooms, of others those of panes."""
+    rows = []
+    for name, told in found["rendered"].items():
+        if "shatter" in grains.SCORES[name]:
+            kind = grains.BROKEN["room" not in name and "table" not in name]
+            other = found["recorded"][kind]
+            times = [f"{told[key] / other[key]:.1f}" for key in ("kurtosis", "onsets_per_second")]
+            rows.append((name, kind, f"{told['slope_db_per_octave'] - other['slope_db_per_octave']:+.1f}", *times))
+    return table(("shattering", "beside", "slope off by, dB an octave", "kurtosis, times", "onsets, times"), rows)
 
 
 def grain_families() -> str:

@@ -19,7 +19,7 @@ def near() -> str:
     count = sum(each["partials"] for each in foreseen)
     share = sum(each["partials"] * each["within"] for each in foreseen) / count
     said = f"Curves that are best for the recordings known agree with {share:.0f} % of {count} partials held out."
-    head = ("", "asked", "ours", "one preset at best", "ours, held out", "one preset at best, held out")
+    head = ("", "aim", "ours", "one preset at best", "ours, held out", "one preset at best, held out")
     return f"{table(head, _in_all(figures))}\n\n{said}\n\n{table(_HEAD, _families(figures['decays']))}"
 
 
