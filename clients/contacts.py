@@ -54,7 +54,7 @@ class Contact:
     """A contact as it was played.
 
     object: the name of the object touched; striker: that of the object that touched it (its key `by`), else empty;
-    id: the gesture's `id`, else empty; gesture: impact, bounce, roll, press, spin or slide.
+    id: the gesture's `id`, else empty; gesture: its name, such as impact, roll or rest.
     start: s on the scene's clock, between samples as it falls; duration: s until the force ends; both as far as this
     sound goes: a contact that outlasts it goes on in the next one.
     position: 0 to 1 on the object's strike path, where it began. speed: m/s at which striker and object met; of a roll

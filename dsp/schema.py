@@ -407,7 +407,7 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter", "breaks it: it cracks and falls silent; its pieces, each as the striker, bounce until they lie still",
-    VELOCITY._replace(help="at which it hits what breaks it; 0 does nothing"),
+    VELOCITY._replace(help="at which it hits something, and breaks; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "into which it breaks", default=60.0, whole=True),
         HEIGHT._replace(help="up to which the pieces are as it breaks, each at its own", default=0.1),

@@ -11,9 +11,9 @@ from ..osc.arguments import Refused
 
 
 class WorldError(Refused):
-    """Error of something that cannot be of a simulation.
+    """An error in the description of a simulation.
 
-    The text names the body, the value and what was expected, and in a step which.
+    The text names the body, the value and what was expected; of a step its number, too.
     """
 
 

@@ -66,16 +66,16 @@ class Listener(NamedTuple):
 @explain_all_arguments
 @dataclass(frozen=True)
 class Hearing:
-    """Settings of what is computed of a simulation, and where it is heard.
+    """Settings: how much of a simulation is computed, and where it is heard.
 
     microphones: one for each channel, or its place (m). faintest: dB over 20 µPa, below which a contact is left out.
     masked: dB by which it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that
     slip or sweep at once; the loudest are taken. rests: the most that lie on each other at once, so that they mute each
     other; those whose bodies sound come first; 0: bodies that lie ring as if they hung. seed: of the surfaces on which
     bodies slide and roll. accuracy: of blows, as `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a
-    server keeps its own. quality: as `/quality` has it, 0 (everything) to 8; a server keeps its own. What rolls and
-    slides costs most, nearly the same at any accuracy. At a quality of 3 it has fewer micro-impacts and takes some
-    60 % of the time: bodies that stay on each other are within 1 dB, small ones that skip are up to 10 dB softer.
+    server keeps its own. quality: as `/quality` has it, 0 (everything) to 8; a server keeps its own. Rolls and slides
+    cost most, nearly the same at any accuracy. At a quality of 3 they have fewer micro-impacts and take some 60 % of
+    the time: bodies that stay on each other are within 1 dB, small ones that skip are up to 10 dB softer.
     """
 
     microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)

@@ -189,10 +189,10 @@ _ENGINE = (
         "/quality",
         "how much is computed from now on; each step adds to those before it. 0: everything. 1: coupled contacts "
         "take one step per sample, but rolls go on in blocks, and the stretching of plates is looked at every third "
-        "sample at most. 2: modes "
-        "below -80 dB rest, and half as many modes of plates are coupled. 3: rolls have fewer micro-impacts, and "
-        "plates are linear. 4: objects untouched for 0.5 s fade out. 5, 6, 7, 8: only the newest 32, 16, 8, 4 "
-        "gestures that last run; older ones wait. Under load the server goes further by itself",
+        "sample at most. 2: modes below -80 dB are no longer computed, and half as many modes of plates are coupled. "
+        "3: rolls have fewer micro-impacts, and plates are linear. 4: objects untouched for 0.5 s fade out. "
+        "5, 6, 7, 8: only the newest 32, 16, 8, 4 gestures that last run; older ones wait. Under load the server goes "
+        "further by itself",
         (Number("quality", 0, 8, whole=True),),
     ),
     Verb(
