@@ -227,7 +227,7 @@ class ObjectPreset:
         if "material" in values:
             material = replace(_material(values["material"], where, library), **damping)
         elif shape.has_material:
-            raise PresetError(f"{where}material is missing: expected {OBJECT['material']}")
+            raise PresetError(f"{where}material is missing: expected the name of a material")
         added = tuple(_added(key, titles[key], values[key]) for key in ADDED if key in values)
         return cls(
             name=name,

@@ -67,7 +67,8 @@ def check(where: str, table: Mapping[str, object], fields: Fields, required: Seq
             raise PresetError(f"{where}{key}{error}") from None
     for key in required:
         if key not in table:
-            raise PresetError(f"{where}{key} is missing: expected {fields[key]}")
+            wanted = f"the name of a {key}" if isinstance(fields[key], Name) else fields[key]
+            raise PresetError(f"{where}{key} is missing: expected {wanted}")
     return checked
 
 
