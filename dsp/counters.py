@@ -49,6 +49,6 @@ class Stats:
     load: float = _measure("share of the time there is that the callback takes, over a second")
     load_now: float = _measure("the same over a tenth of a second")
     load_peak: float = _measure("the highest share, falling slowly")
-    late_last: float = _measure("by how much the last late event was late", "s")
-    late_worst: float = _measure("by how much the latest event was late", "s")
+    late_last: float = _measure("delay of the last late event", "s")
+    late_worst: float = _measure("greatest delay of a late event", "s")
     latency_measured: float = _measure("from callback to sound, as the device says", "s")

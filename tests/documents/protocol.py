@@ -5,6 +5,7 @@ import dataclasses
 from carom.dsp.counters import Stats
 from carom.dsp.engine.memory import capacity, state
 from carom.dsp.engine.memory.capacity import USUAL_MODES, USUAL_OBJECTS
+from carom.dsp.swarm.record import SWARMS
 from carom.server.osc.score import LONGEST_SCORE
 from carom.server.render import HIGHEST_RATE, LOWEST_RATE
 from carom.server.scene.limits import LONGEST_BOUNCE, LONGEST_CONTACT
@@ -30,7 +31,8 @@ def limits() -> str:
         ("modes of an object", capacity.MODES_PER_OBJECT),
         ("values of mode shapes", capacity.SHAPE_VALUES),
         ("contacts, and gestures that last", state.CONTACTS),
-        ("of these, rolls", state.ROLLS),
+        ("of these, rolls and slides", state.ROLLS),
+        ("of these, swarms", SWARMS),
         ("events that wait", state.EVENTS),
         ("length of a contact", f"{LONGEST_CONTACT:g} s"),
         ("length of a bounce", f"{LONGEST_BOUNCE:,.0f} s"),
