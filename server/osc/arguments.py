@@ -258,7 +258,8 @@ class Verb:
         """Return the checked values by name; raise Refused that names the argument that does not fit."""
         if len(args) < len(self.required):
             missing = self.required[len(args)]
-            raise Refused(f"{missing.name} is missing: expected {self.usage()}")
+            wanted = f", with {missing}" if isinstance(missing, Number) else ""
+            raise Refused(f"{missing.name} is missing: expected {self.usage()}{wanted}")
         values = Values(defaults=self.defaults)
         for parameter, value in zip(self.required, args, strict=False):
             values.add(parameter, value)

@@ -89,7 +89,7 @@ def test_all_that_is_steered_takes_its_time(played, name):
         (("0.1,x", "over", 1), "pan = x: expected a number from -1 to 1"),
         (((),), "pan = (): expected a number from -1 to 1"),
         (((0.0,) * 65, "over", 1), "pan: 65 values: expected at most 64"),
-        ((), "pan is missing: expected /object/NAME/pan pan [key value ...]"),
+        ((), "pan is missing: expected /object/NAME/pan pan [key value ...], with pan -1 to 1"),
     ],
 )
 def test_what_is_wrong_is_named_and_changes_nothing(played, args, reason):

@@ -73,7 +73,7 @@ from tests.server.scene.support import refusal, say
         ("/object/a/gains", (0.1, (0.2,)), "gain = (0.2,): expected a number from -100 to 100"),
         ("/object/new", ("b", "church-bell", "gains", "loud"), "gain = loud: expected a number"),
         ("/gain", (50,), "gain = 50: expected a number from -120 to 40 dB"),
-        ("/gain", (), "gain is missing: expected /gain gain"),
+        ("/gain", (), "gain is missing: expected /gain gain [key value ...], with gain -120 to 40 dB"),
         ("/limiter", ("maybe",), "limiter = maybe: expected one of on, off"),
         ("/channels", (8,), "channels = 8: expected 2, as many as were opened at the start"),
         ("/channels", (0,), "channels = 0: expected a number from 1 to 64"),
