@@ -349,13 +349,14 @@ class ObjectPreset:
             raise PresetError(f"size = {shown(size)}: expected none, as the modes of {self.name} are listed")
         factor = check("", {"size": size}, SIZED, ())["size"]
         scaled = {key: factor * self.geometry[key] for key in lengths if key not in given}
-        geometry = {**self.geometry, **check("", scaled, shape.fields, ())}
+        where = f"size = {shown(size)}: "
+        geometry = {**self.geometry, **check(where, scaled, shape.fields, ())}
         data = {**self._data, "geometry": {**self._data["geometry"], **scaled}}
         added = self.added
         if "cavity" in data:
             data["cavity"] = {key: value * factor ** POWERS.get(key, 0) for key, value in data["cavity"].items()}
             added = tuple(
-                _added(key, f"[{key}] ", data[key]) if key == "cavity" else each
+                _added(key, f"{where}[{key}] ", data[key]) if key == "cavity" else each
                 for key, each in zip((key for key in ADDED if key in data), added, strict=True)
             )
         alike = factor != 1.0 and len(scaled) == len(lengths) and has_similar(shape.make, self.geometry)

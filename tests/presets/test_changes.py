@@ -132,6 +132,8 @@ def test_whole_numbers_may_come_as_floats():
         ({"undercut": True}, "undercut = True: expected a number from 0 to 0.95"),
         ({"ends": "glued"}, "ends = 'glued': expected one of free, cantilever"),
         ({"shape": "disc"}, "shape = 'disc': expected one of"),
+        ({"size": 900}, "size = 900: length = "),
+        ({"size": "tiny"}, "size = 'tiny': expected a number from 0.001 to 1000 times"),
     ],
 )
 def test_wrong_changes_name_the_key_and_no_file(changes, message):
