@@ -1,6 +1,7 @@
 """carom fit and carom compare as they are typed, and what they refuse."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -178,14 +179,15 @@ def test_a_force_makes_no_fit_worse(folder, tmp_path, capsys, force):
 @pytest.mark.parametrize(
     ("name", "says"),
     [
-        ("hum", "left out, as they do not decay with the strike: 50 Hz"),
+        # One of the noise about 20 Hz may be named before it, as rounding has it.
+        ("hum", r"left out, as they do not decay with the strike: (\d+, )?50 Hz"),
         ("short", "its T60 is taken to be"),
         ("noisy", "noise at -3"),
     ],
 )
 def test_what_a_recording_cannot_tell_is_told(folder, tmp_path, capsys, name, says):
     assert main(["fit", str(folder / f"{name}.wav"), str(tmp_path), "--name", "bar", "--no-report"]) == 0
-    assert says in capsys.readouterr().err
+    assert re.search(says, capsys.readouterr().err)
 
 
 @pytest.mark.slow
