@@ -22,6 +22,9 @@ from .spread import Spread, Value
 
 _MADE = {"id": "no key", "by": "a section [by], as the object that strikes"}
 """Keys of gestures that a recipe does not have, and what is expected in their place."""
+_OF_TABLES = {"material", "density", "youngs_modulus", "poisson_ratio"}
+"""Keys of an object that a mesh's table of modes has to agree with."""
+_ANY_TOP = 1_000.0  # Hz
 
 
 def require_sound(recipe: Recipe, presets: Presets) -> None:
@@ -49,7 +52,7 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
         for values in _tried(table, "preset" if section in OBJECTS else ""):
             try:
                 _try(section, values, presets, "by" in recipe.sections)
-            except (Refused, PresetError) as error:
+            except ValueError as error:  # Refused and PresetError, too
                 of = str(values.get("preset", ""))
                 raise PresetError(f"{where}{error}{f' (preset {of})' if of not in str(error) else ''}") from None
 
@@ -100,13 +103,17 @@ def _try(section: str, values: Mapping[str, Value], presets: Presets, has_by: bo
         message = object_message(section, values)
         (call,) = calls(message)
         assert call.verb
-        changed(presets, call.verb.parse(message.args))
+        made = changed(presets, call.verb.parse(message.args))
+        if made.shape == "mesh" and values.keys() & _OF_TABLES:
+            made.modes(_ANY_TOP)  # ValueError where its table is of another material
         return
     if section == SENSOR:
         if values.get(ON, OBJECTS[0]) == OBJECTS[1] and not has_by:
             raise Refused(f"{ON} = {OBJECTS[1]}: expected a section [{OBJECTS[1]}] with it")
         sensor_asked(VERBS[sensor_verbs.SENSOR].parse(sensor_message(values).args))
         return
+    if has_by and (GESTURES[section].swarms or GESTURES[section].breaks):
+        raise Refused(f"[{OBJECTS[1]}]: no object strikes in a {section}; expected no such section beside it")
     message = gesture_message(section, values, 0, has_by)
     VERBS[f"/object/NAME/{section}"].parse(message.args)
     grounds = (*SUPPORTS, NO_REST, *OBJECTS[1 : 1 + has_by])

@@ -45,6 +45,10 @@ BAD = [
     ("[impact]", "[impact]\nat = -1", "[impact] at = -1", "expected a number from 0 to 600 s"),
     ("[impact]", "[impact]\nseed = 1", "[impact] seed: no such key", "expected one of striker"),
     ("[object]", "[object]\nsize = 0", "[object] size = 0", "from 0.001"),
+    ("xylophone-bar", "spoon", "[object] density = 2700", "that of the table; make the table anew (preset spoon)"),
+    ("[object]", "[object]\nsize = 0.01", "[object] size = 0.01: ", "(preset xylophone-bar)"),
+    ("[impact]", '[by]\npreset = "mug"\n[rain]\nrate = 9\n[impact]', "[rain] [by]: no object", "no such section"),
+    ("[impact]", '[by]\npreset = "mug"\n[shatter]\nvelocity = 2\n[impact]', "[shatter] [by]", "no such section"),
     ("count = 6", "count = ", "not TOML", "line"),
 ]
 
