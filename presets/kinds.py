@@ -346,7 +346,8 @@ class ObjectPreset:
         shape = SHAPES[self.shape]
         lengths = [key for key in shape.lengths if key in self.geometry]
         if self.shape == "listed" or not lengths:
-            raise PresetError(f"size = {shown(size)}: expected none, as the modes of {self.name} are listed")
+            fixed = "a table's" if self.shape == "mesh" else "listed"
+            raise PresetError(f"size = {shown(size)}: expected none, as the modes of {self.name} are {fixed}")
         factor = check("", {"size": size}, SIZED, ())["size"]
         scaled = {key: factor * self.geometry[key] for key in lengths if key not in given}
         where = f"size = {shown(size)}: "

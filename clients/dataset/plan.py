@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -11,10 +12,11 @@ from ...dsp.bodies.modes import Modes
 from ...dsp.numerics.blas import on_one_thread
 from ...dsp.resonator.bank import top_of
 from ...dsp.schema import SETTINGS
-from ...presets import Presets
+from ...presets import PresetError, Presets
 from ...presets.making import keep, kept
 from ...server.new_object import new_object
 from ...server.osc.addresses import calls
+from ...server.osc.arguments import Refused
 from ...server.osc.wire import Message
 from .clip import render
 from .design import items
@@ -102,6 +104,8 @@ def shared_objects(recipe: Recipe) -> list[Message]:
 
 
 def make_modes(recipe: Recipe, message: Message, presets: Presets) -> None:
-    """Make the modes of an object; they are kept."""
+    """Make the modes of an object; they are kept. One that cannot be is left to the first item that has it, if any:
+    its error names that."""
     (call,) = calls(message)
-    new_object(call, presets, top_of.py_func(recipe.rate))
+    with suppress(PresetError, Refused):
+        new_object(call, presets, top_of.py_func(recipe.rate))

@@ -142,6 +142,12 @@ def test_wrong_changes_name_the_key_and_no_file(changes, message):
     assert str(caught.value).startswith(message)
 
 
+@pytest.mark.parametrize(("name", "fixed"), [("mug", "a table's"), ("church-bell", "listed")])
+def test_a_size_is_refused_where_modes_are_given(name, fixed):
+    with pytest.raises(PresetError, match=f"size = 2: expected none, as the modes of {name} are {fixed}"):
+        PRESETS.object(name).replace(size=2)
+
+
 @pytest.mark.slow
 @given(
     st.sampled_from([name for name in PRESETS.names("objects")]),

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -161,3 +162,12 @@ def test_an_item_that_cannot_be_ends_the_run_in_one_line(tmp_path):
     words = [*CAROM, "dataset", path, tmp_path / "out", "--workers", "1"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=60)
     assert error_of(done).startswith("carom dataset: item 0: its peak is")
+
+
+def test_an_object_without_modes_is_named_by_its_item(tmp_path):
+    small = SMALL.replace('"xylophone-bar"', '"wine-glass"\nsize = { choice = [1.0, 0.04] }').replace(
+        "shard", "rate = 16_000\nshard"
+    )
+    words = [*CAROM, "dataset", written(tmp_path, small), tmp_path / "out", "--workers", "1"]
+    said = error_of(subprocess.run(words, capture_output=True, text=True, timeout=60))
+    assert re.match(r"carom dataset: item \d: .*no mode lies between .*object.size = 0.04", said), said
