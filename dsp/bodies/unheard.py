@@ -24,6 +24,7 @@ FINER = 1.5
 
 _STAY, _SHARE = 48, 0.5  # so many modes at most stay as they are, and as many for each mode that is heard
 _GATHERED = 8  # modes for all others
+_STEPS = np.linspace(0.0, 1.0, _GATHERED)
 _REACH = 2.3  # times the highest frequency wanted: the highest of these
 _SPREAD = 3e-3  # damping ratio of these at least: what they stand for does not beat as one
 _BANDS = 16  # in which modes are counted beyond those that are known
@@ -84,7 +85,7 @@ def _gather(others: Feeling, which: Indices, highest: float) -> tuple[Array, Arr
     if not frequency.size:
         return frequency, others.shapes(which)
     lowest = float(frequency[0])
-    places = np.geomspace(lowest, highest, _GATHERED) if lowest < highest else np.array([highest])
+    places = lowest * (highest / lowest) ** _STEPS if lowest < highest else np.array([highest])
     u, grid = 1 / (2 * np.pi * frequency) ** 2, 1 / (2 * np.pi * places) ** 2
     return places, np.sqrt(others.squares(which, u, grid) / grid)
 

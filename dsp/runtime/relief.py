@@ -32,18 +32,17 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
     (Hz). The first `rows` of them, or all, say how loud a mode is. What is not heard has none."""
     if not sides.any():
         return Relief(np.empty(0), np.empty(0), np.empty((len(sides), len(strike), 0)))
-    omega = 2 * np.pi * frequency
-    weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
-    size = np.sqrt(_mean_square(strike[:rows]) * _mean_square(weight)) + 1e-300
     band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES)
-    bands = [np.flatnonzero(band == each) for each in sorted(set(band.tolist()))]
-    high = np.log(omega) * size
-    middle = np.exp([np.add.reduce(high[each]) / np.add.reduce(size[each]) for each in bands])
+    order = np.argsort(band, kind="stable")
+    band, omega, decay, sides = band[order], 2 * np.pi * frequency[order], decay[order], sides[:, order]
+    shapes = strike[:, order]
+    first = np.flatnonzero(np.append(True, band[1:] != band[:-1]))
+    weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
+    size = np.sqrt(_mean_square(shapes[:rows]) * _mean_square(weight)) + 1e-300
+    middle = np.exp(np.add.reduceat(np.log(omega) * size, first) / np.add.reduceat(size, first))
     natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
-    static = np.empty((len(sides), len(strike), len(bands)))
-    for place, each in enumerate(bands):
-        # Summed without BLAS, whose last bits are not the same with any number of threads.
-        np.add.reduce(strike[:, each] * weight[:, None, each], axis=-1, out=static[..., place])
+    # Summed without BLAS, whose last bits are not the same with any number of threads.
+    static = np.add.reduceat(shapes * weight[:, None], first, axis=-1)
     return Relief(TURN * natural / (2 * np.pi), DAMPING * natural, -static * natural / TURN)
 
 
