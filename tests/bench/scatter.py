@@ -111,7 +111,7 @@ def cellos(font: SoundFont) -> dict[str, float] | None:
     for _, other in there((CELLO,)):
         second = mean(harmonics.fall(other.recording(name))[1] for name, *_ in CELLO.pairs)
         first = mean(harmonics.fall(font.recording(name))[1] for name in harmonics.CELLO)
-        return {"known": first, "held": second, "ours": harmonics.fall(harmonics.bowed())[1]}
+        return {"known": first, "held": second, "ours": harmonics.fall_of_bowed()[1]}
     return None
 
 

@@ -16,9 +16,9 @@ A ribbed board is one plate only as long as its waves are long. Where half of on
 between these, and the board gives way and radiates as the bare panel does (Ege and Boutillon, Proc. ICA, 2010: the rise
 of a piano's mobility above 1.1 kHz), whose edges the ribs are, too.
 
-A bridge on two feet rocks on the board as a mass on a spring: it passes a string's force on as T = 1/(1 - (f/f_b)^2 +
-j f/(f_b Q)), so that above its resonance little of it reaches the body (Reinicke 1973; J. Woodhouse, "On the 'bridge
-hill' of the violin", Acta Acustica united with Acustica 91, 2005). The string meets Y |T|^2.
+A bridge on two feet turns on its legs, and its upper part, on which the strings lie, turns on a spring against its
+lower one (Reinicke 1973; J. Woodhouse, "On the 'bridge hill' of the violin", Acta Acustica united with Acustica 91,
+2005): above these resonances little of a string's force reaches the board.
 
 A bridge that is glued on is a beam across the board: its impedance 2 m' c (1 + j), of a mass m' per length and bending
 waves of the speed c, adds to the board's 1/Y (Cremer, Heckl, Petersson).
@@ -68,6 +68,54 @@ class Beam:
 
 
 @dataclass(frozen=True)
+class Bridge:
+    """A bridge on two feet: a lower part on a leg of so many N/m over each, and an upper one on a joint (N m).
+
+    Lengths (m): of the joint over the feet, of the strings over the joint; half of that between the feet. Masses (kg):
+    of each foot; of the lower part, at the joint; of the upper part, in two halves so far (m) to either side, above the
+    joint by `raised` (m). loss_factor: of its wood.
+    """
+
+    leg: float
+    joint: float
+    height: float
+    strings: float
+    aside: float
+    foot: float
+    lower: float
+    upper: float
+    upper_aside: float
+    raised: float
+    loss_factor: float
+
+    @property
+    def lever(self) -> float:
+        """The conductance at the strings over that under a foot, at low frequencies: the force's moment is that of
+        greater ones at the feet, and each foot has a mobility of its own."""
+        return 2 * ((self.height + self.strings) / (2 * self.aside)) ** 2
+
+    def passed_on(self, frequency: Array, mobility: float) -> Array:
+        """Return the power that strings put into a board, of a mobility (s/kg) under each foot, over that which they
+        would by a rigid bridge without mass.
+
+        A force of 1 N turns the lower part by a and the upper one by b: (G + K - omega^2 I) a - k b = height and
+        (K - omega^2 I') b - k a = strings, with the joint's K, k = K + omega^2 upper height raised, and the legs and
+        feet's G: legs of stiffness L on feet that take j omega C - omega^2 I_f, as springs in series.
+        """
+        omega, wood = 2 * math.pi * frequency, 1 + 1j * self.loss_factor
+        legs, joint = 2 * self.leg * self.aside**2 * wood, self.joint * wood
+        board = (2 * self.aside) ** 2 / (2 * mobility)
+        feet = 1j * omega * board - omega**2 * 2 * self.foot * self.aside**2
+        followed = legs / (legs + feet)  # by the feet, as the lower part turns
+        lower = feet * followed + joint - omega**2 * (self.lower + self.upper) * self.height**2
+        upper = joint - omega**2 * self.upper * (self.raised**2 + self.upper_aside**2)
+        both = joint + omega**2 * self.upper * self.height * self.raised
+        turned = followed * (self.height * upper + both * self.strings) / (lower * upper - both**2)
+        share: Array = np.abs(omega * board * turned / (self.height + self.strings)) ** 2
+        return share
+
+
+@dataclass(frozen=True)
 class Ribs:
     """Ribs of a board: the frequency (Hz) from which waves stay between them, their length in all (m), and the mass per
     area (kg/m^2), the rigidity (N m), and the ratio of rigidities along and across the grain, of the panel between
@@ -85,9 +133,8 @@ class Board:
     """A board's mass per area (kg/m^2), its rigidity (N m), the geometric mean of both directions, its loss factor, its
     area (m^2), its perimeter (m), and the frequency (Hz) of its lowest mode.
 
-    ribs: if it has any. Of one with a bridge on feet: the frequency (Hz) at which that rocks, and its quality. glued: a
-    bridge that is glued on. grain: the ratio of rigidities along and across the grain. single: modes that stand out of
-    the mean, as they are measured at the bridge.
+    ribs: if it has any. bridge: one on feet; glued: one that is glued on. grain: the ratio of rigidities along and
+    across the grain. single: modes that stand out of the mean, as they are measured at the strings.
     """
 
     areal: float
@@ -97,8 +144,7 @@ class Board:
     perimeter: float
     lowest: float
     ribs: Ribs | None = None
-    bridge: float = math.inf
-    bridge_quality: float = 1.0
+    bridge: Bridge | None = None
     glued: Beam | None = None
     grain: float = 1.0
     single: tuple[Resonance, ...] = ()
@@ -111,14 +157,11 @@ class Board:
             mean = mean * stiffer ** _between(self.ribs, frequency)
         if self.glued:
             mean = self.glued.under(mean, frequency)
-        whole: Array = mean + sum(mode.conductance(frequency) for mode in self.single)
-        return whole * self._passed_on(frequency)
-
-    def _passed_on(self, frequency: Array) -> Array:
-        """Return |T|^2 of the bridge."""
-        ratio = frequency / self.bridge
-        passed: Array = 1 / ((1 - ratio**2) ** 2 + (ratio / self.bridge_quality) ** 2)
-        return passed
+        single = sum(mode.conductance(frequency) for mode in self.single)
+        if not self.bridge:
+            return np.asarray(mean + single)
+        passed = self.bridge.passed_on(frequency, _mobility(self.areal, self.rigidity))
+        return np.asarray((mean * self.bridge.lever + single) * passed)
 
     def radiated_share(self, frequency: Array) -> Array:
         """Return the share of the board's power that becomes sound."""
@@ -177,13 +220,17 @@ lowest mode is that of the air in it."""
 
 CELLO = Board(
     areal=2.0, rigidity=25.0, loss_factor=0.025, area=0.24, perimeter=2.0, lowest=220.0,
-    bridge=2000.0, bridge_quality=3.0, grain=_SPRUCE,
+    grain=_SPRUCE,
+    bridge=Bridge(
+        leg=3.6e5, joint=716.8, height=0.052, strings=0.032, aside=0.035,
+        foot=0.0024, lower=0.0046, upper=0.0059, upper_aside=0.026, raised=0.011, loss_factor=0.02,
+    ),
     single=(Resonance(100.0, 30.0, 3.0), Resonance(180.0, 30.0, 0.4), Resonance(220.0, 35.0, 0.6)),
 )  # fmt: skip
 """The top of a cello: 4.5 mm of spruce, 0.75 m long, with what its bass bar adds, estimated. Its air resonance and two
 modes of its corpus, near where they lie in most cellos (Bynum and Rossing 1997, as recalled); qualities and masses
-estimated. The bridge: the highest of the three modes in its plane that Reinicke found, 2.1 kHz (as recalled), its
-quality estimated."""
+estimated. The bridge: sizes, masses and stiffnesses as a cello's are in IRCAM's Modalys by default; its loss factor
+estimated, as of maple across its grain."""
 
 GUITAR = Board(
     areal=1.3, rigidity=10.0, loss_factor=0.02, area=0.14, perimeter=1.5, lowest=350.0,
