@@ -5,7 +5,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..numerics.checks import checked
-from ..rolling.path import PATH, PIECES, make_piece, restart_path
+from ..rolling.path import PATH, PIECES, make_pieces, restart_path
 
 
 @njit(error_model="numpy")
@@ -26,7 +26,7 @@ def pieces_of(path, end, pieces):
     total = 0.0
     for n in range(len(pieces)):
         while path.made <= n:
-            make_piece(path)
+            make_pieces(path)
         i = n & (PIECES - 1)
         pieces[n, 0] = total
         pieces[n, 1] = path.level[i]

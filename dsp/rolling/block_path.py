@@ -12,13 +12,14 @@ from ..contact.block_records import Block, forces_of
 from ..contact.block_sizes import NODES_PER_PART
 from ..contact.coupled_records import Coupled
 from ..native.jit import kernel, noinline_kernel
+from .body import is_even
 from .contact_step import path_at
 from .coupled_roll import lead_coupled_roll
-from .path import AHEAD, PIECES, Path, make_piece
+from .path import AHEAD, BATCH, PIECES, Path, make_pieces
 from .roll_record import Roll
 
 _TILT = math.sqrt(3.0)  # of 3 (2 t - 1) at the second Gauss node of [0, 1]; at the first it is the negative
-_BACK = PIECES - 2  # pieces in a sample after which its first may be lost
+_BACK = PIECES - BATCH - 4  # pieces in a sample after which its first may be lost
 
 
 @kernel
@@ -70,19 +71,9 @@ def _lines(t: float, b: float, c: float) -> tuple[float, float, float, float]:
 
 
 @kernel
-def _is_even(roll: Roll) -> bool:
-    """True if nothing changes a body's speed, its weight, or how rough its path is."""
-    target, path = roll.target, roll.path
-    speeds = roll.v == target.speed == roll.modulated_speed == path.speed and target.speed > 0.0
-    loads = roll.m == target.mass and roll.g == target.gravity == roll.modulated_gravity and roll.stiffness > 0.0
-    ways = path.radius == target.radius and path.roughness == target.roughness and path.patch == target.patch
-    return speeds and loads and ways and target.friction == target.asymmetry == 0.0 and roll.fade == 1.0
-
-
-@kernel
 def begin_evenly(roll: Roll, block: Block, period: float) -> None:
     """Find whether a body rolls evenly over a block, and how far in a part of each sample, of a period (s)."""
-    block.even = 1 if _is_even(roll) else 0
+    block.even = 1 if is_even(roll) else 0
     block.pace = roll.modulated_speed * period / block.parts
     block.per_pace = 1.0 / block.pace if block.even == 1 else 0.0
 
@@ -112,7 +103,7 @@ def roll_back(roll: Roll, contact: Coupled, block: Block) -> None:
 def _extend(path: Path, pieces: int) -> None:
     """Make a path's pieces up to a number."""
     while path.made < pieces:
-        make_piece(path)
+        make_pieces(path)
 
 
 @kernel

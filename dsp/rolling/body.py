@@ -9,6 +9,9 @@ path gives its weight, which nobody hears: the force that is handed on is f - m 
 A flight ends by a quadratic, piece of the path by piece. Contacts go by the collocation step of collocation.py, with
 steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
 A roll that asks for more than EVENTS steps a second gets coarser ones, whose energy can't grow.
+
+Up to `-60` a body that swings slowly beside the sampling rate, on a path of many pieces, goes by steps of a sample
+(sample_step.py), in contact and in flight.
 """
 
 import math
@@ -20,8 +23,9 @@ from ..numerics.legendre import KEPT
 from ..schema import SPEED
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, PIECES, make_piece, restart_path
+from .path import AHEAD, PIECES, make_pieces, restart_path
 from .roll_record import Roll
+from .sample_step import goes_by_samples, step_sample
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -42,6 +46,8 @@ _STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
+_BUSY = 4.0  # samples a piece of the path: where they are longer, few steps of contact_step.py do
+_SAME = 1e-6  # samples
 
 
 @kernel
@@ -157,7 +163,7 @@ def look_ahead(roll: Roll, seconds: float) -> float:
         roll.piece = 0
         roll.along = 0.0
     while path.made < roll.piece + AHEAD:
-        make_piece(path)
+        make_pieces(path)
     if anew:
         # On another path the body keeps its distance and its rate, or begins at rest.
         if not begun:
@@ -304,4 +310,53 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
         roll.given = max(roll.given, min(stop, end))
         if stop >= end or roll.ended == 1:
             break
+        if goes_by_samples(roll, 1.0 / rate) and _is_busy(roll, 1.0 / rate):
+            _fill_by_samples(roll, origin, rate, moments)
+            break
         next_event(roll)
+
+
+@kernel
+def _is_busy(roll: Roll, period: float) -> bool:
+    """True if pieces of the path come so fast, beside samples of a period (s), that steps of any length cost more."""
+    return look_ahead(roll, _BUSY * AHEAD * period) < _BUSY * AHEAD * period
+
+
+@kernel
+def is_even(roll: Roll) -> bool:
+    """True if nothing changes a body's speed, its weight, or how rough its path is."""
+    target, path = roll.target, roll.path
+    speeds = roll.v == target.speed == roll.modulated_speed == path.speed and target.speed > 0.0
+    loads = roll.m == target.mass and roll.g == target.gravity == roll.modulated_gravity and roll.stiffness > 0.0
+    ways = path.radius == target.radius and path.roughness == target.roughness and path.patch == target.patch
+    return speeds and loads and ways and target.friction == target.asymmetry == 0.0 and roll.fade == 1.0
+
+
+@noinline_kernel
+def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[float]) -> None:
+    """Add the moments of the force by steps of a sample, from where a body is to the last frame's end."""
+    at = max((roll.t - origin) * rate, 0.0)
+    frame, frames = int(at + _SAME), len(moments)
+    share = min(frame + 1.0 - at, 1.0)  # of the first frame
+    share = 1.0 if share > 1.0 - _SAME else share
+    even = is_even(roll)
+    level = path_at(roll)[0]
+    for n in range(frame, frames):
+        if not even:
+            steer(roll)
+            modulate(roll)
+        if roll.ended == 1:
+            break
+        h, pace = share / rate, rate / share
+        level, first, tilt = step_sample(roll, level, h, pace)
+        moments[n, 0] += first
+        moments[n, 1] += (1.0 - share) * first + share * tilt
+        roll.s += roll.modulated_speed * h
+        roll.span = h
+        share = 1.0
+    for i in range(NODES):
+        roll.step.f[i] = roll.step.f[0]
+    roll.next = roll.span
+    roll.t = origin + frames / rate
+    roll.since = roll.t - roll.span
+    roll.given = roll.since + roll.span

@@ -14,7 +14,7 @@ from ..contact.coupled_records import KINKS, Coupled
 from ..native.jit import kernel
 from .body import look_ahead, modulate, steer
 from .contact_step import path_at
-from .path import AHEAD, PIECES, make_piece
+from .path import AHEAD, PIECES, make_pieces
 from .roll_record import Roll
 
 _FIRST = 0.2  # of a radian of its swing: the first step to try
@@ -85,7 +85,7 @@ def _lay_path(roll: Roll, contact: Coupled, begin: float) -> None:
         roll.piece += 1
         roll.along = 0.0
         while path.made < roll.piece + AHEAD:
-            make_piece(path)
+            make_pieces(path)
         rise, bend = _slope_at(roll, pace)
         _lay_kink(contact, at, rise - old_rise, bend - old_bend)
     roll.along += (1.0 - at) * pace

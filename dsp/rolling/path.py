@@ -36,11 +36,14 @@ read, so they come no more often either."""
 POINTS = 2048
 """Points that can wait; a power of two."""
 
-PIECES = 32
+PIECES = 128
 """Pieces that are kept; a power of two."""
 
-AHEAD = PIECES - 8
-"""Pieces that may lie before the body."""
+AHEAD = 24
+"""Pieces that lie before the body."""
+
+BATCH = 64
+"""Pieces from which on no more are made at once."""
 
 EDGE = 0.05
 """Radius of a body's corners over its own."""
@@ -242,14 +245,19 @@ def _push(path: Path) -> None:
 def _settle(path: Path) -> None:
     """Read until nothing ahead can change the path before the hull's second edge."""
     for _ in range(4 * POINTS):
-        if path.count >= 3:
-            second, third = (path.first + 1) & (POINTS - 1), (path.first + 2) & (POINTS - 1)
-            edge = path.edge[third]
-            ahead = (path.front - path.place[second]) * path.surface.unit - edge
-            room = path.highest - path.height[second] - 0.5 * path.bend * edge * edge
-            if (ahead >= 0.0 and ahead * ahead >= 2.0 * path.radius * room) or path.count >= POINTS - BLOCK:
-                return
+        if path.count >= 3 and (_is_settled_at(path, path.first) or path.count >= POINTS - BLOCK):
+            return
         _read_block(path)
+
+
+@kernel
+def _is_settled_at(path: Path, first: int) -> bool:
+    """True if nothing ahead can change the path before the second edge from a point of the hull on."""
+    second, third = (first + 1) & (POINTS - 1), (first + 2) & (POINTS - 1)
+    edge = path.edge[third]
+    ahead = (path.front - path.place[second]) * path.surface.unit - edge
+    room = path.highest - path.height[second] - 0.5 * path.bend * edge * edge
+    return ahead >= 0.0 and ahead * ahead >= 2.0 * path.radius * room
 
 
 @kernel
@@ -284,42 +292,46 @@ def restart_path(path: Path, place: int) -> None:
     path.left = path.entered + (edge - path.entered) * path.before / (path.before + distance)
 
 
-@kernel
-def make_piece(path: Path) -> None:
-    """Make the next piece or two: the rest of the first point's arc, and the turn to the second."""
+@noinline_kernel
+def make_pieces(path: Path) -> None:
+    """Make the next pieces, up to BATCH and one, of points of the hull that nothing ahead can change: of each the rest
+    of its arc, and the turn to the next."""
     _settle(path)
-    second, third = (path.first + 1) & (POINTS - 1), (path.first + 2) & (POINTS - 1)
-    distance, after = path.distance[second], path.distance[third]
-    edge, after_edge = max(path.edge[second], path.left), path.edge[third]
-    turn = 0.0
-    if path.adjoins[second] == 1:
+    left, entered, before, bend = path.left, path.entered, path.before, path.bend
+    first, count, made = path.first, path.count, path.made
+    while True:
+        second, third = (first + 1) & (POINTS - 1), (first + 2) & (POINTS - 1)
+        distance, after = path.distance[second], path.distance[third]
+        edge, after_edge = max(path.edge[second], left), path.edge[third]
         # The turns on both sides of a point share its arc as they do on a flat surface.
-        share = (edge - path.entered) / (path.before + distance)
+        share = (edge - entered) / (before + distance)
         next_share = (after_edge + distance - edge) / (distance + after)
-        turn = min(max(min(share, next_share) * distance, 0.0), edge - path.left)
-    bend = path.bend
-    _lay(path, path.left, edge - turn - path.left, bend, distance)
-    if turn > 0.0:
-        _lay(path, edge - turn, 2.0 * turn, bend - bend * distance / (2.0 * turn), distance)
-    path.left = edge + turn - distance
-    path.entered = edge - distance
-    path.before = distance
-    path.first = second
-    path.count -= 1
+        turn = min(max(min(share, next_share) * distance, 0.0), edge - left)
+        turn = turn if path.adjoins[second] == 1 else 0.0
+        made = _lay(path, first, made, (left, edge - turn - left, bend, distance))
+        bent = bend - bend * distance / (2.0 * turn)
+        made = _lay(path, first, made, (edge - turn, 2.0 * turn, bent, distance))
+        left = edge + turn - distance
+        entered, before = edge - distance, distance
+        first = second
+        count -= 1
+        if made - path.made >= BATCH or count < 3 or not _is_settled_at(path, first):
+            break
+    path.left, path.entered, path.before = left, entered, before
+    path.first, path.count, path.made = first, count, made
 
 
 @kernel
-def _lay(path: Path, begin: float, length: float, curvature: float, distance: float) -> None:
-    """Make a piece of a length and curvature that begins so far from the first point, on its arc; `distance`: from that
-    to the next."""
-    if length <= _SHORTEST * distance:
-        return
-    i = path.made & (PIECES - 1)
+def _lay(path: Path, point: int, made: int, piece: tuple[float, float, float, float]) -> int:
+    """Lay a piece after so many: where it begins beside a point of the hull, on its arc, its length, curvature, and the
+    distance to the next point. Return how many there are then: it is left out where it is too short."""
+    begin, length, curvature, distance = piece
+    i = made & (PIECES - 1)
     slope = path.bend * begin
     path.length[i] = length
-    path.level[i] = path.height[path.first] + 0.5 * begin * slope
+    path.level[i] = path.height[point] + 0.5 * begin * slope
     path.incline[i] = slope
     path.curvature[i] = curvature
-    path.origin[i] = path.place[path.first]
+    path.origin[i] = path.place[point]
     path.start[i] = begin
-    path.made += 1
+    return made + (1 if length > _SHORTEST * distance else 0)
