@@ -340,22 +340,26 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
     share = min(frame + 1.0 - at, 1.0)  # of the first frame
     share = 1.0 if share > 1.0 - _SAME else share
     even = is_even(roll)
-    level = path_at(roll)[0]
+    state = path_at(roll)[0], roll.y, roll.w, roll.step.f[0] if roll.touching == 1 else 0.0
+    h, pace = share / rate, rate / share
     for n in range(frame, frames):
         if not even:
             steer(roll)
             modulate(roll)
         if roll.ended == 1:
             break
-        h, pace = share / rate, rate / share
-        level, first, tilt = step_sample(roll, level, h, pace)
+        before = state[3]
+        state, first, tilt = step_sample(roll, state, h, pace)
         moments[n, 0] += first
         moments[n, 1] += (1.0 - share) * first + share * tilt
+        roll.impacts += 1 if before == 0.0 < state[3] else 0
         roll.s += roll.modulated_speed * h
         roll.span = h
-        share = 1.0
+        h, pace, share = 1.0 / rate, rate, 1.0
+    roll.y, roll.w = state[1], state[2]
+    roll.touching = 1 if state[3] > 0.0 else 0
     for i in range(NODES):
-        roll.step.f[i] = roll.step.f[0]
+        roll.step.f[i] = state[3]
     roll.next = roll.span
     roll.t = origin + frames / rate
     roll.since = roll.t - roll.span

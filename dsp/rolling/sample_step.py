@@ -22,6 +22,10 @@ _SUNK = 0.1  # the most by which a dashpot gives way in a sample, over the compr
 _SHORTEST = 1.0 / 64_000.0  # s: of shorter samples there are more than the steps of contact_step.py
 
 
+State = tuple[float, float, float, float]
+"""A body between two steps: the path's height (m), its own, its rate (m/s), the contact's force (N) before."""
+
+
 @kernel
 def goes_by_samples(roll: Roll, period: float) -> bool:
     """True if a step a sample, of a period (s), follows a body's contact to within what is heard."""
@@ -48,28 +52,24 @@ def _walk(roll: Roll, way: float) -> float:
 
 
 @kernel
-def step_sample(roll: Roll, level: float, h: float, pace: float) -> tuple[float, float, float]:
-    """Take a step of h s, pace = 1/h, from a height (m) of the path on; return that at its end, and two moments of the
-    force over the weight (N s)."""
+def step_sample(roll: Roll, state: State, h: float, pace: float) -> tuple[State, float, float]:
+    """Take a step of h s, pace = 1/h; return the state at its end, and two moments of the force over the weight
+    (N s)."""
+    level, y, w, before = state
     way = 0.5 * h * roll.modulated_speed
     middle = _walk(roll, way)
     end = _walk(roll, way)
-    weight, w = roll.m * roll.g, roll.w
-    sunk = roll.mobility * (roll.step.f[0] - weight)
-    x = (level + 4.0 * middle + end) * (1.0 / 6.0) - (roll.y + 0.5 * h * (w + sunk))
+    weight, rise = roll.m * roll.g, end - level
+    x = (level + 4.0 * middle + end) * (1.0 / 6.0) - (y + 0.5 * h * (w + roll.mobility * (before - weight)))
     force = tilt = 0.0
     if x > 0.0:
         rate = roll.stiffness * raised(x, roll.a - 1.0)
-        spring, rise = rate * x, end - level
-        free = rise * pace - w + 0.5 * h * roll.g + roll.mobility * weight
-        slack = 1.0 + roll.mu * free
+        spring = rate * x
+        slack = 1.0 + roll.mu * (rise * pace - w + 0.5 * h * roll.g + roll.mobility * weight)
         if slack > 0.0:
-            force = spring * slack / (1.0 + spring * roll.mu * (0.5 * h * roll.lightness + roll.mobility))
+            force = spring * slack / (1.0 + spring * (roll.mu * (0.5 * h * roll.lightness + roll.mobility)))
             bent = (2.0 / 3.0) * roll.mu * spring * (level + end - 2.0 * middle)
             tilt = bent + (1.0 / 6.0) * roll.a * rate * h * (rise - h * w)
-    roll.w += h * (force * roll.lightness - roll.g)
-    roll.y += h * (0.5 * (w + roll.w) + roll.mobility * (force - weight))
-    roll.impacts += 1 if force > 0.0 and roll.touching == 0 else 0
-    roll.touching = 1 if force > 0.0 else 0
-    roll.step.f[0] = force
-    return end, roll.fade * h * (force - weight), roll.fade * tilt
+    sped = h * (force * roll.lightness - roll.g)
+    y += h * (w + 0.5 * sped + roll.mobility * (force - weight))
+    return (end, y, w + sped, force), roll.fade * h * (force - weight), roll.fade * tilt
