@@ -25,7 +25,7 @@ from .contact_step import path_at, step_contact
 from .moments import add_quadratic
 from .path import AHEAD, PIECES, make_pieces, restart_path
 from .roll_record import Roll
-from .sample_step import goes_by_samples, step_sample
+from .sample_step import follows, step_sample
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -47,7 +47,8 @@ _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
 _BUSY = 4.0  # samples a piece of the path: where they are longer, few steps of contact_step.py do
-_SAME = 1e-6  # samples
+_LOOKS = 64  # samples from one look to the next, whether a body is to go on by these
+_SAME = 2.0**-16  # samples: times that are nearer count as one
 
 
 @kernel
@@ -78,7 +79,7 @@ def begin_roll(roll: Roll, place: int, k: float, mu: float, a: float, corners: f
     roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
     roll.fade = 1.0
     roll.mobility = roll.brief = 0.0
-    roll.ended = roll.impacts = roll.events = roll.holds = 0
+    roll.ended = roll.impacts = roll.events = roll.holds = roll.samples = 0
     roll.along = 0.0
     roll.piece = -1
     roll.path.origin[0] = place
@@ -310,16 +311,18 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
         roll.given = max(roll.given, min(stop, end))
         if stop >= end or roll.ended == 1:
             break
-        if goes_by_samples(roll, 1.0 / rate) and _is_busy(roll, 1.0 / rate):
+        if roll.samples == 0 and _goes_by_samples(roll, 1.0 / rate):
+            roll.samples = 1
+        if roll.samples > 0:
             _fill_by_samples(roll, origin, rate, moments)
-            break
-        next_event(roll)
+        else:
+            next_event(roll)
 
 
 @kernel
-def _is_busy(roll: Roll, period: float) -> bool:
-    """True if pieces of the path come so fast, beside samples of a period (s), that steps of any length cost more."""
-    return look_ahead(roll, _BUSY * AHEAD * period) < _BUSY * AHEAD * period
+def _goes_by_samples(roll: Roll, period: float) -> bool:
+    """True if a step a sample, of a period (s), does, and the path's pieces come so fast that others cost more."""
+    return follows(roll, period) and look_ahead(roll, _BUSY * AHEAD * period) < _BUSY * AHEAD * period
 
 
 @kernel
@@ -334,15 +337,18 @@ def is_even(roll: Roll) -> bool:
 
 @noinline_kernel
 def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[float]) -> None:
-    """Add the moments of the force by steps of a sample, from where a body is to the last frame's end."""
-    at = max((roll.t - origin) * rate, 0.0)
-    frame, frames = int(at + _SAME), len(moments)
-    share = min(frame + 1.0 - at, 1.0)  # of the first frame
-    share = 1.0 if share > 1.0 - _SAME else share
-    even = is_even(roll)
+    """Add the moments of the force by steps of a sample, from where a body is on; where it is to go by others, end
+    there."""
+    at = math.floor(max((roll.t - origin) * rate, 0.0) / _SAME + 0.5) * _SAME  # however its rounding falls
+    frame, frames = int(at), len(moments)
+    share = frame + 1.0 - at  # of the first frame
+    even, resized = is_even(roll), roll.path.radius != roll.target.radius
     state = path_at(roll)[0], roll.y, roll.w, roll.step.f[0] if roll.touching == 1 else 0.0
     h, pace = share / rate, rate / share
-    for n in range(frame, frames):
+    while frame < frames:
+        if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate):
+            roll.samples = 0
+            break
         if not even:
             steer(roll)
             modulate(roll)
@@ -350,17 +356,19 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
             break
         before = state[3]
         state, first, tilt = step_sample(roll, state, h, pace)
-        moments[n, 0] += first
-        moments[n, 1] += (1.0 - share) * first + share * tilt
+        moments[frame, 0] += first
+        moments[frame, 1] += (1.0 - share) * first + share * tilt
         roll.impacts += 1 if before == 0.0 < state[3] else 0
         roll.s += roll.modulated_speed * h
         roll.span = h
         h, pace, share = 1.0 / rate, rate, 1.0
+        roll.samples += 1
+        frame += 1
     roll.y, roll.w = state[1], state[2]
     roll.touching = 1 if state[3] > 0.0 else 0
     for i in range(NODES):
         roll.step.f[i] = state[3]
     roll.next = roll.span
-    roll.t = origin + frames / rate
+    roll.t = origin + frame / rate
     roll.since = roll.t - roll.span
     roll.given = roll.since + roll.span

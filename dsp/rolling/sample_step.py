@@ -27,7 +27,7 @@ State = tuple[float, float, float, float]
 
 
 @kernel
-def goes_by_samples(roll: Roll, period: float) -> bool:
+def follows(roll: Roll, period: float) -> bool:
     """True if a step a sample, of a period (s), follows a body's contact to within what is heard."""
     turn = roll.swing * period * period <= _TURN * _TURN
     slow = turn and roll.mobility * roll.m * roll.swing * period <= _SUNK
