@@ -48,6 +48,7 @@ _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
 _BUSY = 4.0  # samples a piece of the path: where they are longer, few steps of contact_step.py do
 _LOOKS = 64  # samples from one look to the next, whether a body is to go on by these
+_STEERS = 8  # and from one to the next, at which it is steered
 _SAME = 2.0**-16  # samples: times that are nearer count as one
 
 
@@ -349,9 +350,10 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
         if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate):
             roll.samples = 0
             break
-        if not even:
+        if not even and roll.samples % _STEERS == 0:
             steer(roll)
             modulate(roll)
+            roll.span = 0.0
         if roll.ended == 1:
             break
         before = state[3]
@@ -360,15 +362,17 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
         moments[frame, 1] += (1.0 - share) * first + share * tilt
         roll.impacts += 1 if before == 0.0 < state[3] else 0
         roll.s += roll.modulated_speed * h
-        roll.span = h
+        roll.span += h
         h, pace, share = 1.0 / rate, rate, 1.0
         roll.samples += 1
         frame += 1
+    if even:
+        roll.span = 1.0 / rate
     roll.y, roll.w = state[1], state[2]
     roll.touching = 1 if state[3] > 0.0 else 0
     for i in range(NODES):
         roll.step.f[i] = state[3]
-    roll.next = roll.span
+    roll.next = 1.0 / rate
     roll.t = origin + frame / rate
     roll.since = roll.t - roll.span
     roll.given = roll.since + roll.span

@@ -70,6 +70,7 @@ def step_sample(roll: Roll, state: State, h: float, pace: float) -> tuple[State,
             force = spring * slack / (1.0 + spring * (roll.mu * (0.5 * h * roll.lightness + roll.mobility)))
             bent = (2.0 / 3.0) * roll.mu * spring * (level + end - 2.0 * middle)
             tilt = bent + (1.0 / 6.0) * roll.a * rate * h * (rise - h * w)
-    sped = h * (force * roll.lightness - roll.g)
-    y += h * (w + 0.5 * sped + roll.mobility * (force - weight))
-    return (end, y, w + sped, force), roll.fade * h * (force - weight), roll.fade * tilt
+    push, fall = h * roll.lightness, h * roll.g
+    y = y + h * (w - 0.5 * fall - roll.mobility * weight) + h * (0.5 * push + roll.mobility) * force
+    w = w - fall + push * force
+    return (end, y, w, force), roll.fade * h * (force - weight), roll.fade * tilt
