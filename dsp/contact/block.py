@@ -207,21 +207,22 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
     rows, middles, end = motion_of(block), first + 3 * parts, first + 5 * parts - 2
     pushed = h * h * (contact.push - rest) / contact.m
     moved, held = h * contact.v, block.tables[i].give_all
-    begin, tilted = contact.position - contact.motion[0], 0.0
+    begin, tilted, laid = contact.position - contact.motion[0], 0.0, forces * block.at
     for k in range(forces):
         at, part = AT[parts, k], k // NODES_PER_PART
         before = rows[middles + part - 1] if part > 0 else begin
         after = rows[middles + part] if part < parts - 1 else rows[end]
         tilt = rows[first + forces + part]
         rate = parts * (after - before) + (tilt if k % NODES_PER_PART == 1 else -tilt)
-        x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[k] + rest * held[k] - rows[first + k]
-        v = moved + at * pushed + block.slope[k] - rate
+        height = block.height[laid + k] + rest * held[k]
+        x = contact.position + at * (moved + 0.5 * at * pushed) + height - rows[first + k]
+        v = moved + at * pushed + block.slope[laid + k] - rate
         tilted += SHARES[parts, k] * (2.0 * at - 1.0) * v
         block.free[k] = block.seen[k] = x
         block.free[FORCES + k] = block.seen[FORCES + k] = v + rest * held[FORCES + k]
         block.last[k] = block.force[k]
         block.force[k] = max(2.0 * block.force[k] - block.before[k], 0.0)
-    block.travel[0] = moved + 0.5 * pushed + block.rise + (begin - rows[end])
+    block.travel[0] = moved + 0.5 * pushed + block.rise[block.at] + (begin - rows[end])
     block.travel[1] = tilted
     _bend(block, rows[middles + parts - 1 :], times)
     block.kept = block.gained
@@ -238,7 +239,7 @@ def _bend(block: Block, rows: View[float], times: tuple[float, ...]) -> None:
             for k in range(len(times)):
                 s = 2.0 * AT[parts, k] - 1.0
                 value = 1.5 * s * s - 0.5 if moment == 2 else (2.5 * s * s - 1.5) * s
-                total += SHARES[parts, k] * value * block.slope[k]
+                total += SHARES[parts, k] * value * block.slope[len(times) * block.at + k]
         block.travel[moment] = total
 
 
@@ -342,7 +343,7 @@ def _move(contact: Coupled, block: Block, times: tuple[float, ...]) -> None:
         block.before[j] = block.last[j]
     lightness = 1.0 / contact.m
     pushed = h * (contact.push - rest) * lightness  # m/s
-    contact.position += h * (contact.v + 0.5 * pushed) + block.rise
+    contact.position += h * (contact.v + 0.5 * pushed) + block.rise[block.at]
     contact.position -= 0.5 * h * lightness * (block.moments[0] - block.moments[1])
     contact.v += pushed - lightness * block.moments[0]
     if total > 0.0 and contact.touching == 0:

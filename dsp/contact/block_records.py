@@ -6,7 +6,7 @@ from ..native.jit import kernel
 from ..native.typed import Record, View, View2D
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, BEYOND, line_of
-from .block_sizes import FORCES, LINEAR, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
+from .block_sizes import FORCES, LAID, LINEAR, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 
 TOGETHER = 4
 """Contacts that are solved together, at most."""
@@ -103,16 +103,22 @@ class Block(Record):
     force: Annotated[View[float], FORCES]  # N
     before: Annotated[View[float], FORCES]  # a sample before
     last: Annotated[View[float], FORCES]
-    height: Annotated[View[float], FORCES]  # m: of the path at the nodes, against the sample's beginning,
-    slope: Annotated[View[float], FORCES]  # m per sample
-    rise: float  # m: and at the sample's end
+    # The path over some samples, one after the other, and the coming one of these:
+    height: Annotated[View[float], LAID * FORCES]  # m: at the nodes, against the sample's beginning,
+    slope: Annotated[View[float], LAID * FORCES]  # m per sample
+    rise: Annotated[View[float], LAID]  # m: and at the sample's end
+    at: int
+    laid: int  # 0: a body has not rolled evenly over the coming one
+    steeper: Annotated[View[float], LAID * MOST_PARTS + 1]  # m: what its kinks add to its rise in a part, by the part's
+    rounder: Annotated[View[float], LAID * MOST_PARTS + 1]  # m: beginning, and to half of what that changes by
     leaves: int  # 1: the block ends where the contact does
     edge: float  # share of the force at its end by which that of a sample may be mended, where a body lands or leaves
     even: int  # 1: the body rolls evenly
     pace: float  # m in a part of the sample, if it does
     per_pace: float  # 1/m
-    # Where it was on its path before the sample:
-    piece: int  # -1: it has not rolled evenly over the sample
+    # Where it was on its path before what is laid:
+    piece: int
+    last_piece: int  # that the laid samples reach
     along: float  # m
     t: float  # s
     s: float  # m

@@ -14,5 +14,8 @@ MOTIONS = 2 * FORCES
 MOMENTS_AHEAD = MOST_PARTS + 1
 """Legendre moments of the force over a sample that later ones feel, at most: one more than it has parts."""
 
+LAID = 8
+"""Samples over which the path of a body that rolls evenly is laid at once, at most."""
+
 LINEAR = 0
 """Number in the place of parts for a rest that is a line about its load (linear.py)."""

@@ -321,7 +321,7 @@ def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
         if n > net.begin:
             feel(state.blocks, net, size, n - 1 - net.begin)
         for i in range(size):
-            net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]], n)
+            net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]], n, stop)
         if not step_blocks(state.contacts, state.blocks, net, size, n - net.begin):
             return n
         for i in range(size):
@@ -340,7 +340,7 @@ def _leave(state: State, net: Net, end: int) -> None:
         end_block(block, contact.coupled)
         if contact.trait.along == 1:
             contact.led = 1 if end < net.stop else 0
-            if end < net.stop and block.piece >= 0:
+            if end < net.stop and block.laid > 0:
                 roll_back(state.rolls[contact.roll], contact.coupled, block)
             if end < net.stop and contact.travel > 0.0:
                 contact.unsettled = 1  # its force moves on, and leaves it elsewhere
@@ -348,20 +348,20 @@ def _leave(state: State, net: Net, end: int) -> None:
 
 
 @kernel
-def _lead(state: State, contact: Contact, block: Block, frame: int) -> float:
-    """Lay the path under a contact over the sample that ends at a frame, or press it on; return the share of its force
-    that the object gets."""
+def _lead(state: State, contact: Contact, block: Block, frame: int, stop: int) -> float:
+    """Lay the path under a contact over the sample that ends at a frame, or press it on, as it is solved up to another
+    frame; return the share of its force that the object gets."""
     if contact.trait.held == 1:
         press(contact, frame)
     if contact.trait.along == 0:
         return 1.0
     roll = state.rolls[contact.roll]
     if contact.led == 0 and block.even == 1:
-        roll_evenly(roll, block, contact.coupled.period)
+        roll_evenly(roll, block, contact.coupled.period, stop - frame)
         return share_of(roll)
     if contact.led == 0:
         lead_coupled_roll(roll, contact.coupled, 0.0)
-    contact.led, block.piece = 0, -1
+    contact.led = 0
     project_path(contact.coupled, block)
     return share_of(roll)
 

@@ -30,19 +30,23 @@ def _follow(rolls, contacts, blocks, lines, kinks):
         begin_coupled_roll(rolls[i], contacts[i], 0.0, RATE, 1e-3)
         lead_coupled_roll(rolls[i], contacts[i], 0.0)
     for n in range(len(lines)):
-        begin_evenly(rolls[0], blocks[0], contacts[0].period)
-        even = even and blocks[0].even == 1
-        roll_evenly(rolls[0], blocks[0], contacts[0].period)
-        piece, along = rolls[0].piece, rolls[0].along
-        if n % 3 == 0:
-            roll_back(rolls[0], contacts[0], blocks[0])
-            same = same and rolls[0].piece == piece and abs(rolls[0].along - along) < 1e-12
+        if n % 64 == 0 or n % 13 == 1:
+            begin_evenly(rolls[0], blocks[0], contacts[0].period)
+            even = even and blocks[0].even == 1
+        roll_evenly(rolls[0], blocks[0], contacts[0].period, 64 - n % 64)
         lead_coupled_roll(rolls[1], contacts[1], 0.0)
         project_path(contacts[1], blocks[1])
-        same = same and rolls[0].piece == rolls[1].piece and rolls[0].t == rolls[1].t and rolls[0].s == rolls[1].s
+        if n % 13 == 0:
+            roll_back(rolls[0], contacts[0], blocks[0])
+        if n % 13 == 0 or blocks[0].at + 1 == blocks[0].laid:
+            same = same and rolls[0].piece == rolls[1].piece and abs(rolls[0].along - rolls[1].along) < 1e-12
+            same = same and rolls[0].t == rolls[1].t and rolls[0].s == rolls[1].s
         for i in range(2):
-            lines[n, i, 0] = blocks[i].rise
-            lines[n, i, 1 : 1 + FORCES], lines[n, i, 1 + FORCES :] = blocks[i].height, blocks[i].slope
+            at, forces = blocks[i].at, NODES_PER_PART * blocks[i].parts
+            lines[n, i, 0] = blocks[i].rise[at]
+            for k in range(forces):
+                lines[n, i, 1 + k] = blocks[i].height[forces * at + k]
+                lines[n, i, 1 + FORCES + k] = blocks[i].slope[forces * at + k]
         contact = contacts[1]
         kinks[n, 0, 0], kinks[n, 0, 1], kinks[n, 0, 2] = 0.0, contact.rise, contact.bend
         for k in range(min(contact.kinks, len(kinks[n]) - 1)):
