@@ -19,23 +19,26 @@ from ..native.jit import kernel
 from ..native.typed import View, dtype_of
 from ..numerics.legendre import AHEAD, KEPT
 from ..resonator.bank import Modes, Point, inject_fine, inject_kept, observe, receptance
-from ..resonator.sizes import ROOM_FOR_ROWS
+from ..resonator.sizes import ROOM_FOR_FACTORS, ROOM_FOR_ROWS
 from .coupled import MEMBER, NOT_KEPT, Bank, Case, Run, bank_of, keep_sample, restart, ring_on, step_alone
+
+Room = tuple[View[float], View[float], View[float]]
+"""Room to lay rows out, the rows, and factors of modes in them."""
 
 _TOLERANCE = 1e-3  # of samples that no block follows
 
 
 @kernel
-def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[float]]) -> float:
+def lay(block: Block, modes: Modes, point: Point, room: Room) -> float:
     """Lay out the free motion of a point over AHEAD samples, one row after the other; return where it is now (m)."""
     flat = room[1]
     for i in range(len(flat)):
         flat[i] = 0.0
-    return lay_motion(block.parts, AHEAD, modes, point, room[0], flat)
+    return lay_motion(block.parts, AHEAD, modes, point, room[0], flat, room[2], False)
 
 
 @kernel
-def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: tuple[View[float], View[float]]) -> None:
+def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: Room) -> None:
     """Find what the force of one contact does to its own point."""
     modes, work, moments = bank.modes, bank.work, bank.moments
     block.parts = parts
@@ -54,7 +57,7 @@ def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: tu
 
 
 @kernel
-def begin_alone(block: Block, contact: Coupled, bank: Bank, room: tuple[View[float], View[float]]) -> None:
+def begin_alone(block: Block, contact: Coupled, bank: Bank, room: Room) -> None:
     """Begin a block of one contact with the modes as they are."""
     place = lay(block, bank.modes, bank.point, room)
     take_rows(block, room[1], 1.0, AHEAD)
@@ -100,7 +103,7 @@ def _simulation(case: Case, parts: int) -> tuple[NDArray[np.void], Callable[...,
     contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
     blocks, net = np.zeros(1, dtype_of(Block)), np.zeros(1, dtype_of(Net))[0]
     net["size"], net["gain"], net["share"], net["stop"] = 1, 1.0, 1.0, AHEAD
-    room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS)
+    room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS), np.zeros(ROOM_FOR_FACTORS)
     law = tuple(map(float, (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.rate)))
     return contacts, partial(_simulate, (contacts, group, blocks, net), bank_of(case), room, law, parts)
 

@@ -21,5 +21,11 @@ SENSED = 4
 ROWS = 1 + 2 * SENSED + 4 + 2
 """Values for each mode that slides at a point: its shape there, and what `set_rows` finds (`velocity.py`)."""
 
+KEPT_GROUPS = 10
+"""Groups of LANES modes whose factors in rows are kept (`rows.py`), at most."""
+
+ROOM_FOR_FACTORS = (KEPT_GROUPS + 1) * 8 * LANES
+"""Values that are kept of them: how far each group turns, then its factors at up to four points of a sample."""
+
 ROOM_FOR_ROWS = MOST_POINTS * ((WIDE + 4) * LANES + WIDE) + 2 * LANES
 """Values that `lay_rows` needs room for (`rows.py`)."""

@@ -55,23 +55,43 @@ def clear_rows(state: State, parts: int) -> None:
 
 
 @noinline_kernel
-def lay_motion(parts: int, samples: int, modes: Modes, point: Point, room: View[float], rows: View[float]) -> float:
+def lay_motion(
+    parts: int, samples: int, modes: Modes, point: Point, room: View[float], rows: View[float], kept: View[float],
+    known: bool,
+) -> float:  # fmt: skip
     """Add the motion of a point without a force over so many samples, a multiple of LANES, to `rows`, those of so many
-    parts of a sample, or of LINEAR, one row after the other; return where it is now (m). `room` has ROOM values
-    (resonator/rows.py)."""
+    parts of a sample, or of LINEAR, one row after the other; return where it is now (m). `room`, `kept` and
+    `known` are as resonator/rows.py has them."""
     if parts == LINEAR:
-        return lay_rows(modes, point, _LINEAR, _OF_LINEAR, samples, room, rows)
+        return lay_rows(modes, point, _LINEAR, _OF_LINEAR, samples, room, rows, kept, known)
     if parts == 1:
-        return lay_rows(modes, point, _ONE, _OF_ONE, samples, room, rows)
+        return lay_rows(modes, point, _ONE, _OF_ONE, samples, room, rows, kept, known)
     if parts == 2:
-        return lay_rows(modes, point, _TWO, _OF_TWO, samples, room, rows)
-    return lay_rows(modes, point, _THREE, _OF_THREE, samples, room, rows)
+        return lay_rows(modes, point, _TWO, _OF_TWO, samples, room, rows, kept, known)
+    return lay_rows(modes, point, _THREE, _OF_THREE, samples, room, rows, kept, known)
 
 
 @kernel
 def lay_point(state: State, parts: int, samples: int, modes: Modes, where: Point) -> float:
     """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
-    return lay_motion(parts, samples, modes, where, state.scratch.room, state.scratch.rows)
+    return lay_motion(
+        parts, samples, modes, where, state.scratch.room, state.scratch.rows, state.scratch.factors, False
+    )
+
+
+@kernel
+def lay_contact(state: State, contact: Contact, side: int, parts: int, samples: int) -> float:
+    """Do what `lay_point` does for a contact's point on one of its objects. Of one that stays where it is, factors are
+    kept."""
+    scratch, point = state.scratch, contact.point[side]
+    obj = state.objects[point.slot]
+    modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
+    if side == 1 or contact.travel > 0.0:
+        return lay_point(state, parts, samples, modes, where)
+    number, kept = (MOST_PARTS + 1) * contact.settled + parts, state.factors[contact.roll]
+    known = state.factors_of[contact.roll] == number
+    state.factors_of[contact.roll] = number
+    return lay_motion(parts, samples, modes, where, scratch.room, scratch.rows, kept, known)
 
 
 @noinline_kernel
@@ -84,14 +104,14 @@ def lay_moving(state: State, contact: Contact, parts: int, frame: int, stop: int
     if not keeps_rows(obj.rows, begin, end):  # too fast for a line
         begin = end = position_of(contact, 0.5 * (frame + stop))
     put(state, obj, contact, begin)
-    place = lay_motion(parts, samples, modes, point_of(state, obj, point), scratch.room, scratch.rows)
+    place = lay_point(state, parts, samples, modes, point_of(state, obj, point))
     weigh(scratch.drift, end * (obj.rows - 1) - point.row)
     for i in range(4):
         scratch.drift[i] -= point.weights[i]
     for i in range(AHEAD * rows_for(parts)):
         scratch.moving[i] = 0.0
     drift = Point(shapes_of(state, obj), obj.size, point.row, scratch.drift)
-    moved = lay_motion(parts, samples, modes, drift, scratch.room, scratch.moving)
+    moved = lay_motion(parts, samples, modes, drift, scratch.room, scratch.moving, scratch.factors, False)
     ends = (rows_for(parts) - 1) * AHEAD
     old, old_moved, total = place, moved, place
     for n in range(samples):

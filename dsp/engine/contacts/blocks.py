@@ -25,13 +25,13 @@ from ...resonator.fed import LINE
 from ...rolling.block_path import begin_evenly, project_path, roll_back, roll_evenly
 from ...rolling.body import share_of
 from ...rolling.coupled_roll import lead_coupled_roll
-from ..bodies.objects import modes_of, point_of
+from ..bodies.objects import modes_of
 from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker, press_striker
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
-from .block_motion import clear_rows, lay_moving, lay_point, whole_lanes
+from .block_motion import clear_rows, lay_contact, lay_moving, whole_lanes
 from .block_places import bends_under, go_on_lines, put_amid, settle_net
 from .contact_force import observe_points
 from .contact_list import acts, take_place, take_room_again
@@ -298,12 +298,11 @@ def _begin(state: State, net: Net, i: int, frame: int) -> None:
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
-            obj = state.objects[point.slot]
-            modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
             if side == 0 and contact.travel > 0.0 and point.on_surface == 0:
+                modes = modes_of(state, state.objects[point.slot], 0, point.modes)
                 place += scale * lay_moving(state, contact, block.parts, frame, net.stop, modes)
             else:
-                place += scale * lay_point(state, block.parts, whole_lanes(net.stop - frame), modes, where)
+                place += scale * lay_contact(state, contact, side, block.parts, whole_lanes(net.stop - frame))
     take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame))
     rolls = contact.trait.along == 1
     begin_block(block, contact.coupled, place, rolls)

@@ -5,9 +5,8 @@ from ...contact.block_records import Net
 from ...contact.block_sizes import LINEAR
 from ...contact.linear import add_answers, begin_tables, end_tables, look_if_calm, moment_of, solve_linear
 from ...native.jit import kernel, noinline_kernel
-from ..bodies.objects import modes_of, point_of
 from ..memory.state import BEHIND, QUANTUM, State
-from .block_motion import clear_rows, lay_answers, lay_point
+from .block_motion import clear_rows, lay_answers, lay_contact
 
 
 @kernel
@@ -32,11 +31,8 @@ def run_linear(state: State, net: Net) -> bool:
     place = 0.0
     clear_rows(state, LINEAR)
     for side in range(2):
-        point = contact.point[side]
-        if point.slot >= 0:
-            obj = state.objects[point.slot]
-            modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
-            place += lay_point(state, LINEAR, QUANTUM, modes, where)
+        if contact.point[side].slot >= 0:
+            place += lay_contact(state, contact, side, LINEAR, QUANTUM)
     if not solve_linear(linear, contact.coupled, state.scratch.rows, place, 1.0 / contact.now.gain):
         linear.calm = 0
         return False

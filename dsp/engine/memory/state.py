@@ -16,7 +16,7 @@ from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32,
 from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
 from ...resonator.bank import RESPONSES, Driver
 from ...resonator.simd import LANES
-from ...resonator.sizes import HALF, REACH, ROOM_FOR_ROWS
+from ...resonator.sizes import HALF, REACH, ROOM_FOR_FACTORS, ROOM_FOR_ROWS
 from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits
@@ -250,6 +250,7 @@ class Scratch(Record):
     moving: Annotated[View[float], AHEAD * ROWS]  # of what that changes by as the point moves on
     drift: Annotated[View[float], 4]  # of a point's weights
     room: Annotated[View[float], ROOM_FOR_ROWS]  # to lay them out
+    factors: Annotated[View[float], ROOM_FOR_FACTORS]  # of modes in them that nobody keeps
     receptance: Annotated[View[float], FINE]
     drivers: Annotated[View[Driver], DRIVEN]  # of the rolls and swarms on one object, at one time
     blows: Annotated[View2D[float], DRIVEN, QUANTUM]  # their forces by one number a frame, those at one place together
@@ -383,6 +384,8 @@ class State(Record):
     oldest_running: int  # the least of these that may go on in this quantum
     rolls: Annotated[View[Roll], ROLLS]
     blocks: Annotated[View[Block], ROLLS]  # of those that feel all modes
+    factors: Annotated[View2D[float], ROLLS, ROOM_FOR_FACTORS]  # of their points' modes in rows (rows.py),
+    factors_of: Annotated[View[int], ROLLS]  # and the receptance and the parts of a sample that they are of
     slides: Annotated[View[Slide], ROLLS]  # what those that slide have besides
     feeds: Annotated[
         View3D[float], DRIVEN, BEHIND + QUANTUM + LEAD, KEPT

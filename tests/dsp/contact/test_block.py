@@ -33,7 +33,7 @@ from carom.dsp.lab.coupled import (
 from carom.dsp.native.typed import dtype_of
 from carom.dsp.numerics.legendre import AHEAD, KEPT
 from carom.dsp.resonator.bank import inject_fine, inject_kept, observe, receptance
-from carom.dsp.resonator.sizes import ROOM_FOR_ROWS
+from carom.dsp.resonator.sizes import ROOM_FOR_FACTORS, ROOM_FOR_ROWS
 from carom.dsp.rolling.block_path import project_path
 
 pytestmark = pytest.mark.slow  # numba compiles the loops around the kernels
@@ -115,7 +115,7 @@ def run(case, v, path, least=2):
     net["size"], net["gain"], net["share"], net["stop"] = 1, 1.0, 1.0, AHEAD
     out = np.empty((len(path), 4))
     law = case.m, case.k, case.mu, case.a
-    room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS)
+    room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS), np.zeros(ROOM_FOR_FACTORS)
     _run((contacts, group, blocks, net), bank, (law, v, least), path, room, out)
     return out, int(contacts[0]["coupled"]["steps"]) - len(path)
 

@@ -10,7 +10,7 @@ from carom.dsp.numerics.legendre import AHEAD, FINE
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.resonator.mode import APART
 from carom.dsp.resonator.simd import LANES
-from carom.dsp.resonator.sizes import ROOM_FOR_ROWS
+from carom.dsp.resonator.sizes import ROOM_FOR_FACTORS, ROOM_FOR_ROWS
 
 HIGHEST = (2.0 - APART) * np.pi
 """A mode's turn in a sample up to which the series that rows are held against is exact enough."""
@@ -46,7 +46,11 @@ def test_rows_are_the_motion_of_all_modes_however_fast_they_turn(highest, groups
     modes.y1[:], modes.y2[:] = random.normal(size=(2, count)) * np.sin(np.geomspace(0.01, highest, count)) / size
     point = bank.Point(random.normal(size=4 * count), count, 0, np.array([1.0, 0.3, 0.0, 0.0]))
     room, rows = np.full(ROOM_FOR_ROWS, np.nan), np.zeros(AHEAD * ROWS)
-    begin = lay_motion(parts, AHEAD, modes, point, room, rows)
+    kept = np.full(ROOM_FOR_FACTORS, np.nan)
+    begin = lay_motion(parts, AHEAD, modes, point, room, rows, kept, False)
+    again = np.zeros(AHEAD * ROWS)
+    assert lay_motion(parts, AHEAD, modes, point, room, again, kept, True) == begin
+    assert np.array_equal(again, rows)
     seen, expected = np.zeros(FINE), []
     for _ in range(AHEAD):
         bank.observe(modes, point, np.zeros(3 * count), seen)
