@@ -225,12 +225,18 @@ def ring_under(
     while first < size:
         groups = AT_ONCE if bends == 0.0 and first < size - LANES else 1
         for j in range(count):
-            for g in range(groups):
-                _put_answers(modes, shape, stride, drive.drivers[j], work, j * AT_ONCE + g, first + g * LANES)
+            driver, number = drive.drivers[j], j * AT_ONCE
+            if bends == 0.0:
+                for g in range(groups):
+                    _put_answers(modes, shape, stride, driver, work, number + g, first + g * LANES, _LINE)
+            else:
+                _put_answers(modes, shape, stride, driver, work, number, first, _ALL)
         if groups == AT_ONCE and first >= heard:
             ring_answering(modes, (first, first + LANES), work, count, frames, _LINE, _NEITHER)
         elif groups == AT_ONCE:
             ring_answering(modes, (first, first + LANES), work, count, frames, _LINE, _SIDES)
+        elif bends == 0.0:
+            ring_answering(modes, (first,), work, count, frames, _LINE, _SIDES)
         else:
             ring_answering(modes, (first,), work, count, frames, _ALL, _SIDES)
         first += groups * LANES
@@ -239,12 +245,13 @@ def ring_under(
 
 @simd_kernel
 def _put_answers(
-    modes: Modes, shape: View[float], stride: int, driver: Driver, work: View[float], number: int, first: int
-) -> None:
+    modes: Modes, shape: View[float], stride: int, driver: Driver, work: View[float], number: int, first: int,
+    kept: tuple[int, ...],
+) -> None:  # fmt: skip
     """Write what a force does to LANES modes from `first` on into `work`, as the answers of a number."""
     phi = dot(shape, driver.row * stride + first, stride, _four(driver.weights))
     row = first // LANES * RESPONSES
-    put_answers(work, number * ANSWERS, phi, modes.response, row, (modes.a1, modes.a2), first)
+    put_answers(work, number * ANSWERS, phi, modes.response, row, (modes.a1, modes.a2), first, kept)
 
 
 @simd_kernel

@@ -142,10 +142,10 @@ def add_totals(
 @intrinsic
 def put_answers(
     typingctx: object, work: View[float], at: int, phi: tuple[float, ...], table: View[float], row: int,
-    turns: tuple[View[float], ...], first: int,
+    turns: tuple[View[float], ...], first: int, kept: tuple[int, ...],
 ) -> Lowered[None]:  # fmt: skip
-    """Write what a force at one place does to LANES modes from `first` on, by its moments, for `ring_answering`, into
-    `work` from a place on.
+    """Write what a force at one place does to LANES modes from `first` on, by as many of its moments as `kept` has
+    numbers, for `ring_answering`, into `work` from a place on.
 
     That is, of each moment, what it adds to y in the sample that it acts in, in the next one, and to the last sample as
     the modes keep it.
@@ -162,7 +162,7 @@ def put_answers(
             builder.load(pointer_to(context, builder, kind, array, args[6]), align=8)
             for kind, array in zip(signature.args[5], cgutils.unpack_tuple(builder, args[5]), strict=True)
         )
-        for k in range(KEPT):
+        for k in range(len(signature.args[7])):
             rows = [load(3, builder.add(args[4], int64((2 * k + s) * LANES))) for s in range(2)]
             last, before = (builder.fmul(phi, each, flags=REASSOCIATE) for each in rows)
             later = builder.fmul(q, last, flags=REASSOCIATE)
@@ -172,7 +172,7 @@ def put_answers(
                 builder.store(each, pointer_to(context, builder, signature.args[0], args[0], at), align=8)
         return context.get_dummy_value()
 
-    return types.void(work, types.intp, lanes_type(), table, types.intp, turns, types.intp), codegen
+    return types.void(work, types.intp, lanes_type(), table, types.intp, turns, types.intp, kept), codegen
 
 
 def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
