@@ -17,7 +17,7 @@ from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
 from tests import accuracy
 from tests.dsp.engine.contacts.test_coupling import modal
-from tests.dsp.engine.support import SURFACE, gesture
+from tests.dsp.engine.support import SURFACE, free, gesture, setting, steer
 
 RATE = 48_000
 LAW = (0.02, 3e6, 0.5, 1.5)
@@ -459,3 +459,33 @@ def test_what_passes_many_rows_of_shapes_in_a_quantum_is_as_loud_as_what_stays(l
             getattr(scene, gesture)("a", speed, striker="glass-marble", seed=3, **keys)
             heard.append(scene.render(0.3).samples.std())
     assert 0.3 < heard[1] / heard[0] < 4.0
+
+
+def heard(forgets, level):
+    """Render a body that rolls on two objects in turn, each tuned and damped, and the body moved, meanwhile; what
+    follows from modes and place is found again in each quantum, or not."""
+    engine, random, sound = Engine(RATE), np.random.default_rng(2), []
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
+    for n in range(2):
+        frequency, strike = np.geomspace(150.0 + 50.0 * n, 18_000.0, 40), random.normal(size=(16, 40))
+        handle = engine.add(Modes(frequency, np.full(40, 20.0), strike, np.full((2, 40), 1e-3), mass=1.0), 0.05)
+        engine.send(
+            [
+                gesture("roll", handle, LAW, NOW, 7 + n, **{**ROLL, "position": 0.3}),
+                setting(handle, "tune", 1.5, 64 * 60 + 0.5), setting(handle, "damp", 0.3, 64 * 80 + 0.5),
+                steer(7 + n, "position", 0.6, 64 * 100 + 0.5),
+            ]
+        )  # fmt: skip
+        for _ in range(140):
+            engine.state["factors_of"] *= not forgets
+            sound.append(engine.process(QUANTUM))
+        engine.send([free(handle, True)])
+        engine.process(RATE // QUANTUM * QUANTUM)
+    return np.concatenate(sound)
+
+
+@pytest.mark.parametrize("level", ["-50", "-60"])
+def test_factors_of_modes_are_known_anew_where_they_change(level):
+    sound = heard(False, level)
+    np.testing.assert_array_equal(sound, heard(True, level))
+    assert np.abs(sound[-QUANTUM:]).max() > 0.0
