@@ -83,7 +83,7 @@ COMMANDS = [
     ("serve --log -", "--log: -", "expected the name of a file"),
     ("serve --log no/log.txt --device none --port 0", "no/log.txt", "No such file"),
     ("chart", "FOLDER", "usage: carom chart [options] FOLDER"),
-    ("chart s.txt", "s.txt", "File exists"),
+    ("chart s.txt", "s.txt", "expected a folder, and a file is there"),
 ]
 
 LINES = [

@@ -97,7 +97,10 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
 
 
 def _make(folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise ChartError(f"{folder}: expected a folder, and a file is there") from None
     if not os.access(folder, os.W_OK):
         raise ChartError(f"{folder}: cannot be written to")
 
