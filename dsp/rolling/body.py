@@ -46,7 +46,8 @@ _STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
-_BUSY = 4.0  # samples a piece of the path: where they are longer, few steps of contact_step.py do
+_BUSY = 3.0  # samples a piece of the path: where they are shorter, a body begins to go by samples
+_IDLE = 16.0  # and where they are longer, it ends: few steps of contact_step.py do, but each change is a small jump
 _LOOKS = 64  # samples from one look to the next, whether a body is to go on by these
 _STEERS = 8  # and from one to the next, at which it is steered
 _SAME = 2.0**-16  # samples: times that are nearer count as one
@@ -312,7 +313,7 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
         roll.given = max(roll.given, min(stop, end))
         if stop >= end or roll.ended == 1:
             break
-        if roll.samples == 0 and _goes_by_samples(roll, 1.0 / rate):
+        if roll.samples == 0 and _goes_by_samples(roll, 1.0 / rate, _BUSY):
             roll.samples = 1
         if roll.samples > 0:
             _fill_by_samples(roll, origin, rate, moments)
@@ -321,9 +322,10 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
 
 
 @kernel
-def _goes_by_samples(roll: Roll, period: float) -> bool:
-    """True if a step a sample, of a period (s), does, and the path's pieces come so fast that others cost more."""
-    return follows(roll, period) and look_ahead(roll, _BUSY * AHEAD * period) < _BUSY * AHEAD * period
+def _goes_by_samples(roll: Roll, period: float, longest: float) -> bool:
+    """True if a step a sample, of a period (s), does, and the path's pieces are no longer than so many samples."""
+    ahead = longest * AHEAD * period
+    return follows(roll, period) and look_ahead(roll, ahead) < ahead
 
 
 @kernel
@@ -347,7 +349,7 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
     state = path_at(roll)[0], roll.y, roll.w, roll.step.f[0] if roll.touching == 1 else 0.0
     h, pace = share / rate, rate / share
     while frame < frames:
-        if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate):
+        if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate, _IDLE):
             roll.samples = 0
             break
         if not even and roll.samples % _STEERS == 0:
