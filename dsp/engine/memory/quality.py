@@ -9,7 +9,7 @@ from .records import Contact
 from .state import ROLLING, Object, Quality, State
 
 COARSER = 4.0
-"""Factor on the shortest wavelength that rolls feel from COARSE on: about as loud, at 60 % of the cost."""
+"""Factor on the shortest wavelength that rolls feel from COARSE on: about as loud, at 60 to 75 % of the cost."""
 
 BY_ITSELF = 32
 """Modes that cost as much as a coupled contact does by itself."""
