@@ -4,7 +4,7 @@ Where the contact's swing turns by little in a sample, one step takes it there: 
 swing is (omega h)^2/24 too fast and whose energy does not drift (Hairer, Lubich, Wanner 2003, Acta Numerica 12,
 399-450). The compression counts by its mean over the sample, of a path that is a parabola through its begin, middle and
 end; the law's dissipation, and a dashpot under the contact, by the path's rise and the mean force, for which the law is
-linear. So nothing is iterated, and a step costs a fifth of one of contact_step.py.
+linear. So nothing is iterated.
 
 Two moments of the force are known: its mean, and its tilt, by how fast the path bends and the compression changes.
 """
@@ -15,8 +15,8 @@ from .path import PIECES, make_pieces
 from .roll_record import Roll
 
 _TURN = 0.2
-"""rad: the swing of a contact at rest turns by no more than this in a sample. What lands harder swings faster, by the
-eighth root of its energy over that at rest."""
+"""rad: the swing of a contact at rest turns by no more than this in a sample. What lands harder swings faster, by
+the tenth root of its energy over that at rest where the force goes with the 3/2nd power."""
 
 _SUNK = 0.1  # the most by which a dashpot gives way in a sample, over the compression at rest
 _SHORTEST = 1.0 / 64_000.0  # s: of shorter samples there are more than the steps of contact_step.py
