@@ -84,6 +84,7 @@ class Sheet(Record):
     truth: float  # that of the grid, as last looked at
     c0: float  # J
     energy: float  # J: of its modes and of what is stretched, as last looked at
+    held: int  # 1 while a hand bends a dome more than it swings
     given: float  # of what modes lose: how much of it they may get back
     mixed: int  # samples since the last exchange
     drawn: np.uint64  # state of its random numbers

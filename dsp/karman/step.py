@@ -55,7 +55,7 @@ def prepare(sheet: Sheet, heard: Heard, rate: float) -> None:
         before[i] = a2[i] / size if rings else 0.0
         pushed[i] = size / a2[i] if rings else 0.0
         moved[i] = 1.0 / (omega * weight[i] * sheet.scale) if rings else 0.0
-        left[i] = weight[i] * sheet.scale / omega if rings else 0.0
+        left[i] = weight[i] * sheet.scale * sine / (rate * (1.0 - a1[i] - a2[i])) if rings else 0.0
         right[i] = left[i] * heard.balance[i]
         fading[i] = -0.5 * rate * math.log(-a2[i]) if rings else 0.0
         moving[i] = 0.5 * (-1.0 / a2[i] - 1.0) if rings else 0.0
@@ -122,7 +122,8 @@ def kick(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
     A mode is heard by omega q, which a slow force bends without a sound: pressure follows acceleration. So `sheet.bent`
     becomes what is heard of bending, up to the highest coupled mode, to be taken from the sound.
 
-    Stretching gives back no more than it holds: where it would, it pulls at nothing.
+    Stretching gives back no more than it holds: where it would, it pulls at nothing. Under a hand it pulls on, as what
+    holds a plate bent must not come and go.
     """
     n = 2 * sheet.functions - sheet.plain
     g, velocity, before, pushed = sheet.gradient[0], sheet.seen[0], sheet.seen[1], sheet.pushed
@@ -133,7 +134,7 @@ def kick(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
     share = 0.25 * h * h * square
     after = (sheet.psi * (1.0 - share) + h * along) / (1.0 + share)
     change = -0.5 * h * (sheet.psi + after)
-    if after < sheet.psi and after * after < _held(sheet):
+    if after < sheet.psi and after * after < _held(sheet) and sheet.held == 0:
         after, change = sheet.psi, 0.0
     sheet.psi = after
     left = right = 0.0

@@ -40,6 +40,7 @@ _MOST_STRETCHED = 0.25  # of the energy: more must not be taken from the modes a
 _LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
 _UNHEARD = 1e-9  # output
 _GIVEN, _GIVEN_STRUCK = 0.9999, 0.999  # of what modes have lost: how much they may get back, and in a contact
+_HELD = 0.1  # of the energy of a dome: one that a hand bends by more is held, and hardly swings
 _DRIFTS = 0.05  # s in which psi follows the grid's under a hand, which holds a dome so still that modes can't pay
 _FADES = 0.04  # s in which stretching fades as a plate falls asleep
 
@@ -227,11 +228,13 @@ def kick_modes(state: State, obj: Object) -> None:
         _look(state, sheet, y1)
     else:
         extrapolate(sheet, sheet.turn / every)
-    behind = is_behind(sheet)
+    domed = sheet.grids[sheet.level].domed == 1
+    sheet.held = int(domed and _is_held(obj, sheet))
+    behind = is_behind(sheet) and sheet.held == 0
     if not behind:
-        drifts = sheet.turn == 0 and obj.deflection > 0.0 and sheet.grids[sheet.level].domed == 1
+        drifts = sheet.turn == 0 and obj.deflection > 0.0 and domed
         give_back(sheet, y1, y2, h, every * h / _DRIFTS if drifts else 0.0)
-    if sheet.turn == 0:
+    if sheet.turn == 0 and sheet.held == 0:
         if behind and sheet.given == _GIVEN:
             _draw_in(state, obj, sheet)
         if behind:
@@ -243,7 +246,15 @@ def kick_modes(state: State, obj: Object) -> None:
     sheet.mixed += 1
     if sheet.mixed >= sheet.mixes:
         sheet.mixed = 0
-        scatter(sheet, space, y1, y2, sheet.mixes * h)
+        if sheet.held == 0:
+            scatter(sheet, space, y1, y2, sheet.mixes * h)
+
+
+@kernel
+def _is_held(obj: Object, sheet: Sheet) -> bool:
+    """True if a hand bends a plate by more than it swings, and psi lacks less than the bend has."""
+    lacks = 0.5 * (sheet.truth * sheet.truth - sheet.psi * sheet.psi)
+    return obj.deflection > _HELD * sheet.energy and lacks < obj.deflection
 
 
 @kernel
