@@ -1,4 +1,10 @@
-"""The late part of a room: sixteen delays that feed each other by a Hadamard matrix, and lose what T60 says."""
+"""The late part of a room: sixteen delays that feed each other by a Hadamard matrix, and lose what T60 says.
+
+The matrix is symmetric: a way through the delays and the same way backwards take as long, and add up where the signs of
+its first and last delay, by which it is fed and by which a channel hears it, agree. With one sign for all delays they
+did so in the first channel always, which was up to 3 dB too loud. The signs are a bent sequence (O. S. Rothaus, J.
+Combinatorial Theory A 20, 1976): its product with each row of the matrix is as large, and no channel is louder.
+"""
 
 import math
 
@@ -65,7 +71,7 @@ def hear_late(state: State) -> None:
             total = scale * left / math.sqrt(2.0 * order + 1.0) * lines[channel % LATE_LINES]
             output.mix[channel, n] += math.sqrt(1.0 * LATE_LINES) * total
         for k in range(LATE_LINES):
-            late.sound[k, late.at % LATE_FRAMES] = lines[k] + late.input * late.fed[n]
+            late.sound[k, late.at % LATE_FRAMES] = lines[k] + _sign(k) * late.input * late.fed[n]
         late.at += 1
     late.energy = energy
     if energy > _SILENCE:
@@ -75,6 +81,12 @@ def hear_late(state: State) -> None:
             late.memory[k] = 0.0
             for n in range(LATE_FRAMES):
                 late.sound[k, n] = 0.0
+
+
+@kernel
+def _sign(k: int) -> float:
+    """Return the sign with which a delay is fed."""
+    return 1.0 - 2.0 * (k & k >> 1 & 1 ^ k >> 2 & k >> 3 & 1)
 
 
 @kernel
