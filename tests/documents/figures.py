@@ -198,6 +198,21 @@ def _shattering(found: dict[str, Any]) -> str:
     return table(("shattering", "beside", "slope off by, dB an octave", "kurtosis, times", "onsets, times"), rows)
 
 
+def recordings() -> str:
+    """Return what recordings of swarms tell of where they were made, each above ours that are compared with it."""
+    found = json.loads(grains.MEASURED.read_text(encoding="utf-8"))
+    rows = []
+    for name, told in found["recorded"].items():
+        rows.append((f"{name}: {told['sounds']} recorded", *_parts(told), grains.MADE[name]))
+        rows += [(f"ours: {each}", *_parts(found["rendered"][each]), "") for each in grains.BESIDE.get(name, (name,))]
+    return table(("sounds", "fall, dB", "first 50 ms, dB an octave", "later", "where"), rows)
+
+
+def _parts(told: dict[str, float]) -> list[str]:
+    digits = dict.fromkeys(grains.PARTS, 1) | {"falls_db": 0}
+    return [f"{told[key]:.{digits[key]}f}" if key in told else "" for key in ("falls_db", *grains.PARTS)]
+
+
 def grain_families() -> str:
     """Return how far families of grains are apart from one sampling rate to another."""
     found = json.loads(grain_rates.MEASURED.read_text(encoding="utf-8"))

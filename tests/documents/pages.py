@@ -37,6 +37,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "exports": figures.web,
     "meshes": figures.meshes,
     "swarms": figures.swarms,
+    "recordings": figures.recordings,
     "grain families": figures.grain_families,
     "compile time": figures.compiling,
     "edits": figures.edits,
