@@ -13,7 +13,7 @@ from ...resonator.simd import LANES
 from ..bodies.objects import modes_of, point_of, shapes_of, weigh
 from ..bodies.surface import put
 from ..memory.records import Contact, ContactPoint
-from ..memory.state import State
+from ..memory.state import ROLLS, State
 from .coupled_rolls import keeps_rows, position_of, turns
 
 
@@ -74,9 +74,7 @@ def lay_motion(
 @kernel
 def lay_point(state: State, parts: int, samples: int, modes: Modes, where: Point) -> float:
     """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
-    return lay_motion(
-        parts, samples, modes, where, state.scratch.room, state.scratch.rows, state.scratch.factors, False
-    )
+    return lay_motion(parts, samples, modes, where, state.scratch.room, state.scratch.rows, state.factors[ROLLS], False)
 
 
 @kernel
@@ -111,7 +109,7 @@ def lay_moving(state: State, contact: Contact, parts: int, frame: int, stop: int
     for i in range(AHEAD * rows_for(parts)):
         scratch.moving[i] = 0.0
     drift = Point(shapes_of(state, obj), obj.size, point.row, scratch.drift)
-    moved = lay_motion(parts, samples, modes, drift, scratch.room, scratch.moving, scratch.factors, False)
+    moved = lay_motion(parts, samples, modes, drift, scratch.room, scratch.moving, state.factors[ROLLS], False)
     ends = (rows_for(parts) - 1) * AHEAD
     old, old_moved, total = place, moved, place
     for n in range(samples):

@@ -250,7 +250,6 @@ class Scratch(Record):
     moving: Annotated[View[float], AHEAD * ROWS]  # of what that changes by as the point moves on
     drift: Annotated[View[float], 4]  # of a point's weights
     room: Annotated[View[float], ROOM_FOR_ROWS]  # to lay them out
-    factors: Annotated[View[float], ROOM_FOR_FACTORS]  # of modes in them that nobody keeps
     receptance: Annotated[View[float], FINE]
     drivers: Annotated[View[Driver], DRIVEN]  # of the rolls and swarms on one object, at one time
     blows: Annotated[View2D[float], DRIVEN, QUANTUM]  # their forces by one number a frame, those at one place together
@@ -384,7 +383,7 @@ class State(Record):
     oldest_running: int  # the least of these that may go on in this quantum
     rolls: Annotated[View[Roll], ROLLS]
     blocks: Annotated[View[Block], ROLLS]  # of those that feel all modes
-    factors: Annotated[View2D[float], ROLLS, ROOM_FOR_FACTORS]  # of their points' modes in rows (rows.py),
+    factors: Annotated[View2D[float], ROLLS + 1, ROOM_FOR_FACTORS]  # of their points' modes in rows; a spare one,
     factors_of: Annotated[View[int], ROLLS]  # and the receptance and the parts of a sample that they are of
     slides: Annotated[View[Slide], ROLLS]  # what those that slide have besides
     feeds: Annotated[
