@@ -37,6 +37,7 @@ EXCEPTIONS = {
     "resonator/simd_ring.py:ring_blown_still": "an intrinsic: its typing context, and arrays one by one",
     "resonator/simd_ring.py:ring_moved": "an intrinsic: its typing context, and arrays one by one",
     "resonator/simd_ring.py:ring_pushed": "an intrinsic: its typing context, and arrays one by one",
+    "resonator/simd_ring.py:put_answers": "an intrinsic: its typing context, and arrays one by one",
     "karman/simd.py:put_products": "an intrinsic: its typing context, and arrays one by one",
     "contact/coupled_reference.py:_integrate": "a reference: plain numbers and arrays, to be read beside the equations",
     "contact/pressed.py:begin_pressed": "a reference: the contact law as plain numbers",

@@ -19,6 +19,7 @@ from ..native.jit import kernel
 from ..native.typed import View, dtype_of
 from ..numerics.legendre import AHEAD, KEPT
 from ..resonator.bank import Modes, Point, inject_fine, inject_kept, observe, receptance
+from ..resonator.rows import Work
 from ..resonator.sizes import ROOM_FOR_FACTORS, ROOM_FOR_ROWS
 from .coupled import MEMBER, NOT_KEPT, Bank, Case, Run, bank_of, keep_sample, restart, ring_on, step_alone
 
@@ -34,7 +35,7 @@ def lay(block: Block, modes: Modes, point: Point, room: Room) -> float:
     flat = room[1]
     for i in range(len(flat)):
         flat[i] = 0.0
-    return lay_motion(block.parts, AHEAD, modes, point, room[0], flat, room[2], False)
+    return lay_motion(block.parts, AHEAD, modes, point, Work(room[0], room[2], False), flat)
 
 
 @kernel

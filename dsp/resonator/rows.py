@@ -95,43 +95,53 @@ _ONE, _TWO, _FOUR, _EIGHT = (tuple(range(points)) for points in _POINTS)
 _WEIGHTS = np.concatenate([_weights_of([at_time((i + 1) / points) for i in range(points)]) for points in _POINTS])
 
 
+class Work(NamedTuple):
+    """Memory that `lay_rows` works in."""
+
+    room: View[float]
+    """float64: ROOM_FOR_ROWS values."""
+    kept: View[float]
+    """float64: ROOM_FOR_FACTORS values, all that follows from modes and point but for how the modes ring now, of the
+    first KEPT_GROUPS groups of LANES modes."""
+    known: bool
+    """True if `kept` has these already; else they are found, and written there."""
+
+
 @kernel
 def lay_rows(
-    modes: Modes, point: Point, rows: tuple[int, ...], filters: View[float], samples: int, room: View[float],
-    out: View[float], kept: View[float], known: bool,
-) -> float:  # fmt: skip
+    modes: Modes, point: Point, rows: tuple[int, ...], filters: View[float], samples: int, work: Work, out: View[float]
+) -> float:
     """Add the point's motion over so many coming samples, a multiple of LANES and AHEAD at most, without a force to
     `out`: one row after the other, each of AHEAD values.
 
     Return the displacement now (m). rows: a tuple with a number for each, the last one's the displacement at the
-    sample's end; filters: `filters_of` them. Displacements are in m, rates in m per sample. `room` (float64) has
-    ROOM_FOR_ROWS values. kept (ROOM_FOR_FACTORS) gets what follows from modes and point but for how the modes ring now,
-    of the first KEPT_GROUPS; known: it is there.
+    sample's end; filters: `filters_of` them. Displacements are in m, rates in m per sample.
     """
-    room = room[line_of(room) :]
+    room = work.room[line_of(work.room) :]
+    work = Work(room, work.kept, work.known)
     place, low, first = 0.0, -1.0, FINE * len(rows)
-    if len(rows) > _POINTS[0] and _are_worth(modes, kept, known, low, _TURNS[0], len(rows)):
-        place += _lay(modes, point, _ONE, _WEIGHTS[_BEGIN[0] :], _KINDS[0], low, samples, room, kept, known)
+    if len(rows) > _POINTS[0] and _are_worth(modes, work, low, _TURNS[0], len(rows)):
+        place += _lay(modes, point, _ONE, _WEIGHTS[_BEGIN[0] :], _KINDS[0], low, samples, work)
         add_filtered(out, rows, room, _SUMS, filters, (_POINTS[0], _TAKEN[0], first), samples)
         low = _TURNS[0]
     first += _POINTS[0] * _TAKEN[0] * len(rows)
-    if len(rows) > _POINTS[1] and _are_worth(modes, kept, known, low, _TURNS[1], len(rows)):
-        place += _lay(modes, point, _TWO, _WEIGHTS[_BEGIN[1] :], _KINDS[1], low, samples, room, kept, known)
+    if len(rows) > _POINTS[1] and _are_worth(modes, work, low, _TURNS[1], len(rows)):
+        place += _lay(modes, point, _TWO, _WEIGHTS[_BEGIN[1] :], _KINDS[1], low, samples, work)
         add_filtered(out, rows, room, _SUMS, filters, (_POINTS[1], _TAKEN[1], first), samples)
         low = _TURNS[1]
     first += _POINTS[1] * _TAKEN[1] * len(rows)
-    if len(rows) > _POINTS[2] and _are_worth(modes, kept, known, low, _TURNS[2], len(rows)):
-        place += _lay(modes, point, _FOUR, _WEIGHTS[_BEGIN[2] :], _KINDS[2], low, samples, room, kept, known)
+    if len(rows) > _POINTS[2] and _are_worth(modes, work, low, _TURNS[2], len(rows)):
+        place += _lay(modes, point, _FOUR, _WEIGHTS[_BEGIN[2] :], _KINDS[2], low, samples, work)
         add_filtered(out, rows, room, _SUMS, filters, (_POINTS[2], _TAKEN[2], first), samples)
         low = _TURNS[2]
     first += _POINTS[2] * _TAKEN[2] * len(rows)
-    if _count(modes, kept, known, low, _TURNS[3]) == 0:
+    if _count(modes, work, low, _TURNS[3]) == 0:
         return place
     if len(rows) > _POINTS[3]:
-        place += _lay(modes, point, _EIGHT, _WEIGHTS[_BEGIN[3] :], _KINDS[3], low, samples, room, kept, known)
+        place += _lay(modes, point, _EIGHT, _WEIGHTS[_BEGIN[3] :], _KINDS[3], low, samples, work)
         add_filtered(out, rows, room, _SUMS, filters, (_POINTS[3], _TAKEN[3], first), samples)
     else:
-        place += _lay(modes, point, rows, filters, _ALL, low, samples, room, kept, known)
+        place += _lay(modes, point, rows, filters, _ALL, low, samples, work)
         for r in range(len(rows)):
             for n in range(samples):
                 out[r * AHEAD + n] += room[_SUMS + r * WIDE + 1 + n]
@@ -149,44 +159,45 @@ _SUMS = _ASIDE + LANES  # places in the room
 
 
 @kernel
-def _are_worth(modes: Modes, kept: View[float], known: bool, low: float, high: float, rows: int) -> bool:
+def _are_worth(modes: Modes, work: Work, low: float, high: float, rows: int) -> bool:
     """True if filters of their own are worth it for groups of modes that turn by more than `low` and at most `high`:
     few go with the next faster ones, but not with those that lose much; or rows are summed by themselves."""
-    within = _count(modes, kept, known, low, high)
-    alone = rows > _POINTS[3] and within > 0 and _count(modes, kept, known, high, _TURNS[2]) == 0
+    within = _count(modes, work, low, high)
+    alone = rows > _POINTS[3] and within > 0 and _count(modes, work, high, _TURNS[2]) == 0
     return alone or within >= _FEWEST
 
 
 @kernel
-def _count(modes: Modes, kept: View[float], known: bool, low: float, high: float) -> int:
+def _count(modes: Modes, work: Work, low: float, high: float) -> int:
     """Return the number of groups of LANES modes that turn by more than `low` and at most `high`."""
     count = 0
     for first in range(0, len(modes.y1), LANES):
-        count += low < _turn_of(modes, kept, known, first) <= high
+        count += low < _turn_of(modes, work, first) <= high
     return count
 
 
 @kernel
-def _turn_of(modes: Modes, kept: View[float], known: bool, first: int) -> float:
+def _turn_of(modes: Modes, work: Work, first: int) -> float:
     """Return how far the fastest of LANES modes turns in a sample."""
     group = first // LANES
-    if known and group < KEPT_GROUPS:
-        return kept[group]
+    if work.known and group < KEPT_GROUPS:
+        return work.kept[group]
     row, most = group * RESPONSES + PACE, 0.0
     for i in range(LANES):
         most = max(most, modes.response[row + i])
     if group < KEPT_GROUPS:
-        kept[group] = most
+        work.kept[group] = most
     return most
 
 
 @simd_kernel
 def _lay(
     modes: Modes, point: Point, rows: tuple[int, ...], weights: View[float], kind: tuple[float, int, int], low: float,
-    samples: int, room: View[float], kept: View[float], known: bool,
+    samples: int, work: Work,
 ) -> float:  # fmt: skip
     """Sum the displacements of groups of LANES modes, those of a kind or a slower one that turn by more than `low`,
     over so many samples and those beside that filters take. Return the sum now (m). weights: of rows."""
+    room = work.room
     high, behind, taken = kind
     laid = samples + taken - 1
     wide = (laid + LANES - 1) // LANES * LANES
@@ -195,16 +206,16 @@ def _lay(
         room[i] = 0.0
     waits = -1
     for first in range(0, len(modes.y1), LANES):
-        if low < _turn_of(modes, kept, known, first) <= high:
+        if low < _turn_of(modes, work, first) <= high:
             begin = _FACTORS if waits < 0 else _FACTORS + 2 * len(rows) * LANES
             group, size = first // LANES, 2 * len(rows) * LANES
             place, keeps = (group + 1) * _PLACE, group < KEPT_GROUPS and size <= _PLACE
-            if known and keeps:
-                _copy(kept, place, room, begin, len(rows))
+            if work.known and keeps:
+                _copy(work.kept, place, room, begin, len(rows))
             else:
                 _put(modes, point, rows, weights, room, first, begin)
                 if keeps:
-                    _copy(room, begin, kept, place, len(rows))
+                    _copy(room, begin, work.kept, place, len(rows))
             if waits < 0:
                 waits = first
             else:

@@ -242,7 +242,7 @@ def test_rebounds_add_up(charted):
 def test_a_file_in_its_place_is_said(carom, tmp_path):
     (tmp_path / "out").write_text("")
     run = carom("chart", "out", "--quick")
-    assert (run.returncode, run.stderr) == (1, "carom chart: out: File exists\n")
+    assert (run.returncode, run.stderr) == (1, "carom chart: out: expected a folder, and a file is there\n")
 
 
 def test_a_folder_that_cannot_be_written_to_is_said(tmp_path, monkeypatch, capsys):

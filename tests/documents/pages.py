@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from carom.server.osc.tables import address_table, key_table
-from tests.documents import commands, figures, methods, presets, protocol, recipes, records, scattered
+from tests.documents import commands, figures, methods, presets, protocol, recipes, records, scattered, swarms
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("server", "clients", "presets", "dsp", "tests")
@@ -36,9 +36,9 @@ PARTS: dict[str, Callable[[], str]] = {
     "space": figures.space,
     "exports": figures.web,
     "meshes": figures.meshes,
-    "swarms": figures.swarms,
-    "recordings": figures.recordings,
-    "grain families": figures.grain_families,
+    "swarms": swarms.swarms,
+    "recordings": swarms.recordings,
+    "grain families": swarms.grain_families,
     "compile time": figures.compiling,
     "edits": figures.edits,
     "failures": figures.failures,

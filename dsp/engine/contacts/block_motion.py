@@ -8,7 +8,7 @@ from ...native.typed import View
 from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
-from ...resonator.rows import Row, at_time, course, filters_of, lay_rows
+from ...resonator.rows import Row, Work, at_time, course, filters_of, lay_rows
 from ...resonator.simd import LANES
 from ..bodies.objects import modes_of, point_of, shapes_of, weigh
 from ..bodies.surface import put
@@ -55,26 +55,28 @@ def clear_rows(state: State, parts: int) -> None:
 
 
 @noinline_kernel
-def lay_motion(
-    parts: int, samples: int, modes: Modes, point: Point, room: View[float], rows: View[float], kept: View[float],
-    known: bool,
-) -> float:  # fmt: skip
+def lay_motion(parts: int, samples: int, modes: Modes, point: Point, work: Work, rows: View[float]) -> float:
     """Add the motion of a point without a force over so many samples, a multiple of LANES, to `rows`, those of so many
-    parts of a sample, or of LINEAR, one row after the other; return where it is now (m). `room`, `kept` and
-    `known` are as resonator/rows.py has them."""
+    parts of a sample, or of LINEAR, one row after the other; return where it is now (m)."""
     if parts == LINEAR:
-        return lay_rows(modes, point, _LINEAR, _OF_LINEAR, samples, room, rows, kept, known)
+        return lay_rows(modes, point, _LINEAR, _OF_LINEAR, samples, work, rows)
     if parts == 1:
-        return lay_rows(modes, point, _ONE, _OF_ONE, samples, room, rows, kept, known)
+        return lay_rows(modes, point, _ONE, _OF_ONE, samples, work, rows)
     if parts == 2:
-        return lay_rows(modes, point, _TWO, _OF_TWO, samples, room, rows, kept, known)
-    return lay_rows(modes, point, _THREE, _OF_THREE, samples, room, rows, kept, known)
+        return lay_rows(modes, point, _TWO, _OF_TWO, samples, work, rows)
+    return lay_rows(modes, point, _THREE, _OF_THREE, samples, work, rows)
+
+
+@kernel
+def _spare(state: State) -> Work:
+    """Return what `lay_rows` works in where nothing is kept."""
+    return Work(state.scratch.room, state.factors[ROLLS], False)
 
 
 @kernel
 def lay_point(state: State, parts: int, samples: int, modes: Modes, where: Point) -> float:
     """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
-    return lay_motion(parts, samples, modes, where, state.scratch.room, state.scratch.rows, state.factors[ROLLS], False)
+    return lay_motion(parts, samples, modes, where, _spare(state), state.scratch.rows)
 
 
 @kernel
@@ -89,7 +91,7 @@ def lay_contact(state: State, contact: Contact, side: int, parts: int, samples: 
     number, kept = (MOST_PARTS + 1) * contact.settled + parts, state.factors[contact.roll]
     known = state.factors_of[contact.roll] == number
     state.factors_of[contact.roll] = number
-    return lay_motion(parts, samples, modes, where, scratch.room, scratch.rows, kept, known)
+    return lay_motion(parts, samples, modes, where, Work(scratch.room, kept, known), scratch.rows)
 
 
 @noinline_kernel
@@ -109,7 +111,7 @@ def lay_moving(state: State, contact: Contact, parts: int, frame: int, stop: int
     for i in range(AHEAD * rows_for(parts)):
         scratch.moving[i] = 0.0
     drift = Point(shapes_of(state, obj), obj.size, point.row, scratch.drift)
-    moved = lay_motion(parts, samples, modes, drift, scratch.room, scratch.moving, state.factors[ROLLS], False)
+    moved = lay_motion(parts, samples, modes, drift, _spare(state), scratch.moving)
     ends = (rows_for(parts) - 1) * AHEAD
     old, old_moved, total = place, moved, place
     for n in range(samples):

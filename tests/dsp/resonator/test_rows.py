@@ -9,6 +9,7 @@ from carom.dsp.engine.contacts.block_motion import lay_motion
 from carom.dsp.numerics.legendre import AHEAD, FINE
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.resonator.mode import APART
+from carom.dsp.resonator.rows import Work
 from carom.dsp.resonator.simd import LANES
 from carom.dsp.resonator.sizes import ROOM_FOR_FACTORS, ROOM_FOR_ROWS
 
@@ -47,9 +48,9 @@ def test_rows_are_the_motion_of_all_modes_however_fast_they_turn(highest, groups
     point = bank.Point(random.normal(size=4 * count), count, 0, np.array([1.0, 0.3, 0.0, 0.0]))
     room, rows = np.full(ROOM_FOR_ROWS, np.nan), np.zeros(AHEAD * ROWS)
     kept = np.full(ROOM_FOR_FACTORS, np.nan)
-    begin = lay_motion(parts, AHEAD, modes, point, room, rows, kept, False)
+    begin = lay_motion(parts, AHEAD, modes, point, Work(room, kept, False), rows)
     again = np.zeros(AHEAD * ROWS)
-    assert lay_motion(parts, AHEAD, modes, point, room, again, kept, True) == begin
+    assert lay_motion(parts, AHEAD, modes, point, Work(room, kept, True), again) == begin
     assert np.array_equal(again, rows)
     seen, expected = np.zeros(FINE), []
     for _ in range(AHEAD):
