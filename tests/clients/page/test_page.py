@@ -110,8 +110,9 @@ def test_a_drag_along_rolls_at_the_pointers_speed_and_place(play):
     places = [line.message.args[0] for line in table.until_last("/position", 0.8, near=0.03)]
     speeds = table.until_last("/speed", 0.01)  # it rests under the finger
     (roll,) = table.lines("/roll")
-    rolled = sum(now.message.args[0] * (later.time - now.time) for now, later in pairwise(speeds))
-    assert rolled == pytest.approx(0.9 * metres, rel=0.3), "as far as the pointer went"
+    moving = speeds[:-1]  # the last says that the pointer rests, and comes late where a machine is busy
+    rolled = sum(now.message.args[0] * (later.time - now.time) for now, later in pairwise(moving))
+    assert rolled == pytest.approx(25 / 30 * metres, rel=0.15), "as far as the pointer went"
     assert roll.message.args[1] == pytest.approx(0.2, abs=0.1) and places == sorted(places)
     table.page.mouse.up()
     assert len(table.until("/stop")) == 1
