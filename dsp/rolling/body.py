@@ -10,8 +10,8 @@ A flight ends by a quadratic, piece of the path by piece. Contacts go by the col
 steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
 A roll that asks for more than EVENTS steps a second gets coarser ones, whose energy can't grow.
 
-Up to `-60` a body that swings slowly beside the sampling rate, on a path of many pieces, goes by steps of a sample
-(sample_step.py), in contact and in flight.
+One kind of body is an exception: up to `-60`, at sampling rates of 40 to 64 kHz, one that swings slowly on a path of
+many pieces goes by steps of a sample (sample_step.py), in contact and in flight.
 """
 
 import math

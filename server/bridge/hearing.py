@@ -74,7 +74,7 @@ class Hearing:
     other; those whose bodies sound come first; 0: bodies that lie ring as if they hung. seed: of the surfaces on which
     bodies slide and roll. accuracy: of blows, as `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a
     server keeps its own. quality: as `/quality` has it, 0 (everything) to 8; a server keeps its own. Rolls and slides
-    cost most, nearly the same at any accuracy. At a quality of 3 they have fewer micro-impacts and take some 75 % of
+    cost most, nearly the same at any accuracy. At a quality of 3 they have fewer micro-impacts and take some 70 % of
     the time: bodies that stay on each other are within 1 dB, small ones that skip are up to 10 dB softer.
     """
 
