@@ -283,7 +283,7 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float, best: 
         all_of_it = heard(material, frequency[keep], air.resistance[mine], rough, body.mass)
         if keep.size == MOST_MODES:
             all_of_it.pressure[:, -1] = 0.0  # `with_residual` puts one that is felt in its place
-        kept, sides = best.among(all_of_it.pressure, reach, all_of_it.decay)
+        kept, sides = best.among(all_of_it.frequency, all_of_it.pressure, reach, all_of_it.decay)
         along, made = laid_out(kept)
         made = replace(made, decay=all_of_it.decay[kept], pressure=sides)
     else:

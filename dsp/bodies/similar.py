@@ -96,7 +96,7 @@ class Sized:
         sides = pressure(np.minimum(radiated, 2 * decay), modes.pressure[0, heard])
         kept, has_tube = heard, "tube_diameter" in arguments
         if best and not has_tube:
-            keep, sides = best.among(sides, table.largest[heard] * size**-1.5, decay)
+            keep, sides = best.among(found, sides, table.largest[heard] * size**-1.5, decay)
             kept, found, decay = heard[keep], found[keep], decay[keep]
         made = Modes(
             found, decay, table.shapes[kept].T * size**-1.5, sides, modes.mass * size**3,

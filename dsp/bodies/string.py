@@ -108,7 +108,7 @@ def string(
     else:
         count, reach = order.size, peak * _peaks(at.size, order.size)[which]
         every = heard(material, frequency, resistance, (reach[None], sign), mass, lost)
-        kept, sides = best.among(every.pressure, reach, every.decay)
+        kept, sides = best.among(every.frequency, every.pressure, reach, every.decay)
         shapes = peak * waves[:, which[kept]]
         modes = replace(selected(every, kept), strike=shapes, pressure=sides)
     higher = slice(order.size, _FURTHER * order.size)

@@ -10,7 +10,7 @@ MEANINGS = {
     ("", "licence"): "of the recordings that it was made of",
     ("object", "glide"): "rise of the tension with the energy that rings; from geometry and material if not given",
     ("object", "stereo_width"): "of its image: 0 is a point, 1 reaches from the left output to the right one",
-    ("object", "most_modes"): "that are made: those heard best; all if not given",
+    ("object", "most_modes"): "that are made: those heard best after a blow of 0.5 ms; all if not given",
     ("object", "geometry"): "the [keys of the shape](shapes.md)",
     ("object", "mesh"): "the mesh of a body of the shape `mesh`, in the place of a table",
     ("mesh", "table"): "file of the modes, as `carom mesh` writes it, beside the preset; or a section `[mesh]`",

@@ -36,8 +36,16 @@ def test_the_best_modes_are_those_of_all_to_the_bit(name, most):
 def test_those_are_kept_that_radiate_most_after_a_blow_where_they_move_most():
     modes = bodies.string(**WIRE)
     kept = Best(0.0, 3).of(modes)
-    loud = modes.pressure[0] ** 2 * np.abs(modes.strike).max(axis=0) ** 2 / modes.decay
+    spectrum = 1 / (1 + (2 * 0.0005 * modes.frequency) ** 2) ** 2
+    loud = modes.pressure[0] ** 2 * np.abs(modes.strike).max(axis=0) ** 2 / modes.decay * spectrum
     assert set(kept.frequency) == set(modes.frequency[np.argsort(loud)[-3:]])
+
+
+@pytest.mark.parametrize("name", ["cymbal", "gong", "bass-string", "frame-drum"])
+def test_few_modes_lie_where_blows_reach_them_and_are_the_same_at_every_rate(name):
+    lower, higher = (Presets().object(name).replace(most_modes=32).modes(top) for top in (10_800.0, 20_000.0))
+    assert np.median(higher.frequency) < 4_000
+    assert np.isin(higher.frequency, lower.frequency).mean() > 0.9
 
 
 def test_an_image_keeps_the_power_of_each_mode():
