@@ -5,9 +5,12 @@ This is how a non-uniform Fourier transform grids its points (Fessler and Sutton
 rate. The bump exp(beta (sqrt(1 - (2 t/W)^2) - 1)) of W samples has its images at -70 dB there. f is what drives modes
 as resonator/fed.py does. K is a table over the pulse's width, dissipation and place between samples (tables.py), with
 lines between: its error is below -60 dB of the momentum up to EDGE.
+
+A sample of the grid is one frame, two or four, so that its rate is 64 kHz or less: a pulse may last as long at all.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +40,9 @@ _LN2, _LEAST_LOG = math.log(2.0), math.log(LEAST)
 _REACH = 5  # samples before and after, of which the moments of a sample's force are made
 _KAISER = 6.0
 _QUANTUM = 64
+_FASTEST = 64e3  # Hz: of a grid's samples
+MOST_FRAMES = 4
+"""Frames of a grid's sample, at most."""
 _ONES = (1.0,) * LANES
 
 
@@ -55,14 +61,32 @@ def bump_spectrum(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
     return found
 
 
-def _moment_taps() -> NDArray[np.float64]:
-    """Return the weights of forces _REACH - 1 before to _REACH after a sample's beginning in its KEPT moments."""
-    nodes, weights = np.polynomial.legendre.leggauss(20)
-    t = 0.5 * (nodes + 1.0)
+def _weights_at(t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the weights of forces _REACH - 1 before to _REACH after a sample's beginning in that at times after it."""
     x = t[None, :] - np.arange(1 - _REACH, _REACH + 1)[:, None]
     window = np.i0(_KAISER * np.sqrt(np.maximum(1.0 - (x / _REACH) ** 2, 0.0))) / np.i0(_KAISER)
+    found: NDArray[np.float64] = np.sinc(x) * window
+    return found
+
+
+def _force_taps(every: int) -> NDArray[np.float64]:
+    """Return the same in the force at the beginning of each of the frames of a sample, (every, 2 _REACH)."""
+    return _weights_at(np.arange(every) / every).T / every
+
+
+def _moment_taps(every: int) -> NDArray[np.float64]:
+    """Return the same in the KEPT moments of each of these frames, (every, KEPT, 2 _REACH)."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
     legendre = np.polynomial.legendre.legvander(nodes, KEPT - 1)
-    found: NDArray[np.float64] = ((np.sinc(x) * window * 0.5 * weights) @ legendre).T
+    t = 0.5 * (nodes + 1.0)
+    return np.array([((_weights_at((n + t) / every) * 0.5 / every * weights) @ legendre).T for n in range(every)])
+
+
+def _tables(taps: Callable[[int], NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return taps of samples of 1, 2 and MOST_FRAMES frames, at the places of half these numbers."""
+    found = np.zeros((MOST_FRAMES // 2 + 1, MOST_FRAMES, *taps(1).shape[1:]))
+    for every in (1, 2, MOST_FRAMES):
+        found[every // 2, :every] = taps(every)
     return found
 
 
@@ -77,7 +101,7 @@ _FROM_MIDDLE = (
 )  # fmt: skip
 FILTER = (*_FROM_MIDDLE[:0:-1], *_FROM_MIDDLE)
 """The filter's taps, from HALF before to HALF after."""
-_MOMENTS = tuple(tuple(float(tap) for tap in row) for row in _moment_taps())
+_AT_FRAMES, _MOMENTS = _tables(_force_taps), _tables(_moment_taps)
 
 
 @kernel
@@ -136,17 +160,45 @@ def move_on(grid: View[float], frames: int) -> None:
 
 
 @kernel
-def find_moments(force: View[float], feed: View2D[float], work: View[float]) -> None:
-    """Write the moments (N s) of a force over the samples of a quantum into (frames, KEPT).
+def frames_of(rate: float) -> int:
+    """Return how many frames a grid's sample has at a sampling rate: 1, 2 or 4."""
+    every = 1
+    while rate > _FASTEST * every and every < MOST_FRAMES:
+        every *= 2
+    return every
 
-    force[BACK - 1 + n] is the force at the beginning of frame n's sample; `work` has room for KEPT quanta. They hold
-    what of the force is below EDGE of the rate.
+
+@kernel
+def find_samples(force: View[float], every: int, samples: View[float], before: int) -> None:
+    """Write a force by one number a frame (N s), from `before` frames ahead of a quantum's first on."""
+    if every == 1:
+        for n in range(len(samples)):
+            samples[n] = force[n - before + BACK - 1]
+        return
+    taps = _AT_FRAMES[every // 2]
+    for n in range(len(samples)):
+        at, total = n - before + every, 0.0  # a sample later: quotients are not negative
+        for j in range(2 * _REACH):
+            total += taps[at % every, j] * force[at // every - 1 + BACK - _REACH + j]
+        samples[n] = total
+
+
+@kernel
+def find_moments(force: View[float], every: int, feed: View2D[float], work: View[float]) -> None:
+    """Write the moments (N s) of a force over the frames of a quantum into (frames, KEPT).
+
+    every: frames in a sample; force[BACK - 1 + n] is the force at the beginning of sample n; `work` has room for KEPT
+    quanta. They hold what of the force is below EDGE of the samples' rate.
     """
-    for n in range(0, _QUANTUM, LANES):
-        put_product(work, n, dot(force, n + BACK - _REACH, 1, _MOMENTS[0]), _ONES)
-        put_product(work, _QUANTUM + n, dot(force, n + BACK - _REACH, 1, _MOMENTS[1]), _ONES)
-        put_product(work, 2 * _QUANTUM + n, dot(force, n + BACK - _REACH, 1, _MOMENTS[2]), _ONES)
-        put_product(work, 3 * _QUANTUM + n, dot(force, n + BACK - _REACH, 1, _MOMENTS[3]), _ONES)
+    count, taps = _QUANTUM // every, _MOMENTS[every // 2]
+    for row in range(every * KEPT):
+        begin = row * count
+        for n in range(count):
+            work[begin + n] = 0.0
+        for j in range(2 * _REACH):
+            tap = taps[row // KEPT, row % KEPT, j]
+            for n in range(count):
+                work[begin + n] += tap * force[n + BACK - _REACH + j]
     for n in range(_QUANTUM):
         for k in range(KEPT):
-            feed[n, k] = work[k * _QUANTUM + n]
+            feed[n, k] = work[(n % every * KEPT + k) * count + n // every]

@@ -47,12 +47,10 @@ MOST_BENDS = 12
 BATCH = 32
 """Blows that are drawn together, a multiple of LANES."""
 
-BACK = 5
-"""Samples before a quantum at which the force is computed."""
-FORE = 4
-"""Samples after a quantum at which the force is computed, beyond."""
+BACK = 6
+"""Samples of a grid before a quantum at which the force is computed."""
 FORCES = 80
-"""Samples of force that are computed for a quantum: 5 + 64 + 4, a multiple of LANES."""
+"""Samples of force that are computed for a quantum: those before it, 64, and some after it, a multiple of LANES."""
 GRID = 832
 """Samples of a place's grid: those of a quantum, and of a pulse that begins at its end."""
 
@@ -136,7 +134,8 @@ class Swarm(Record):
     piece: int  # of a step's course that its blows have come to
     duration: float  # s: of a step; else 0
     lead: float  # samples: from a blow's own time to when it is heard
-    log_rate: float  # ln of the sampling rate
+    every: int  # frames in a sample of its grids
+    log_rate: float  # ln of the rate of these samples
     places: int
     position: Annotated[View[float], PLACES]  # along the strike path
     retuned: int  # of the object, for which `mobility` is known; -1: for none

@@ -48,7 +48,7 @@ _RISE, _BELOW = 0.2, 2.0  # of ln of the momentum that such a blow must have, at
 _AWAITED = 0.005  # s from the beginning of such a blow: one that flies off then touches no more
 _SOONEST = 1e-4  # s: from a landing of a piece to its next, as a stream's share has it
 _MOST = 16_384  # blows of a swarm in a quantum
-_EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's
+_EARLY = BACK + HALF  # samples from a grid's beginning to the quantum's
 _IMPACT = NUMBERS["impact"]
 
 
@@ -112,13 +112,13 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
 @noinline_kernel
 def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> None:
     """Lay blows onto the grids, or make them contacts of their own."""
-    rate, sizes, mass = state.rate, swarm.sized == 1, swarm.together * mean_mass(swarm)
+    rate, sizes, mass = state.rate / swarm.every, swarm.sized == 1, swarm.together * mean_mass(swarm)
     stream = STREAM * mass, STREAM * _flow_beside(state, swarm)
     for n in range(blows.count):
         _weigh_blow(state, contact, swarm, blows, n, stream)
     if sizes and swarm.cracked == swarm.pieces == 0:
         _share_blows(state, swarm, blows)
-    origin = contact.origin - state.position + swarm.lead + _EARLY
+    origin = (contact.origin - state.position + swarm.lead) / swarm.every + _EARLY
     for n in range(BATCH):
         blows.at[n] = origin + blows.time[n] * rate + blows.at[n] * exp(blows.width[n])
     for n in range(blows.count):

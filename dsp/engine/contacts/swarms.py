@@ -1,6 +1,6 @@
 """Swarms on an object: many small blows, which drive its modes by one force a sample and place, as rolls do.
 
-A swarm's blows are laid onto grids (swarm/grid.py) some LOOK frames before they sound: all of it is heard LEAD s late,
+A swarm's blows are laid onto grids (swarm/grid.py) some LOOK samples before they sound: all of it is heard LEAD s late,
 and what steers it acts as late, so that blows are the same at any sampling rate. A blow that is heavy for its place is
 a contact of its own, as an impact's.
 """
@@ -18,9 +18,9 @@ from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
 from ...schema_records import Steered
 from ...swarm.blows import NARROWEST, ROLL_OFF, mean_mass
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
-from ...swarm.grid import find_force, find_moments, move_on
+from ...swarm.grid import find_force, find_moments, find_samples, frames_of, move_on
 from ...swarm.pieces import CRACKING, JUNCTIONS, STRONGEST, break_up, freed_by_cracks, size_at
-from ...swarm.record import BACK, BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SOUNDS, SWARMS, WIDTHS, Knot, Swarm
+from ...swarm.record import BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SOUNDS, SWARMS, WIDTHS, Knot, Swarm
 from ...swarm.ringing import bent_by
 from ...swarm.times import add_knot, drop_knots, on_lattice, seed_swarm
 from ..bodies.objects import frequency_of, is_felt, shape_at
@@ -35,9 +35,9 @@ from .trace import trace_place
 
 LEAD = 1e-3
 """s: from a blow's own time to when it sounds, and from what steers a swarm to when it acts; at low rates it is LOOK
-frames."""
+samples of a grid."""
 LOOK = 44
-"""Frames after a quantum's end up to which blows are drawn: half the filter and the bump, FORE and some."""
+"""Samples of a grid after a quantum's end up to which blows are drawn: half the filter and the bump, and some."""
 
 _SAME = 1e-6  # of a position
 _LOWEST = 16.0  # Hz: of the bands of modes
@@ -78,7 +78,9 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     swarm.retuned, swarm.spread, swarm.centre = -1, values.spread, -1.0
     reach = max(values.reach, 1.0)
     swarm.beyond, swarm.together = reach * reach - 1.0, 4.0 / ((reach + 1.0) * (reach + 1.0))
-    swarm.lead, swarm.log_rate = max(LEAD * state.rate, LOOK + 1.0), math.log(state.rate)
+    swarm.every = frames_of(state.rate)
+    swarm.lead = max(LEAD * state.rate, (LOOK + 1.0) * swarm.every)
+    swarm.log_rate = math.log(state.rate / swarm.every)
     for p in range(PLACES):
         swarm.busy[p] = swarm.sounds[p] = 0
         for n in range(GRID):
@@ -254,14 +256,14 @@ def swarm_on(state: State, index: int) -> bool:
     take its place within the quantum."""
     contact = state.contacts[index]
     swarm, obj = state.swarms[contact.swarm], state.objects[contact.point[0].slot]
-    if state.position > contact.until + swarm.lead + GRID:
+    if state.position > contact.until + swarm.lead + GRID * swarm.every:
         return True
     update_mode_count(state, contact)
     begin = max((state.position - contact.origin) / state.rate, 0.0)
     if contact.trait.breaks == 0:
         _follow_ramp(swarm, contact, begin, QUANTUM / state.rate)
     _spread_out(state, swarm, contact, obj)
-    until = (state.position + QUANTUM + LOOK - swarm.lead - contact.origin) / state.rate
+    until = (state.position + QUANTUM + LOOK * swarm.every - swarm.lead - contact.origin) / state.rate
     if contact.until < math.inf:
         until = min(until, on_lattice((contact.until - contact.origin) / state.rate))
     swarm.impulse, told = 0.0, swarm.energy
@@ -340,10 +342,10 @@ def _sound_sizes(state: State, contact: Contact, swarm: Swarm) -> None:
     for c in range(SOUNDS):
         if swarm.size_busy[c] > 0:
             find_force(swarm.size_grid[c], force)
-            move_on(swarm.size_grid[c], QUANTUM)
-            swarm.size_busy[c] -= QUANTUM
+            move_on(swarm.size_grid[c], QUANTUM // swarm.every)
+            swarm.size_busy[c] -= QUANTUM // swarm.every
             row = contact.roll + 1 + PLACES + c
-            find_moments(force, state.feeds[row, BEHIND:], state.scratch.work)
+            find_moments(force, swarm.every, state.feeds[row, BEHIND:], state.scratch.work)
             sound_grains(state, contact, c, math.exp(size_at(swarm, c)), row)
 
 
@@ -359,21 +361,19 @@ def _make_force(state: State, contact: Contact, swarm: Swarm) -> None:
             continue
         force = swarm.force[1 + p]
         find_force(swarm.grid[p], force)
-        move_on(swarm.grid[p], QUANTUM)
-        swarm.busy[p] -= QUANTUM
-        _hand_on(state, contact.roll + 1 + p, force)
+        move_on(swarm.grid[p], QUANTUM // swarm.every)
+        swarm.busy[p] -= QUANTUM // swarm.every
+        _hand_on(state, swarm, contact.roll + 1 + p, force)
         trace_place(state, contact, swarm.position[p], state.feeds[contact.roll + 1 + p, BEHIND:])
         for j in range(FORCES):
             total[j] += force[j]
-    _hand_on(state, contact.roll, total)
+    _hand_on(state, swarm, contact.roll, total)
     for n in range(len(contact.forces)):
         contact.forces[n] = state.feeds[contact.roll, BEHIND + QUANTUM - 1 - n, 0] * state.rate
 
 
 @kernel
-def _hand_on(state: State, row: int, force: View[float]) -> None:
+def _hand_on(state: State, swarm: Swarm, row: int, force: View[float]) -> None:
     """Hand a force on to what rings by it: by one number a frame, and by moments."""
-    samples = state.samples[row]
-    for n in range(len(samples)):
-        samples[n] = force[n + BACK - REACH]
-    find_moments(force, state.feeds[row, BEHIND:], state.scratch.work)
+    find_samples(force, swarm.every, state.samples[row], REACH - 1)
+    find_moments(force, swarm.every, state.feeds[row, BEHIND:], state.scratch.work)

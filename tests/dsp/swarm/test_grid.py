@@ -7,7 +7,7 @@ from carom.dsp.contact.pulse import contact_time, force_pulse
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.swarm import tables
 from carom.dsp.swarm.blows import DROP_TIME, ROLL_OFF, known_of
-from carom.dsp.swarm.grid import EDGE, HALF, MOST_LOSS, find_force, find_moments, lay_pulse
+from carom.dsp.swarm.grid import EDGE, HALF, MOST_LOSS, find_force, find_moments, find_samples, frames_of, lay_pulse
 from carom.dsp.swarm.record import BACK, FORCES, GRID
 from carom.dsp.swarm.tables import contact_form, drop_form, pulse_table
 
@@ -93,16 +93,24 @@ def test_no_pulse_has_more_power_than_the_bound_on_its_modes():
         assert (power <= 1.0 / (1.0 + (ROLL_OFF * x) ** 3) + 1e-6).all()
 
 
-def test_the_moments_of_a_force_are_those_of_what_it_samples():
-    frequency = np.array([0.01, 0.1, 0.3])
-    for turns in 2.0 * np.pi * frequency:
-        force = np.cos(turns * (np.arange(FORCES) - BACK + 1.0))
-        feed = np.zeros((64, 4))
-        find_moments(force, feed, np.zeros(4 * 64))
-        nodes, weights = np.polynomial.legendre.leggauss(20)
-        t = np.arange(64)[:, None] + 0.5 * (nodes + 1.0)
-        wanted = (np.cos(turns * t) * 0.5 * weights) @ np.polynomial.legendre.legvander(nodes, 3)
-        assert np.abs(feed - wanted).max() < 2e-3
+@pytest.mark.parametrize("every", [1, 2, 4])
+@pytest.mark.parametrize("frequency", [0.01, 0.1, 0.3])
+def test_the_moments_of_a_force_are_those_of_what_it_samples(every, frequency):
+    """A sample has one, two or four frames: each has its moments, and the force at its beginning."""
+    turns, feed, samples = 2.0 * np.pi * frequency, np.zeros((64, 4)), np.zeros(68)
+    force = np.cos(turns * (np.arange(FORCES) - BACK + 1.0))
+    find_moments(force, every, feed, np.zeros(4 * 64))
+    find_samples(force, every, samples, 1)
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    t = (np.arange(64)[:, None] + 0.5 * (nodes + 1.0)) / every
+    wanted = (np.cos(turns * t) * 0.5 * weights) @ np.polynomial.legendre.legvander(nodes, 3) / every
+    assert np.abs(feed - wanted).max() < 2e-3 / every
+    assert np.abs(samples - np.cos(turns * (np.arange(68) - 1.0) / every) / every).max() < 2e-3 / every
+
+
+@pytest.mark.parametrize(("rate", "every"), [(8_000.0, 1), (64_000.0, 1), (88_200.0, 2), (96_000.0, 2), (192_000.0, 4)])
+def test_a_grids_samples_come_at_64_khz_or_less(rate, every):
+    assert frames_of(rate) == every
 
 
 @pytest.mark.slow
