@@ -203,8 +203,9 @@ def _weigh_blow(
     blows.momentum[n] = (blows.heard[n] if swarm.pieces > 0 else known_of(table.momentum, loss)) * ratio * mass * v
     if swarm.law == DROPS:
         blows.momentum[n] *= blows.heard[n]
-    if width > _WIDEST:  # as much power at frequencies above the longer pulse's, and less below
-        blows.momentum[n] *= exp(1.5 * (_WIDEST - width))
+    if width > _WIDEST:  # as loud at frequencies above the longer pulse's, and less below: it begins as t^(power - 1)
+        power = 1.5 if swarm.law == DROPS else swarm.a + 1.0
+        blows.momentum[n] *= exp(power * (_WIDEST - width))
 
 
 @kernel
