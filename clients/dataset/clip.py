@@ -87,7 +87,7 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
             f"item {item.number}: its peak is {peak:.4g} Pa: expected at most full_scale = {full_scale:g} Pa "
             f"({_said(item)})"
         )
-    truth = _about(recipe, item, peak, full_scale, pressure)
+    truth = _about(recipe, item, presets, peak, full_scale, pressure)
     objects = scene.objects()
     truth["objects"] = [
         each.about(recipe.frames, at, _moves(name, at, contacts), followed, name not in performer.off_path)
@@ -220,7 +220,9 @@ def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | No
     return max(hits, key=lambda contact: contact.impulse).position if hits else None
 
 
-def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure: NDArray[np.float32]) -> Truth:
+def _about(
+    recipe: Recipe, item: Item, presets: Presets, peak: float, full_scale: float, pressure: NDArray[np.float32]
+) -> Truth:
     """Describe an item, and its loudness. exposure: Pa^2 s, of each channel."""
     paired = {"pair": item.pair, "differs": item.differs} if item.pair >= 0 else {}
     whole = pressure.astype(np.float64)  # at once: numpy's functions of two types convert piece by piece, which is slow
@@ -230,7 +232,7 @@ def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure:
         **paired,
         "gesture": item.gesture,
         "licence": recipe.licence,
-        "split": recipe.split.side(item.factors) if recipe.split else "train",
+        "split": recipe.split.side(item.factors, presets) if recipe.split else "train",
         "factors": dict(item.factors),
         "rate": recipe.rate,
         "frames": recipe.frames,

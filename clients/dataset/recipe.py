@@ -206,7 +206,8 @@ def recipe_of(data: Mapping[str, Any], source: Source, count: int | None = None)
     _count(where, values, factors, count)
     if "split" in values:
         spreads = [(each.name, each.spread) for each in factors]
-        values["split"] = split_of(where, values["split"], spreads, (*OBJECTS, SCORE), values["seed"])
+        objects = {name: table for name, table in sections.items() if name in OBJECTS}
+        values["split"] = split_of(where, values["split"], spreads, objects, values["seed"])
     recipe = Recipe(
         name=source.name, text=source.text, where=where, sections=sections, factors=tuple(factors), gestures=gestures,
         scores=scores, **values,

@@ -59,8 +59,32 @@ def test_a_split_keeps_what_is_alike_together(tmp_path):
     recipe = recipe_of(tmp_path, text, 200)
     sides = {}
     for item in items(recipe, range(200)):
-        sides.setdefault(item.factors["object.preset"], set()).add(recipe.split.side(item.factors))
+        sides.setdefault(item.factors["object.preset"], set()).add(recipe.split.side(item.factors, Presets()))
     assert sorted(map(sorted, sides.values())) == [["test"], ["train"], ["train"], ["train"]]
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        "preset = { choice = ['steel-plate', 'glass-plate'] }\nlength = SOME\nwidth = 0.1\nthickness = 0.004",
+        "preset = 'steel-plate'\nlength = SOME\nwidth = SOME",
+        "preset = 'steel-plate'\nlength = SOME\nwidth = 0.1\nthickness = 0.004\nsize = { choice = [1, 2] }",
+        "preset = 'steel-plate'\nlength = SOME\nloss_factor = { uniform = [1e-4, 1e-3] }",
+        "preset = 'steel-plate'\nlength = SOME\nvelocity = { uniform = [1, 2] }\nlevel = { uniform = [0, 1] }",
+    ],
+    ids=["two presets", "turned", "size of none", "loss", "strike and level"],
+)
+def test_objects_of_the_same_lengths_are_on_one_side(tmp_path, keys):
+    keys = keys.replace("SOME", "{ choice = [0.1, 0.2, 0.3, 0.4] }")
+    text = f"split = {{ by = 'geometry', test = 0.5 }}\n[object]\n{keys}\n[impact]\nvelocity = 1.0\n"
+    recipe = recipe_of(tmp_path, text, 200)
+    sides, presets = {}, Presets()
+    for item in items(recipe, range(200)):
+        made = item.values["object"]
+        lengths = tuple(sorted((made["length"], made.get("width", 0.0))))
+        sides.setdefault(lengths, set()).add(recipe.split.side(item.factors, presets))
+    assert {len(each) for each in sides.values()} == {1}
+    assert set.union(*sides.values()) == {"train", "test"}
 
 
 @pytest.mark.parametrize(
