@@ -289,7 +289,7 @@ class _Sound:
             return
         self._settle()
         self.bridge.restart_if_set_back()  # an environment may reset its data within a step
-        tell, simulation = self.bridge.tell, self.bridge.world.simulation
+        tell, simulation = self.bridge.tell_or_restart, self.bridge.world.simulation
         for _ in range(count):
             step()
             if tell():

@@ -266,7 +266,8 @@ class Bridge(Closing):
         their sound.
 
         The function may be dm_control's `physics.step`, an environment's step with its action, or any other. Data that
-        it resets begins anew in the sound. WorldError for a function that lets time go on in another way.
+        it resets, or MuJoCo as it is unstable, begins anew in the sound. WorldError for a function that lets time go on
+        in another way.
         """
         if stepping is None:
             take_step(self._model, self._data)
@@ -284,7 +285,7 @@ class Bridge(Closing):
         self.restart_if_set_back()
         for _ in range(count):
             step()
-            if self.tell():
+            if self.tell_or_restart():
                 self.hits += self.world.hits
 
     def update(self) -> Blocks:
@@ -300,10 +301,21 @@ class Bridge(Closing):
         if not self._lent:
             self.world.close()
 
-    def restart_if_set_back(self) -> None:
-        """Begin anew, as `restart` does, if the time of `data` was set back since the last step."""
-        if self._data.time - self._behind < self.world.time:
+    def tell_or_restart(self) -> int:
+        """Tell a step, as `tell` does; begin anew where MuJoCo has reset, within it, what had become unstable."""
+        try:
+            return self.tell()
+        except WorldError:
+            if not self.restart_if_set_back():
+                raise
+            return 0
+
+    def restart_if_set_back(self) -> bool:
+        """Begin anew, as `restart` does, if the time of `data` was set back since the last step; True if so."""
+        set_back = bool(self._data.time - self._behind < self.world.time)
+        if set_back:
             self.restart()
+        return set_back
 
     def restart(self) -> None:
         """Begin anew where `data` is now, in silence; to be called after MuJoCo's data was reset."""

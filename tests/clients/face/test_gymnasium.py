@@ -108,15 +108,20 @@ def test_it_hears_an_environment_however_that_takes_its_steps():
         np.testing.assert_array_equal(sounds[0], sound)
 
 
+@pytest.mark.parametrize("unstable", [False, True])
 @pytest.mark.parametrize("vector", [False, True])
-def test_an_environment_that_resets_its_data_in_a_step_is_heard_again(vector):
-    """A ball falls and lands in 8 actions, twice."""
+def test_an_environment_that_resets_its_data_in_a_step_is_heard_again(vector, unstable, tmp_path, monkeypatch):
+    """A ball falls and lands in 8 actions, twice; its data is reset by the environment, or by MuJoCo as it is
+    unstable."""
+    monkeypatch.chdir(tmp_path)  # of MuJoCo's log
     taken = []
 
     def fall(model, data):
         mujoco.mj_step(model, data, 10)
         taken.append(data.time)
-        if len(taken) == 8:
+        if len(taken) == 8 and unstable:
+            data.qvel[0] = 1e11
+        elif len(taken) == 8:
             mujoco.mj_resetData(model, data)
 
     env = Simulated(fall)
