@@ -105,7 +105,7 @@ static int blow(instrument *of, const body *each, double velocity) {
 
 void instrument_strike(instrument *of, address key, double velocity, note_ended ended, void *context) {
     bool is_new;
-    if (key.key < 0 || key.key > 127) return;
+    if (key.key < 0 || key.key > 127 || isnan(velocity)) return;
     body *each = body_of(of, key.key, &is_new);
     finish(each, ended, context);
     each->note = each->key = key.key;

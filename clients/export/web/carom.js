@@ -67,7 +67,10 @@ export class Carom extends EventTarget {
     super();
     Object.assign(this, { context, node, map, asked: new Map(), count: 0 });
     this.ready = new Promise((done, fail) => {
-      node.onprocessorerror = () => fail(new Error("the engine has stopped"));
+      node.onprocessorerror = () => {
+        this.stopped = new Error("the engine has stopped");
+        for (const waiting of [{ fail }, ...this.asked.values()]) waiting.fail(this.stopped);
+      };
       this.done = done;
     });
     node.port.onmessage = ({ data }) => this.hear(data);
@@ -93,6 +96,8 @@ export class Carom extends EventTarget {
   tell(message) {
     const ask = ++this.count;
     return new Promise((done, fail) => {
+      if (this.stopped) throw this.stopped;
+      if (this.context.state === "closed") throw new Error("the context is closed; expected one that plays");
       this.node.port.postMessage({ ...message, ask }); // it throws at what cannot be told: a function
       this.asked.set(ask, { done, fail });
     });

@@ -122,6 +122,13 @@ def test_an_expression_that_is_no_number_changes_nothing(made: Path) -> None:
     assert np.array_equal(played(made, note + wrong).sound, played(made, note).sound)
 
 
+def test_a_note_whose_velocity_is_no_number_takes_no_body(made: Path) -> None:
+    """A host's note of NaN is passed over: it ended the note that rang, and took its body."""
+    note, later = "10 on 60 0.5 1 0\n", "900 express 2 1 60 1 0\n"
+    told, wanted = (played(made, note + wrong + later) for wrong in ("500 on 72 nan 2 0\n", ""))
+    assert np.array_equal(told.sound, wanted.sound) and told.lines.get("end") == wanted.lines.get("end")
+
+
 def test_channels_of_mpe_bend_far_and_follow_their_manager(made: Path) -> None:
     """A member's bend is of 48 semitones once its zone is laid out, and of two before; the manager's is added; a
     registered parameter sets the range."""

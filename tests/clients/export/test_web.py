@@ -110,6 +110,29 @@ WRONG = (
 )
 """A script that says what is wrong, to a scene and to a page's engine: the answers, in turn."""
 
+ENDED = """async () => {
+  const { Carom } = await import("./carom.js");
+  const answered = (carom) => carom.send("/panic").then(() => "is taken", (error) => error.message);
+  const late = new Promise((done) => setTimeout(() => done("no answer"), 5000));
+  const told = [];
+  for (const how of ["close", "stop"]) {
+    const context = new AudioContext({ sampleRate: 48000 });
+    const carom = await Carom.open(context);
+    await carom.ready;
+    if (how === "close") await context.close();
+    const waits = how === "stop" && carom.send("/panic");
+    if (how === "stop") {
+      carom.hear = () => {}; // no answer comes
+      carom.node.onprocessorerror();
+      told.push(await Promise.race([waits.then(() => "is taken", (error) => error.message), late]));
+    }
+    told.push(await Promise.race([answered(carom), late]));
+    if (how === "stop") await context.close();
+  }
+  return told;
+}"""
+"""A script that sends to an engine in a context that is closed, and to one that has stopped: the answers, in turn."""
+
 FULL = (
     OPENED
     + """  const count = (message) => {
@@ -230,6 +253,13 @@ def test_what_is_wrong_is_refused_with_its_reason(page: Any) -> None:
     for text, culprit in zip(told, culprits, strict=True):
         assert culprit in text and not text.endswith(("is taken", "is sent", "no answer")), (culprit, text)
         assert not any(word in text for word in ("Cannot", "not iterable", "is not a function")), text
+
+
+def test_an_engine_that_has_ended_answers(page: Any) -> None:
+    """No message is left without an answer where the context is closed, or the engine has stopped."""
+    closed, *stopped = page.evaluate(ENDED)
+    assert closed == "the context is closed; expected one that plays"
+    assert stopped == ["the engine has stopped", "the engine has stopped"]
 
 
 def test_a_list_is_taken_whole_or_not_at_all(page: Any) -> None:
