@@ -14,6 +14,25 @@ _MANY = "10M<n<100M"
 CARD = "README.md"
 """The file of the card."""
 
+_HUB = """
+afl-3.0 agpl-3.0 apache-2.0 artistic-2.0 bsd-2-clause bsd-3-clause bsd-3-clause-clear bsl-1.0 c-uda cc-by-2.0 cc-by-2.5
+cc-by-3.0 cc-by-4.0 cc-by-nc-2.0 cc-by-nc-3.0 cc-by-nc-4.0 cc-by-nc-nd-3.0 cc-by-nc-nd-4.0 cc-by-nc-sa-2.0
+cc-by-nc-sa-3.0 cc-by-nc-sa-4.0 cc-by-nd-4.0 cc-by-sa-3.0 cc-by-sa-4.0 cc0-1.0 cdla-permissive-1.0 cdla-permissive-2.0
+cdla-sharing-1.0 ecl-2.0 epl-1.0 epl-2.0 etalab-2.0 eupl-1.1 gpl-2.0 gpl-3.0 isc lgpl-2.1 lgpl-3.0 lppl-1.3c mit mpl-2.0
+ms-pl ncsa odbl odc-by ofl-1.1 osl-3.0 pddl postgresql unknown unlicense wtfpl zlib
+"""
+"""The licences that the Hub knows: its page "Licenses". It takes no other word."""
+
+_SHORTER = {"odbl-1.0": "odbl", "odc-by-1.0": "odc-by", "pddl-1.0": "pddl"}
+"""The Hub's words for some identifiers of SPDX."""
+
+
+def _licence(identifier: str) -> str:
+    """Return the lines that tell the Hub a licence, by its SPDX identifier."""
+    plain = identifier.lower()
+    known = _SHORTER.get(plain, plain.removesuffix("-only").removesuffix("-or-later"))
+    return f"license: {known}" if known in _HUB.split() else f"license: other\nlicense_name: {plain}"
+
 
 def card(recipe: Recipe, said: Mapping[str, Any]) -> str:
     """Return the card of a data set. said: the contents of dataset.json."""
@@ -21,7 +40,7 @@ def card(recipe: Recipe, said: Mapping[str, Any]) -> str:
     factors = "\n".join(f"- `{each.name}`" for each in recipe.factors) or "- none"
     full = f"{recipe.full_scale:g} Pa" if recipe.full_scale else "a power of two of each item's own, in Pa"
     return f"""---
-license: {recipe.licence.lower()}
+{_licence(recipe.licence)}
 pretty_name: {json.dumps(recipe.name)}
 size_categories:
 - {size}

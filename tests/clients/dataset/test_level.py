@@ -1,8 +1,10 @@
-"""Levels of clips: a full scale of each item's own, samples that hold it, and a warning where they do not."""
+"""Levels of clips: a full scale of each item's own, samples that hold it, and a warning where they do not; splits of
+items; a card's licence."""
 
 import numpy as np
 import pytest
 
+from carom.clients.dataset.card import card
 from carom.clients.dataset.clip import render
 from carom.clients.dataset.design import items
 from carom.clients.dataset.level import pascals, quantized, whole_of
@@ -105,3 +107,19 @@ def test_pairs_that_a_split_would_part_are_refused(tmp_path):
     text = 'design = "pairs"\nsplit = { by = "object.material" }\n' + SMALL
     with pytest.raises(PresetError, match=r"split: pairs may differ in object.material; expected differ"):
         read(written(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("licence", "lines"),
+    [
+        ("CC-BY-4.0", "license: cc-by-4.0"),
+        ("GPL-3.0-or-later", "license: gpl-3.0"),
+        ("ODbL-1.0", "license: odbl"),
+        ("MIT-0", "license: other\nlicense_name: mit-0"),
+        ("LicenseRef-Ours", "license: other\nlicense_name: licenseref-ours"),
+    ],
+)
+def test_a_card_names_a_licence_by_a_word_of_the_hub(tmp_path, licence, lines):
+    recipe = recipe_of(tmp_path, f"licence = '{licence}'\n{SMALL}")
+    told = card(recipe, {"table": "small.parquet", "computed_by": {"carom": "0"}})
+    assert told.startswith(f"---\n{lines}\npretty_name")

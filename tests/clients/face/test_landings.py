@@ -89,6 +89,22 @@ def test_the_blows_of_all_steps_that_a_function_takes_are_kept():
     assert bridge.hits == []
 
 
+def test_what_mujoco_resets_as_it_is_unstable_begins_anew(tmp_path, monkeypatch):
+    """A ball that is thrown at 1e11 m/s after its blow falls and lands once more."""
+    monkeypatch.chdir(tmp_path)  # of MuJoCo's log
+    geoms = '<geom type="sphere" size=".02"/>'
+    model = mujoco.MjModel.from_xml_string(SCENE.format(step=0.002, solref=0.02, height=0.07, turn="", geoms=geoms))
+    data = mujoco.MjData(model)
+    with Bridge(model, data, rate=16_000) as bridge:
+        found = []
+        while len(found) < 2:
+            bridge.step(lambda: mujoco.mj_step(model, data, 5))
+            if bridge.hits:
+                found.append(bridge.hits)
+                data.qvel[0] = 1e11
+    assert found[0] == found[1]
+
+
 def test_a_body_of_any_mass_slides():
     with carom.World(microphones=[(0.0, -1.0, 0.5)]) as world:
         world.body("floor", "plate", (2.0, 2.0, 0.02), "wood", held=True)

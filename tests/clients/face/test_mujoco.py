@@ -168,20 +168,6 @@ def test_nothing_is_told_while_the_scene_settles():
         Bridge(model, data, settle=-1)
 
 
-def test_what_mujoco_resets_as_it_is_unstable_begins_anew(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # of MuJoCo's log
-    model, data = dropped(0.002, 0.05, ".02 1")
-    with Bridge(model, data) as bridge:
-        fallen, found = [], []
-        while len(fallen) < 2:
-            bridge.step(lambda: mujoco.mj_step(model, data, 5))
-            found += bridge.hits
-            if found:
-                fallen.append(found)
-                found, data.qvel[0] = [], 1e11
-    assert fallen[0] == fallen[1]
-
-
 @pytest.mark.parametrize("solref", [".02 1", ".002 1"])
 def test_a_body_that_lands_slides_soon_after_its_blow(solref):
     run = brick_on_ramp(0.001, solref, "elliptic", above=0.01)
