@@ -13,6 +13,7 @@ from .bodies.retuning import retune
 from .bodies.sensing import begin_sensing, clear_sensed, sense
 from .bodies.sheets import follow_sheets, is_coupled, uncouple
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
+from .contacts.abreast import roll_abreast
 from .contacts.blocks import solve_blocks
 from .contacts.contact_groups import solve_groups
 from .contacts.contact_list import end_contacts
@@ -55,6 +56,7 @@ def update_objects(state: State) -> None:
     state.resting = 0
     for i in range(state.active):
         update_contacts(state, state.objects[state.order[i]])
+    roll_abreast(state)
     settle_rests(state)
 
 

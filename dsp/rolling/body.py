@@ -21,11 +21,12 @@ from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View2D
 from ..numerics.legendre import KEPT
 from ..schema import SPEED
+from .abreast_record import STEERS
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
 from .path import AHEAD, PIECES, make_pieces, restart_path
 from .roll_record import Roll
-from .sample_step import follows, step_sample
+from .sample_step import HERTZ, Body, follows, step_sample
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -48,8 +49,6 @@ _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
 _BUSY = 3.0  # samples a piece of the path: where they are shorter, a body begins to go by samples
 _IDLE = 16.0  # and where they are longer, it ends: few steps of contact_step.py do, but each change is a small jump
-_LOOKS = 64  # samples from one look to the next, whether a body is to go on by these
-_STEERS = 8  # and from one to the next, at which it is steered
 _SAME = 2.0**-16  # samples: times that are nearer count as one
 
 
@@ -315,7 +314,7 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
             break
         if roll.samples == 0 and _goes_by_samples(roll, 1.0 / rate, _BUSY):
             roll.samples = 1
-        if roll.samples > 0:
+        if roll.samples == 1:
             _fill_by_samples(roll, origin, rate, moments)
         else:
             next_event(roll)
@@ -338,21 +337,35 @@ def is_even(roll: Roll) -> bool:
     return speeds and loads and ways and target.friction == target.asymmetry == 0.0 and roll.fade == 1.0
 
 
+@kernel
+def first_sample(roll: Roll, origin: float, rate: float) -> float:
+    """Return the time in samples from an origin (s) at which a body is that goes by samples, however it is rounded."""
+    return math.floor(max((roll.t - origin) * rate, 0.0) / _SAME + 0.5) * _SAME
+
+
+@kernel
+def goes_abreast(roll: Roll, origin: float, rate: float) -> bool:
+    """True if a body goes on by whole samples from an origin (s) on, under a law of exponent 3/2, and will not end
+    soon: it may go beside others (abreast.py)."""
+    runs = roll.samples == 1 and roll.fade == 1.0 and roll.target.speed > 0.0 and roll.a == HERTZ
+    return runs and first_sample(roll, origin, rate) == 0.0 and _goes_by_samples(roll, 1.0 / rate, _IDLE)
+
+
 @noinline_kernel
 def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[float]) -> None:
     """Add the moments of the force by steps of a sample, from where a body is on; where it is to go by others, end
     there."""
-    at = math.floor(max((roll.t - origin) * rate, 0.0) / _SAME + 0.5) * _SAME  # however its rounding falls
+    at = first_sample(roll, origin, rate)
     frame, frames = int(at), len(moments)
     share = frame + 1.0 - at  # of the first frame
     even, resized = is_even(roll), roll.path.radius != roll.target.radius
     state = path_at(roll)[0], roll.y, roll.w, roll.step.f[0] if roll.touching == 1 else 0.0
     h, pace = share / rate, rate / share
     while frame < frames:
-        if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate, _IDLE):
+        if (frame == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate, _IDLE):
             roll.samples = 0
             break
-        if not even and roll.samples % _STEERS == 0:
+        if not even and frame % STEERS == 0:
             steer(roll)
             modulate(roll)
             roll.span = 0.0
@@ -366,15 +379,20 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
         roll.s += roll.modulated_speed * h
         roll.span += h
         h, pace, share = 1.0 / rate, rate, 1.0
-        roll.samples += 1
         frame += 1
     if even:
         roll.span = 1.0 / rate
-    roll.y, roll.w = state[1], state[2]
-    roll.touching = 1 if state[3] > 0.0 else 0
+    stand(roll, (state[1], state[2], state[3]), origin + frame / rate, 1.0 / rate)
+
+
+@kernel
+def stand(roll: Roll, body: Body, t: float, period: float) -> None:
+    """Say where a body is at a time t (s) after steps of a sample, of a period (s)."""
+    roll.y, roll.w, force = body
+    roll.touching = 1 if force > 0.0 else 0
     for i in range(NODES):
-        roll.step.f[i] = state[3]
-    roll.next = 1.0 / rate
-    roll.t = origin + frame / rate
+        roll.step.f[i] = force
+    roll.next = period
+    roll.t = t
     roll.since = roll.t - roll.span
     roll.given = roll.since + roll.span

@@ -11,12 +11,15 @@ Two moments of the force are known: its mean, and its tilt, by how fast the path
 
 from ..contact.collocation import raised
 from ..native.jit import kernel
-from .path import PIECES, make_pieces
+from .path import PIECES, Path, make_pieces
 from .roll_record import Roll
 
 _TURN = 0.2
 """rad: the swing of a contact at rest turns by no more than this in a sample. What lands harder swings faster, by
 the tenth root of its energy over that at rest where the force goes with the 3/2nd power."""
+
+HERTZ = 1.5
+"""Exponent of the law of round bodies and flat ones that touch at points."""
 
 _SUNK = 0.1  # the most by which a dashpot gives way in a sample, over the compression at rest
 _SHORTEST = 1.0 / 64_000.0  # s: of shorter samples there are more than the steps of contact_step.py
@@ -24,6 +27,16 @@ _LONGEST = 1.0 / 40_000.0  # s: in longer ones landings are blurred, third octav
 
 State = tuple[float, float, float, float]
 """A body between two steps: the path's height (m), its own, its rate (m/s), the contact's force (N) before."""
+
+Body = tuple[float, float, float]
+"""The same without the path."""
+
+Lines = tuple[float, float, float]
+"""The path over a step (m): its mean height, its rise, and how far it bends: begin + end - 2 middle."""
+
+Law = tuple[float, float, float, float, float, float, float, float]
+"""A contact: its stiffness, dissipation (s/m) and exponent, the mobility under it (m/(N s)), the body's weight (N), 1/m
+(1/kg) and gravity (m/s^2), and the share of the force that is heard."""
 
 
 @kernel
@@ -36,41 +49,55 @@ def follows(roll: Roll, period: float) -> bool:
 
 
 @kernel
-def _walk(roll: Roll, way: float) -> float:
-    """Bring a body a way (m) along its path; return the path's height there."""
-    path = roll.path
-    i = roll.piece & (PIECES - 1)
-    along = roll.along + way
+def pass_on(path: Path, piece: int, along: float) -> tuple[int, float, float]:
+    """Return the piece of a path in which a place lies that is so far (m) along another, how far along it is there, and
+    the path's height."""
+    i = piece & (PIECES - 1)
     while along > path.length[i]:
         along -= path.length[i]
-        roll.piece += 1
-        if roll.piece >= path.made:
+        piece += 1
+        if piece >= path.made:
             make_pieces(path)
-        i = roll.piece & (PIECES - 1)
-    roll.along = along
-    return path.level[i] + along * (path.incline[i] + 0.5 * path.curvature[i] * along)
+        i = piece & (PIECES - 1)
+    return piece, along, path.level[i] + along * (path.incline[i] + 0.5 * path.curvature[i] * along)
+
+
+@kernel
+def lines_of(level: float, middle: float, end: float) -> Lines:
+    """Return what a step needs of the path's heights at its begin, middle and end."""
+    return (level + 4.0 * middle + end) * (1.0 / 6.0), end - level, level + end - 2.0 * middle
+
+
+@kernel
+def push(law: Law, lines: Lines, body: Body, h: float, pace: float) -> tuple[Body, float, float]:
+    """Push a body by its contact for h s, pace = 1/h; return it at the end, and two moments of the force over the
+    weight (N s)."""
+    stiffness, mu, a, mobility, weight, lightness, g, fade = law
+    mean, rise, bend = lines
+    y, w, before = body
+    x = mean - (y + 0.5 * h * (w + mobility * (before - weight)))
+    force = tilt = 0.0
+    if x > 0.0:
+        rate = stiffness * raised(x, a - 1.0)
+        spring = rate * x
+        slack = 1.0 + mu * (rise * pace - w + 0.5 * h * g + mobility * weight)
+        if slack > 0.0:
+            force = spring * slack / (1.0 + spring * (mu * (0.5 * h * lightness + mobility)))
+            bent = (2.0 / 3.0) * mu * spring * bend
+            tilt = bent + (1.0 / 6.0) * a * rate * h * (rise - h * w)
+    impulse, fall = h * lightness, h * g
+    y = y + h * (w - 0.5 * fall - mobility * weight) + h * (0.5 * impulse + mobility) * force
+    w = w - fall + impulse * force
+    return (y, w, force), fade * h * (force - weight), fade * tilt
 
 
 @kernel
 def step_sample(roll: Roll, state: State, h: float, pace: float) -> tuple[State, float, float]:
     """Take a step of h s, pace = 1/h; return the state at its end, and two moments of the force over the weight
     (N s)."""
-    level, y, w, before = state
     way = 0.5 * h * roll.modulated_speed
-    middle = _walk(roll, way)
-    end = _walk(roll, way)
-    weight, rise = roll.m * roll.g, end - level
-    x = (level + 4.0 * middle + end) * (1.0 / 6.0) - (y + 0.5 * h * (w + roll.mobility * (before - weight)))
-    force = tilt = 0.0
-    if x > 0.0:
-        rate = roll.stiffness * raised(x, roll.a - 1.0)
-        spring = rate * x
-        slack = 1.0 + roll.mu * (rise * pace - w + 0.5 * h * roll.g + roll.mobility * weight)
-        if slack > 0.0:
-            force = spring * slack / (1.0 + spring * (roll.mu * (0.5 * h * roll.lightness + roll.mobility)))
-            bent = (2.0 / 3.0) * roll.mu * spring * (level + end - 2.0 * middle)
-            tilt = bent + (1.0 / 6.0) * roll.a * rate * h * (rise - h * w)
-    push, fall = h * roll.lightness, h * roll.g
-    y = y + h * (w - 0.5 * fall - roll.mobility * weight) + h * (0.5 * push + roll.mobility) * force
-    w = w - fall + push * force
-    return (end, y, w, force), roll.fade * h * (force - weight), roll.fade * tilt
+    piece, along, middle = pass_on(roll.path, roll.piece, roll.along + way)
+    roll.piece, roll.along, end = pass_on(roll.path, piece, along + way)
+    law = roll.stiffness, roll.mu, roll.a, roll.mobility, roll.m * roll.g, roll.lightness, roll.g, roll.fade
+    body, first, tilt = push(law, lines_of(state[0], middle, end), (state[1], state[2], state[3]), h, pace)
+    return (end, body[0], body[1], body[2]), first, tilt

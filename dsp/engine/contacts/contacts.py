@@ -18,6 +18,7 @@ from ..memory.order import wake
 from ..memory.quality import coarseness_of, holds_steps, must_wait
 from ..memory.records import Contact
 from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING, Object, State
+from .abreast import hand_on, waits_for_others
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_groups import solve_alone
 from .contact_list import (
@@ -34,11 +35,10 @@ from .contact_list import (
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .presses import add_static, glide_push, lay_on
 from .rests import begin_rest, keep_resting
-from .rolls import feed_of, feed_on, register_roll
+from .rolls import feed_on
 from .slides import lead_slide, rub, rubs
 from .solver_choice import is_moved
 from .swarms import delay_swarm, has_run_out, swarm_on
-from .trace import trace_roll
 
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 
@@ -190,20 +190,11 @@ def _roll_on(state: State, index: int) -> bool:
     if contact.solver == COUPLING:
         return _roll_on_coupled(state, contact, changed)
     roll.path.coarseness = coarseness_of(state)
+    if waits_for_others(state, index):
+        return False
     met = roll.impacts
     feed_on(state, contact)
-    if contact.trait.rolls == 1:
-        ahead = roll.t - (state.position - 1 + QUANTUM - contact.origin) / state.rate
-        contact.rolled += contact.rolls
-        contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
-    state.stats.impacts += roll.impacts - met
-    feed = feed_of(state, contact)
-    trace_roll(state, contact, feed, (0, QUANTUM), 1)
-    for n in range(len(contact.forces)):
-        contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
-    if roll.ended == 0:
-        register_roll(state, index)
-        roll_striker(state, contact)
+    hand_on(state, index, roll.impacts - met)
     return roll.ended == 1
 
 

@@ -26,17 +26,29 @@ from .coupled_rolls import keeps_line, put_on_line
 @noinline_kernel
 def feed_on(state: State, contact: Contact) -> None:
     """Compute a rolling or sliding body's force up to LEAD frames behind this quantum's end."""
-    roll, feed, samples = state.rolls[contact.roll], state.feeds[contact.roll], state.samples[contact.roll]
-    begun = roll.piece >= 0
-    new = BEHIND + LEAD if begun else BEHIND
+    roll, feed = state.rolls[contact.roll], state.feeds[contact.roll]
+    new = BEHIND + LEAD if roll.piece >= 0 else BEHIND
+    since = begin_of(state, contact, new)
+    move_on(state, contact, new)
+    fill_roll(roll, since, state.rate, feed[new:])
+    sample_force(feed, state.samples[contact.roll], 2 * REACH)
+
+
+@kernel
+def begin_of(state: State, contact: Contact, new: int) -> float:
+    """Return the time (s) since a gesture began at the first of the frames to be fed, which has a number of `new`."""
+    return (state.position - 1 - contact.origin + new - BEHIND) / state.rate
+
+
+@kernel
+def move_on(state: State, contact: Contact, new: int) -> None:
+    """Keep what a quantum has to know of the force before: so many frames, none where it begins."""
+    feed, samples, begun = state.feeds[contact.roll], state.samples[contact.roll], state.rolls[contact.roll].piece >= 0
     for n in range(new):
         for k in range(KEPT):
             feed[n, k] = feed[QUANTUM + n, k] if begun else 0.0
     for n in range(2 * REACH):
         samples[n] = samples[QUANTUM + n] if begun else 0.0
-    since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate
-    fill_roll(roll, since, state.rate, feed[new:])
-    sample_force(feed, samples, 2 * REACH)
 
 
 @kernel

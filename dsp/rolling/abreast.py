@@ -1,0 +1,90 @@
+"""Bodies that go by samples abreast: the steps of sample_step.py, for several at once.
+
+A step waits for the one before it: for a root and a quotient, and for some ten sums and products. Those of other bodies
+fill that time, several in one vector where the machine has such. So the path is walked first, for each body over some
+samples; then all bodies take each of these samples together. Each has the bits that it would have by itself.
+"""
+
+from ..native.jit import kernel, noinline_kernel
+from ..native.typed import View
+from ..numerics.legendre import AHEAD
+from .abreast_record import STEERS, Abreast
+from .body import is_even, modulate, stand, steer
+from .contact_step import path_at
+from .roll_record import Roll
+from .sample_step import HERTZ, lines_of, pass_on, push
+
+
+@noinline_kernel
+def step_abreast(abreast: Abreast, rolls: View[Roll], rate: float) -> None:
+    """Bring bodies AHEAD samples on, and find the moments of their forces."""
+    h = 1.0 / rate
+    for k in range(abreast.count):
+        _take(abreast, k, rolls[abreast.roll[k]])
+    for begin in range(0, AHEAD, STEERS):
+        for k in range(abreast.count):
+            roll = rolls[abreast.roll[k]]
+            if abreast.even[k] == 0:
+                steer(roll)
+                modulate(roll)
+                roll.span = 0.0
+                _know(abreast, k, roll)
+            _walk(abreast, k, roll, h)
+        _push(abreast, begin, h, rate)
+    for k in range(abreast.count):
+        roll = rolls[abreast.roll[k]]
+        if abreast.even[k] == 1:
+            roll.span = h
+        roll.impacts += abreast.met[k]
+        stand(roll, (abreast.y[k], abreast.w[k], abreast.force[k]), abreast.origin[k] + AHEAD / rate, h)
+
+
+@kernel
+def _take(abreast: Abreast, k: int, roll: Roll) -> None:
+    """Take a body as number k."""
+    abreast.even[k] = 1 if is_even(roll) else 0
+    abreast.met[k] = 0
+    abreast.level[k] = path_at(roll)[0]
+    abreast.y[k], abreast.w[k] = roll.y, roll.w
+    abreast.force[k] = roll.step.f[0] if roll.touching == 1 else 0.0
+    _know(abreast, k, roll)
+
+
+@kernel
+def _know(abreast: Abreast, k: int, roll: Roll) -> None:
+    """Note the law of a body's contact."""
+    abreast.stiffness[k], abreast.mu[k], abreast.mobility[k] = roll.stiffness, roll.mu, roll.mobility
+    abreast.weight[k], abreast.lightness[k] = roll.m * roll.g, roll.lightness
+    abreast.gravity[k], abreast.fade[k] = roll.g, roll.fade
+
+
+@kernel
+def _walk(abreast: Abreast, k: int, roll: Roll, h: float) -> None:
+    """Note the path under a body over a stretch, samples of h s, and bring it there."""
+    path, piece, along, level, s, span = roll.path, roll.piece, roll.along, abreast.level[k], roll.s, roll.span
+    way, whole = 0.5 * h * roll.modulated_speed, roll.modulated_speed * h
+    for n in range(STEERS):
+        piece, along, middle = pass_on(path, piece, along + way)
+        piece, along, end = pass_on(path, piece, along + way)
+        abreast.mean[n, k], abreast.rise[n, k], abreast.bend[n, k] = lines_of(level, middle, end)
+        level = end
+        s += whole
+        span += h
+    roll.piece, roll.along, abreast.level[k], roll.s, roll.span = piece, along, level, s, span
+
+
+@noinline_kernel
+def _push(abreast: Abreast, begin: int, h: float, rate: float) -> None:
+    """Push all bodies by their contacts over a stretch that begins so many samples after the first."""
+    count = abreast.count
+    for n in range(STEERS):
+        for k in range(count):
+            law = (
+                abreast.stiffness[k], abreast.mu[k], HERTZ, abreast.mobility[k],
+                abreast.weight[k], abreast.lightness[k], abreast.gravity[k], abreast.fade[k],
+            )  # fmt: skip
+            lines, before = (abreast.mean[n, k], abreast.rise[n, k], abreast.bend[n, k]), abreast.force[k]
+            body, first, tilt = push(law, lines, (abreast.y[k], abreast.w[k], before), h, rate)
+            abreast.y[k], abreast.w[k], abreast.force[k] = body
+            abreast.met[k] += 1 if before == 0.0 < body[2] else 0
+            abreast.first[begin + n, k], abreast.tilt[begin + n, k] = first, tilt
