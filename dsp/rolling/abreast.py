@@ -2,7 +2,7 @@
 
 A step waits for the one before it: for a root and a quotient, and for some ten sums and products. Those of other bodies
 fill that time, several in one vector where the machine has such. So the path is walked first, for each body over some
-samples; then all bodies take each of these samples together. Each has the bits that it would have by itself.
+samples; then all bodies take each of these samples together. Each has the bits that it has with no other beside it.
 """
 
 from ..native.jit import kernel, noinline_kernel
@@ -11,8 +11,9 @@ from ..numerics.legendre import AHEAD
 from .abreast_record import STEERS, Abreast
 from .body import is_even, modulate, stand, steer
 from .contact_step import path_at
+from .path import PIECES, Path, make_pieces
 from .roll_record import Roll
-from .sample_step import HERTZ, lines_of, pass_on, push
+from .sample_step import HERTZ, lines_of, push
 
 
 @noinline_kernel
@@ -36,6 +37,7 @@ def step_abreast(abreast: Abreast, rolls: View[Roll], rate: float) -> None:
         if abreast.even[k] == 1:
             roll.span = h
         roll.impacts += abreast.met[k]
+        roll.samples += 1
         stand(roll, (abreast.y[k], abreast.w[k], abreast.force[k]), abreast.origin[k] + AHEAD / rate, h)
 
 
@@ -61,16 +63,48 @@ def _know(abreast: Abreast, k: int, roll: Roll) -> None:
 @kernel
 def _walk(abreast: Abreast, k: int, roll: Roll, h: float) -> None:
     """Note the path under a body over a stretch, samples of h s, and bring it there."""
-    path, piece, along, level, s, span = roll.path, roll.piece, roll.along, abreast.level[k], roll.s, roll.span
-    way, whole = 0.5 * h * roll.modulated_speed, roll.modulated_speed * h
+    path, way = roll.path, 0.5 * h * roll.modulated_speed
+    begin = roll.piece
+    roll.piece = _mark(abreast, path, begin, roll.along, way)
+    piece, height = 0, abreast.level[k]
     for n in range(STEERS):
-        piece, along, middle = pass_on(path, piece, along + way)
-        piece, along, end = pass_on(path, piece, along + way)
-        abreast.mean[n, k], abreast.rise[n, k], abreast.bend[n, k] = lines_of(level, middle, end)
-        level = end
-        s += whole
-        span += h
-    roll.piece, roll.along, abreast.level[k], roll.s, roll.span = piece, along, level, s, span
+        level = height
+        piece = max(piece, abreast.mark[2 * n])
+        middle = _height(abreast, path, begin + piece, (2 * n + 1) * way)
+        piece = max(piece, abreast.mark[2 * n + 1])
+        height = _height(abreast, path, begin + piece, (2 * n + 2) * way)
+        abreast.mean[n, k], abreast.rise[n, k], abreast.bend[n, k] = lines_of(level, middle, height)
+    abreast.level[k] = height
+    roll.along = 2 * STEERS * way - abreast.start[roll.piece & (PIECES - 1)]
+    roll.s += STEERS * h * roll.modulated_speed
+    roll.span += STEERS * h
+
+
+@kernel
+def _mark(abreast: Abreast, path: Path, piece: int, along: float, way: float) -> int:
+    """Note where the pieces of a stretch begin (m from its own beginning), and after each half of a sample, a way (m),
+    how many have begun; return the last. Nothing waits for what a body has passed: that could not be foreseen."""
+    first, begin, reach, per = piece, -along, 2 * STEERS * way, 1.0 / way
+    for n in range(2 * STEERS):
+        abreast.mark[n] = 0
+    abreast.start[piece & (PIECES - 1)] = begin
+    while True:
+        begin += path.length[piece & (PIECES - 1)]
+        if not begin < reach:
+            return piece
+        piece += 1
+        if piece >= path.made:
+            make_pieces(path)
+        abreast.start[piece & (PIECES - 1)] = begin
+        abreast.mark[min(max(int(begin * per), 0), 2 * STEERS - 1)] = piece - first
+
+
+@kernel
+def _height(abreast: Abreast, path: Path, piece: int, way: float) -> float:
+    """Return the path's height on a piece, some way (m) from a stretch's beginning."""
+    i = piece & (PIECES - 1)
+    along = way - abreast.start[i]
+    return path.level[i] + along * (path.incline[i] + 0.5 * path.curvature[i] * along)
 
 
 @noinline_kernel

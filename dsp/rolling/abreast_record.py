@@ -4,6 +4,7 @@ from typing import Annotated
 
 from ..native.typed import Record, View, View2D, dtype_of
 from ..numerics.legendre import AHEAD
+from .path import PIECES
 
 STEERS = 8
 """Samples from one to the next at which a body that goes by samples is steered."""
@@ -26,6 +27,9 @@ class Abreast(Record):
     rise: Annotated[View2D[float], STEERS, ABREAST]
     bend: Annotated[View2D[float], STEERS, ABREAST]
     level: Annotated[View[float], ABREAST]
+    # Of the body that is walked: where pieces begin, and how many have begun at each half of a sample.
+    start: Annotated[View[float], PIECES]
+    mark: Annotated[View[int], 2 * STEERS]
     # The body, and its contact as a Law.
     y: Annotated[View[float], ABREAST]
     w: Annotated[View[float], ABREAST]

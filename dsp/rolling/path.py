@@ -43,7 +43,7 @@ AHEAD = 24
 """Pieces that lie before the body."""
 
 BATCH = 64
-"""Pieces from which on no more are made at once."""
+"""Pieces that are made at once, at most."""
 
 EDGE = 0.05
 """Radius of a body's corners over its own."""
@@ -294,31 +294,45 @@ def restart_path(path: Path, place: int) -> None:
 
 @noinline_kernel
 def make_pieces(path: Path) -> None:
-    """Make the next pieces, up to BATCH and one, of points of the hull that nothing ahead can change: of each the rest
-    of its arc, and the turn to the next."""
+    """Make the next pieces, up to BATCH, of points of the hull that nothing ahead can change: of each the rest of its
+    arc, and the turn to the next."""
     _settle(path)
-    left, entered, before, bend = path.left, path.entered, path.before, path.bend
-    first, count, made = path.first, path.count, path.made
-    while True:
-        second, third = (first + 1) & (POINTS - 1), (first + 2) & (POINTS - 1)
-        distance, after = path.distance[second], path.distance[third]
-        edge, after_edge = max(path.edge[second], left), path.edge[third]
+    left, bend, first, made = path.left, path.bend, path.first, path.made
+    points = _settled_points(path)
+    second = (first + 1) & (POINTS - 1)
+    edge, distance, entered, before = path.edge[second], path.distance[second], path.entered, path.before
+    share = (edge - entered) / (before + distance)
+    for _ in range(points):
+        third = (second + 1) & (POINTS - 1)
+        after, after_edge = path.distance[third], path.edge[third]
+        entered, before = edge - distance, distance
         # The turns on both sides of a point share its arc as they do on a flat surface.
-        share = (edge - entered) / (before + distance)
-        next_share = (after_edge + distance - edge) / (distance + after)
+        next_share = (after_edge - entered) / (distance + after)
         turn = min(max(min(share, next_share) * distance, 0.0), edge - left)
         turn = turn if path.adjoins[second] == 1 else 0.0
         made = _lay(path, first, made, (left, edge - turn - left, bend, distance))
         bent = bend - bend * distance / (2.0 * turn)
         made = _lay(path, first, made, (edge - turn, 2.0 * turn, bent, distance))
         left = edge + turn - distance
-        entered, before = edge - distance, distance
-        first = second
-        count -= 1
-        if made - path.made >= BATCH or count < 3 or not _is_settled_at(path, first):
-            break
-    path.left, path.entered, path.before = left, entered, before
-    path.first, path.count, path.made = first, count, made
+        first, second = second, third
+        edge, distance, share = after_edge, after, next_share
+    path.entered, path.before = entered, before
+    path.left, path.first, path.made = left, first, made
+    path.count -= points
+
+
+@kernel
+def _settled_points(path: Path) -> int:
+    """Return the number of points of the hull, from the first on, before the last of whose second edge nothing ahead can
+    change the path, nor so before the others': by halves, at least 1."""
+    least, most = 1, min(BATCH // 2, path.count - 2)
+    while least < most:
+        points = (least + most + 1) // 2
+        if _is_settled_at(path, (path.first + points - 1) & (POINTS - 1)):
+            least = points
+        else:
+            most = points - 1
+    return least
 
 
 @kernel

@@ -21,6 +21,9 @@ the tenth root of its energy over that at rest where the force goes with the 3/2
 HERTZ = 1.5
 """Exponent of the law of round bodies and flat ones that touch at points."""
 
+LONG = 2
+"""Value of Roll.samples beyond which the force had no higher moments in the AHEAD samples before the last ones."""
+
 _SUNK = 0.1  # the most by which a dashpot gives way in a sample, over the compression at rest
 _SHORTEST = 1.0 / 64_000.0  # s: of shorter samples there are more than the steps of contact_step.py
 _LONGEST = 1.0 / 40_000.0  # s: in longer ones landings are blurred, third octaves of bodies that hop 4 to 6 dB wrong

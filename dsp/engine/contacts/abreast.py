@@ -3,11 +3,12 @@ objects have been brought to it."""
 
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
-from ...resonator.fed import sample_force
+from ...resonator.fed import sample_even_force, sample_force
 from ...resonator.sizes import REACH
 from ...rolling.abreast import step_abreast
 from ...rolling.abreast_record import ABREAST
 from ...rolling.body import goes_abreast
+from ...rolling.sample_step import LONG
 from ..bodies.strikers import roll_striker
 from ..memory.records import Contact
 from ..memory.state import BEHIND, LEAD, QUANTUM, State
@@ -15,11 +16,15 @@ from .rolls import begin_of, feed_of, move_on, register_roll
 from .trace import trace_roll
 
 
+_BEFORE = BEHIND + LEAD  # frames of a force that are known before a quantum's: fewer than that has
+_SIZE = _BEFORE + QUANTUM
+
+
 @kernel
 def waits_for_others(state: State, index: int) -> bool:
     """True if a contact's force is computed with those of others, once these are brought to this quantum."""
     contact, abreast = state.contacts[index], state.scratch.abreast
-    origin = begin_of(state, contact, BEHIND + LEAD)
+    origin = begin_of(state, contact, _BEFORE)
     if not goes_abreast(state.rolls[contact.roll], origin, state.rate):
         return False
     if abreast.count == ABREAST:
@@ -47,14 +52,21 @@ def roll_abreast(state: State) -> None:
 @kernel
 def _feed(state: State, contact: Contact, k: int) -> None:
     """Take the force of number k of those that went together."""
-    feed, abreast = state.feeds[contact.roll], state.scratch.abreast
-    move_on(state, contact, BEHIND + LEAD)
+    feed, samples, abreast = state.feeds[contact.roll], state.samples[contact.roll], state.scratch.abreast
+    move_on(state, contact, _BEFORE)
+    even = state.scratch.work
+    for n in range(_BEFORE):
+        even[n], even[_SIZE + n] = feed[n, 0], feed[n, 1]
     for n in range(QUANTUM):
-        row = feed[BEHIND + LEAD + n]
-        row[0], row[1] = abreast.first[n, k], abreast.tilt[n, k]
+        first, tilt, row = abreast.first[n, k], abreast.tilt[n, k], feed[_BEFORE + n]
+        row[0], row[1] = first, tilt
         for i in range(2, KEPT):
             row[i] = 0.0
-    sample_force(feed, state.samples[contact.roll], 2 * REACH)
+        even[_BEFORE + n], even[_SIZE + _BEFORE + n] = first, tilt
+    if state.rolls[contact.roll].samples > LONG:
+        sample_even_force(even, _SIZE, samples, 2 * REACH)
+    else:
+        sample_force(feed, samples, 2 * REACH)
 
 
 @noinline_kernel
