@@ -11,9 +11,11 @@ from ..numerics.legendre import AHEAD
 from .abreast_record import STEERS, Abreast
 from .body import is_even, modulate, stand, steer
 from .contact_step import path_at
-from .path import PIECES, Path, make_pieces
+from .path import BATCH, PIECES, Path, make_pieces
 from .roll_record import Roll
-from .sample_step import HERTZ, lines_of, push
+from .sample_step import HERTZ, lines_of, pass_on, push
+
+_MOST = PIECES - BATCH  # pieces in a stretch: after them the first may be lost where others are made
 
 
 @noinline_kernel
@@ -64,31 +66,39 @@ def _know(abreast: Abreast, k: int, roll: Roll) -> None:
 def _walk(abreast: Abreast, k: int, roll: Roll, h: float) -> None:
     """Note the path under a body over a stretch, samples of h s, and bring it there."""
     path, way = roll.path, 0.5 * h * roll.modulated_speed
-    begin = roll.piece
-    roll.piece = _mark(abreast, path, begin, roll.along, way)
-    piece, height = 0, abreast.level[k]
+    begin, height = roll.piece, abreast.level[k]
+    last = _mark(abreast, path, begin, roll.along, way)
+    piece = 0
     for n in range(STEERS):
         level = height
-        piece = max(piece, abreast.mark[2 * n])
-        middle = _height(abreast, path, begin + piece, (2 * n + 1) * way)
-        piece = max(piece, abreast.mark[2 * n + 1])
-        height = _height(abreast, path, begin + piece, (2 * n + 2) * way)
+        if last < 0:
+            roll.piece, roll.along, middle = pass_on(path, roll.piece, roll.along + way)
+            roll.piece, roll.along, height = pass_on(path, roll.piece, roll.along + way)
+        else:
+            piece = max(piece, abreast.mark[2 * n])
+            middle = _height(abreast, path, begin + piece, (2 * n + 1) * way)
+            piece = max(piece, abreast.mark[2 * n + 1])
+            height = _height(abreast, path, begin + piece, (2 * n + 2) * way)
         abreast.mean[n, k], abreast.rise[n, k], abreast.bend[n, k] = lines_of(level, middle, height)
     abreast.level[k] = height
-    roll.along = 2 * STEERS * way - abreast.start[roll.piece & (PIECES - 1)]
+    if last >= 0:
+        roll.piece, roll.along = last, 2 * STEERS * way - abreast.start[last & (PIECES - 1)]
     roll.s += STEERS * h * roll.modulated_speed
     roll.span += STEERS * h
 
 
 @kernel
-def _mark(abreast: Abreast, path: Path, piece: int, along: float, way: float) -> int:
+def _mark(abreast: Abreast, path: Path, first: int, along: float, way: float) -> int:
     """Note where the pieces of a stretch begin (m from its own beginning), and after each half of a sample, a way (m),
-    how many have begun; return the last. Nothing waits for what a body has passed: that could not be foreseen."""
-    first, begin, reach, per = piece, -along, 2 * STEERS * way, 1.0 / way
+    how many have begun; return the last, or -1 where there are more than are kept.
+
+    Where a body is in each half of a sample needs no decision then, which could not be foreseen.
+    """
+    piece, begin, reach, per = first, -along, 2 * STEERS * way, 1.0 / way
     for n in range(2 * STEERS):
         abreast.mark[n] = 0
     abreast.start[piece & (PIECES - 1)] = begin
-    while True:
+    while piece - first < _MOST:
         begin += path.length[piece & (PIECES - 1)]
         if not begin < reach:
             return piece
@@ -97,6 +107,7 @@ def _mark(abreast: Abreast, path: Path, piece: int, along: float, way: float) ->
             make_pieces(path)
         abreast.start[piece & (PIECES - 1)] = begin
         abreast.mark[min(max(int(begin * per), 0), 2 * STEERS - 1)] = piece - first
+    return -1
 
 
 @kernel

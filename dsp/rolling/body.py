@@ -11,7 +11,8 @@ steps as long as its error allows. All of it is in seconds and metres: no sampli
 A roll that asks for more than EVENTS steps a second gets coarser ones, whose energy can't grow.
 
 One kind of body is an exception: up to `-60`, at sampling rates of 40 to 64 kHz, one that swings slowly on a path of
-many pieces goes by steps of a sample (sample_step.py), in contact and in flight.
+many pieces goes by steps of a sample (sample_step.py), in contact and in flight; beside others as soon as it can
+(abreast.py).
 """
 
 import math
@@ -24,7 +25,7 @@ from ..schema import SPEED
 from .abreast_record import STEERS
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, PIECES, make_pieces, restart_path
+from .path import AHEAD, PIECES, make_pieces, place_at, restart_path
 from .roll_record import Roll
 from .sample_step import HERTZ, Body, follows, step_sample
 
@@ -83,8 +84,7 @@ def begin_roll(roll: Roll, place: int, k: float, mu: float, a: float, corners: f
     roll.ended = roll.impacts = roll.events = roll.holds = roll.samples = 0
     roll.along = 0.0
     roll.piece = -1
-    roll.path.origin[0] = place
-    roll.path.start[0] = 0.0
+    roll.path.begin = place
 
 
 @noinline_kernel
@@ -157,11 +157,12 @@ def look_ahead(roll: Roll, seconds: float) -> float:
     anew = not begun or roll.target.radius != path.radius
     level = incline = 0.0
     if anew:
-        i = max(roll.piece, 0) & (PIECES - 1)
+        place = path.begin
         if begun:
             level, incline = path_at(roll)
+            place = place_at(path, roll.piece, roll.along)
         path.radius = roll.target.radius
-        restart_path(path, path.origin[i] + int((path.start[i] + roll.along) / path.surface.unit))
+        restart_path(path, place)
         roll.piece = 0
         roll.along = 0.0
     while path.made < roll.piece + AHEAD:

@@ -65,6 +65,7 @@ class Path(Record):
     corners: float  # of the body, 0: it is round
     side: float  # m between them, 0: it is round
     # As asked for.
+    begin: int  # place at which a body begins
     speed: float  # m/s
     roughness: float  # factor on the surface's heights
     coarseness: float  # factor on the shortest wavelength
@@ -95,8 +96,6 @@ class Path(Record):
     level: Annotated[View[float], PIECES]
     incline: Annotated[View[float], PIECES]
     curvature: Annotated[View[float], PIECES]
-    origin: Annotated[View[int], PIECES]  # the place from which `start` counts
-    start: Annotated[View[float], PIECES]
 
 
 PATH = dtype_of(Path)
@@ -292,6 +291,15 @@ def restart_path(path: Path, place: int) -> None:
     path.left = path.entered + (edge - path.entered) * path.before / (path.before + distance)
 
 
+@kernel
+def place_at(path: Path, piece: int, along: float) -> int:
+    """Return the place under a body that is so far (m) along a piece."""
+    back = -along
+    for i in range(piece, path.made):
+        back += path.length[i & (PIECES - 1)]
+    return path.place[path.first] + int(math.floor((path.left - back) / path.surface.unit))
+
+
 @noinline_kernel
 def make_pieces(path: Path) -> None:
     """Make the next pieces, up to BATCH, of points of the hull that nothing ahead can change: of each the rest of its
@@ -346,6 +354,4 @@ def _lay(path: Path, point: int, made: int, piece: tuple[float, float, float, fl
     path.level[i] = path.height[point] + 0.5 * begin * slope
     path.incline[i] = slope
     path.curvature[i] = curvature
-    path.origin[i] = path.place[point]
-    path.start[i] = begin
     return made + (1 if length > _SHORTEST * distance else 0)

@@ -79,3 +79,14 @@ def test_they_go_as_step_by_step(steered):
         assert np.abs(moments[k] - alone).max() < 1e-6 * np.abs(alone).max()
         for name in ("y", "w", "along", "s", "t", "v", "m", "piece", "impacts"):
             assert together[k][name] == pytest.approx(body[name], rel=1e-6, abs=1e-9), name
+
+
+@pytest.mark.slow
+def test_a_body_may_speed_up_on_a_fine_path():
+    """Where a stretch has more pieces than are kept it is walked piece by piece, and nothing is lost."""
+    bodies, quanta, begin = begun(2, False, [{"speed": 2e-3}]), 30, BEGIN * AHEAD / RATE
+    for body in bodies:
+        body["target"]["speed"] = 5.0
+    moments, _ = gone(bodies, quanta, begin)
+    alone = [roll.roll_moments(body, begin, quanta * AHEAD / RATE, RATE) for body in bodies]
+    assert np.abs(moments - alone).max() < 1e-6 * np.abs(alone).max()
