@@ -64,8 +64,6 @@ _ONES = (1.0,) * LANES
 WINDOW = _window()
 """Weights of the KEPT moments of samples -HALF to HALF - 1 in a band-limited sample, (2 HALF, KEPT)."""
 
-_MEANS = tuple(WINDOW[:, 0].tolist())
-_TILTS = tuple(WINDOW[:, 1].tolist())
 _TAPS = _taps()
 
 
@@ -88,15 +86,6 @@ def sample_force(moments: View2D[float], samples: View[float], begin: int) -> No
     """
     for n in range(0, len(samples) - begin, LANES):
         put_product(samples, begin + n, inner_products(moments, n * KEPT, WINDOW), _ONES)
-
-
-@kernel
-def sample_even_force(moments: View[float], frames: int, samples: View[float], begin: int) -> None:
-    """Do as `sample_force` does for a force whose higher moments are 0: moments has the first ones of so many frames,
-    then the second ones."""
-    for n in range(0, len(samples) - begin, LANES):
-        put_product(samples, begin + n, dot(moments, n, 1, _MEANS), _ONES)
-        add_product(samples, begin + n, dot(moments, frames + n, 1, _TILTS), _ONES)
 
 
 @simd_kernel

@@ -18,9 +18,6 @@ STRETCH = 4
 FACTORS = 32 * KEPT
 """Factors of `inner_products`, a multiple of LANES."""
 
-CHAINS = 4
-"""Sums that `dot` keeps beside each other where it has more than LANES products, so that these need not wait."""
-
 HALF = FINE // 2
 """Sums that `put_projections` takes at a time: as many as have room in the registers."""
 
@@ -72,19 +69,15 @@ def dot(
 
     def codegen(context, builder, signature, args):
         array, first, step, factors = args
-        given = cgutils.unpack_tuple(builder, factors)
-        chains, flags = (1, REASSOCIATE) if len(given) <= LANES else (CHAINS, ("contract", "nsz"))
-        totals = [ir.Constant(vector_type(), None)] * chains
-        for k, factor in enumerate(given):
+        total = ir.Constant(vector_type(), None)
+        for k, factor in enumerate(cgutils.unpack_tuple(builder, factors)):
             index = builder.add(first, builder.mul(step, int64(k)))
             values = builder.load(pointer_to(context, builder, table, array, index), align=kind.bitwidth // 8)
             if kind != types.float64:
                 values = builder.fpext(values, vector_type())
-            term = builder.fmul(vector_of(builder, [factor] * LANES), values, flags=flags)
-            totals[k % chains] = builder.fadd(totals[k % chains], term, flags=flags)
-        while len(totals) > 1:
-            totals = [builder.fadd(a, b, flags=flags) for a, b in zip(totals[::2], totals[1::2], strict=True)]
-        lanes = [builder.extract_element(totals[0], int32(i)) for i in range(LANES)]
+            term = builder.fmul(vector_of(builder, [factor] * LANES), values, flags=REASSOCIATE)
+            total = builder.fadd(total, term, flags=REASSOCIATE)
+        lanes = [builder.extract_element(total, int32(i)) for i in range(LANES)]
         return cgutils.pack_array(builder, lanes)
 
     return lanes_type()(table, types.intp, types.intp, factors), codegen

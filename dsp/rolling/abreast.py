@@ -39,7 +39,6 @@ def step_abreast(abreast: Abreast, rolls: View[Roll], rate: float) -> None:
         if abreast.even[k] == 1:
             roll.span = h
         roll.impacts += abreast.met[k]
-        roll.samples += 1
         stand(roll, (abreast.y[k], abreast.w[k], abreast.force[k]), abreast.origin[k] + AHEAD / rate, h)
 
 
@@ -120,7 +119,7 @@ def _height(abreast: Abreast, path: Path, piece: int, way: float) -> float:
 
 @noinline_kernel
 def _push(abreast: Abreast, begin: int, h: float, rate: float) -> None:
-    """Push all bodies by their contacts over a stretch that begins so many samples after the first."""
+    """Move all bodies by their contacts over a stretch that begins so many samples after the first."""
     count = abreast.count
     for n in range(STEERS):
         for k in range(count):

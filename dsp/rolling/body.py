@@ -315,7 +315,7 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
             break
         if roll.samples == 0 and _goes_by_samples(roll, 1.0 / rate, _BUSY):
             roll.samples = 1
-        if roll.samples > 0:
+        if roll.samples == 1:
             _fill_by_samples(roll, origin, rate, moments)
         else:
             next_event(roll)
@@ -348,7 +348,7 @@ def first_sample(roll: Roll, origin: float, rate: float) -> float:
 def goes_abreast(roll: Roll, origin: float, rate: float) -> bool:
     """True if a body goes on by whole samples from an origin (s) on, under a law of exponent 3/2, and will not end
     soon: it may go beside others (abreast.py)."""
-    runs = roll.samples > 0 and roll.fade == 1.0 and roll.target.speed > 0.0 and roll.a == HERTZ
+    runs = roll.samples == 1 and roll.fade == 1.0 and roll.target.speed > 0.0 and roll.a == HERTZ
     return runs and first_sample(roll, origin, rate) == 0.0 and _goes_by_samples(roll, 1.0 / rate, _IDLE)
 
 
@@ -360,7 +360,6 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
     frame, frames = int(at), len(moments)
     share = frame + 1.0 - at  # of the first frame
     even, resized = is_even(roll), roll.path.radius != roll.target.radius
-    roll.samples = 1
     state = path_at(roll)[0], roll.y, roll.w, roll.step.f[0] if roll.touching == 1 else 0.0
     h, pace = share / rate, rate / share
     while frame < frames:

@@ -297,7 +297,7 @@ def place_at(path: Path, piece: int, along: float) -> int:
     back = -along
     for i in range(piece, path.made):
         back += path.length[i & (PIECES - 1)]
-    return path.place[path.first] + int(math.floor((path.left - back) / path.surface.unit))
+    return path.place[path.first] + int((path.left - back) / path.surface.unit)
 
 
 @noinline_kernel
@@ -331,8 +331,8 @@ def make_pieces(path: Path) -> None:
 
 @kernel
 def _settled_points(path: Path) -> int:
-    """Return the number of points of the hull, from the first on, before the last of whose second edge nothing ahead can
-    change the path, nor so before the others': by halves, at least 1."""
+    """Return the number of points of the hull, from the first on, before the last of whose second edges nothing ahead
+    can change the path: at least 1, by halves."""
     least, most = 1, min(BATCH // 2, path.count - 2)
     while least < most:
         points = (least + most + 1) // 2

@@ -21,9 +21,6 @@ the tenth root of its energy over that at rest where the force goes with the 3/2
 HERTZ = 1.5
 """Exponent of the law of round bodies and flat ones that touch at points."""
 
-LONG = 2
-"""Value of Roll.samples beyond which the force had no higher moments in the AHEAD samples before the last ones."""
-
 _SUNK = 0.1  # the most by which a dashpot gives way in a sample, over the compression at rest
 _SHORTEST = 1.0 / 64_000.0  # s: of shorter samples there are more than the steps of contact_step.py
 _LONGEST = 1.0 / 40_000.0  # s: in longer ones landings are blurred, third octaves of bodies that hop 4 to 6 dB wrong
@@ -73,7 +70,7 @@ def lines_of(level: float, middle: float, end: float) -> Lines:
 
 @kernel
 def push(law: Law, lines: Lines, body: Body, h: float, pace: float) -> tuple[Body, float, float]:
-    """Push a body by its contact for h s, pace = 1/h; return it at the end, and two moments of the force over the
+    """Move a body by its contact for h s, pace = 1/h; return it at the end, and two moments of the force over the
     weight (N s)."""
     stiffness, mu, a, mobility, weight, lightness, g, fade = law
     mean, rise, bend = lines

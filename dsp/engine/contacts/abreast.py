@@ -3,21 +3,18 @@ objects have been brought to it."""
 
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
-from ...resonator.fed import sample_even_force, sample_force
+from ...resonator.fed import sample_force
 from ...resonator.sizes import REACH
 from ...rolling.abreast import step_abreast
 from ...rolling.abreast_record import ABREAST
 from ...rolling.body import goes_abreast
-from ...rolling.sample_step import LONG
 from ..bodies.strikers import roll_striker
 from ..memory.records import Contact
 from ..memory.state import BEHIND, LEAD, QUANTUM, State
 from .rolls import begin_of, feed_of, move_on, register_roll
 from .trace import trace_roll
 
-
-_BEFORE = BEHIND + LEAD  # frames of a force that are known before a quantum's: fewer than that has
-_SIZE = _BEFORE + QUANTUM
+_BEFORE = BEHIND + LEAD  # frames of a force that are known before a quantum's
 
 
 @kernel
@@ -52,21 +49,14 @@ def roll_abreast(state: State) -> None:
 @kernel
 def _feed(state: State, contact: Contact, k: int) -> None:
     """Take the force of number k of those that went together."""
-    feed, samples, abreast = state.feeds[contact.roll], state.samples[contact.roll], state.scratch.abreast
+    feed, abreast = state.feeds[contact.roll], state.scratch.abreast
     move_on(state, contact, _BEFORE)
-    even = state.scratch.work
-    for n in range(_BEFORE):
-        even[n], even[_SIZE + n] = feed[n, 0], feed[n, 1]
     for n in range(QUANTUM):
-        first, tilt, row = abreast.first[n, k], abreast.tilt[n, k], feed[_BEFORE + n]
-        row[0], row[1] = first, tilt
+        row = feed[_BEFORE + n]
+        row[0], row[1] = abreast.first[n, k], abreast.tilt[n, k]
         for i in range(2, KEPT):
             row[i] = 0.0
-        even[_BEFORE + n], even[_SIZE + _BEFORE + n] = first, tilt
-    if state.rolls[contact.roll].samples > LONG:
-        sample_even_force(even, _SIZE, samples, 2 * REACH)
-    else:
-        sample_force(feed, samples, 2 * REACH)
+    sample_force(feed, state.samples[contact.roll], 2 * REACH)
 
 
 @noinline_kernel

@@ -20,6 +20,7 @@ from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending, 
 from ..bodies.surface import put
 from ..memory.records import Contact, Through
 from ..memory.state import BEHIND, LEAD, QUANTUM, Object, State
+from ..output.mix import sides_of
 from .coupled_rolls import keeps_line, put_on_line
 
 
@@ -100,8 +101,8 @@ def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: i
 def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: int) -> None:
     """Ring an object's modes from frame `start` to `stop`, by themselves."""
     if obj.rolls_head < 0:
-        if obj.travels == 1:
-            half = 0.5 if state.output.channels == 2 else 0.0
+        if obj.travels == 1 or sides_of(state) == 1:
+            half = 0.5 if sides_of(state) == 2 else 0.0
             ring_middle(modes_of(state, obj, 0, obj.live), half, voice, start, stop)
         else:
             ring(modes_of(state, obj, 0, obj.live), voice, start, stop)

@@ -49,7 +49,8 @@ def test_path_is_the_highest_circle(roughness, correlation, slope, radius, speed
     restart(record, ground, radius, 0.0, speed, 0)
     pieces_of(record, 1e-12, np.empty((1, 4)))
     unit, stride = ground["unit"], int(record["stride"])
-    start = record["origin"][0] * unit + record["start"][0]
+    laid = record["length"][: record["made"]].sum()
+    start = record["place"][record["first"]] * unit + record["left"] - laid
     ground["gain"] = record["surface"]["gain"]
     s = np.random.default_rng(0).uniform(0, length, 400)
     excess = path_at(pieces, s) - brute_force(ground, radius, stride, s + start)
