@@ -34,7 +34,7 @@ NEAR = 1 / 4  # octave between partials that are compared
 FAINTEST, LOWEST, HIGHEST, MOST = -40.0, 80.0, 12_000.0, 12
 """dB under the strongest partial, Hz, Hz; and the number of partials that are looked at, the strongest first."""
 SKIRT, SKIRT_WIDTH = -20.0, 1 / 3  # dB, octave: what is so much fainter than a partial so near may be its onset's
-FALL, LEAST_FALL = 30.0, 8.0  # dB: how far a decay is followed, and how far it must be seen to fall
+FALL, LEAST_FALL = 45.0, 8.0  # dB: how far the energy that is left is followed, and how far a decay must fall
 STEP = 0.005  # s
 SAME = 0.25  # of the recording's T60: a change of 25 to 40 % is hardly heard (Jarvelainen and Tolonen 2001)
 
@@ -106,19 +106,20 @@ def half_width(at: float) -> float:
 def decay(samples: np.ndarray, rate: float, at: float) -> float | None:
     """Return T60 (s) of the band about some Hz: of the exponential over a floor that fits the energy left best.
 
-    The floor takes noise, and the late part of a decay in two parts (M. Karjalainen et al., J. Audio Eng. Soc. 50,
-    2002); energy that is left (M. R. Schroeder 1965) evens out beats, and passes over the click of the blow. None where
-    the exponential falls by less than LEAST_FALL until the sound ends or has fallen by FALL.
+    Both are integrated from each time to the sound's end (N. Xiang, J. Acoust. Soc. Am. 98, 1995): energy that is left
+    (M. R. Schroeder 1965) evens out beats, and passes over the click of the blow; the floor takes noise, and the late
+    part of a decay in two parts. What is followed ends where this energy has fallen by FALL, or with the last tenth.
+    None where the exponential falls by less than LEAST_FALL until the sound ends.
     """
     time, level = envelope(samples, rate, at)
-    first = int(np.argmax(level))
-    below = np.flatnonzero(level[first:] < level[first] - FALL)
-    end = first + (below[0] if below.size else len(level) - first)
-    if end - first < 5:
+    heard = 10 ** ((level[int(np.argmax(level)) :] - level.max()) / 10)
+    if len(heard) < 8:
         return None
-    left = np.cumsum(10 ** (level[first:end] / 10)[::-1])[::-1]
-    seconds = float(time[1] * len(left))
-    time, left = time[: len(left) - 1], 10 * np.log10(left[:-1] / left[0])
+    seconds = float(time[1] * len(heard))
+    left = np.cumsum(heard[::-1])[::-1]
+    left = 10 * np.log10(left / left[0])
+    followed = max(5, int(np.argmax(left < -FALL)) or round(0.9 * len(left)))
+    time, left = time[:followed], left[:followed]
 
     def model(unknowns: np.ndarray) -> np.ndarray:
         log_slope, floor = unknowns
@@ -127,8 +128,8 @@ def decay(samples: np.ndarray, rate: float, at: float) -> float | None:
         energy = falling / (1 - np.exp(-fall * seconds)) + 10 ** (floor / 10) * (1 - time / seconds)
         return np.asarray(10 * np.log10(energy / energy[0]))
 
-    seen = max((level[first] - level[end - 1]) / seconds, 1.0)
-    fit = least_squares(lambda x: model(x) - left, [np.log(seen), -30.0], bounds=([-0.7, -60.0], [8.0, 3.0]))
+    seen = min(max(-left[-1] / time[-1], 1.0), 2000.0)
+    fit = least_squares(lambda x: model(x) - left, [np.log(seen), -30.0], bounds=([-0.7, -70.0], [8.0, 3.0]))
     slope = float(np.exp(fit.x[0]))
     return 60 / slope if slope * seconds >= LEAST_FALL else None
 
