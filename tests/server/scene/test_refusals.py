@@ -50,7 +50,7 @@ from tests.server.scene.support import refusal, say
         ("/object/a/impact", (1.0, 1.5), "position = 1.5: expected a number from 0 to 1"),
         ("/object/a/impact", (1.0, 0.5, "position", 0.2), "position = 0.2: given twice"),
         ("/object/a/impact", (1.0, "mass", 0.0), "mass = 0: expected a number from 1e-09 to 1e+06 kg"),
-        ("/object/a/impact", (1.0, "exponent", 0.5), "exponent = 0.5: expected a number from 1 to 4"),
+        ("/object/a/impact", (1.0, "exponent", 0.5), "exponent = 0.5: expected a number from 1 to 6"),
         ("/object/a/impact", (1.0, "colour", 1), "colour: no such key; expected one of striker, mass"),
         ("/object/a/impact", (1.0, 0.5, 0.5), "0.5: expected a key"),
         ("/object/a/impact", (1.0, "mass", 1e3, "stiffness", 1.0), "the contact would last"),
