@@ -50,8 +50,8 @@ def crowded(numbers: np.random.Generator) -> float:
 
 @pytest.mark.slow
 def test_a_perfect_model_agrees_in_most_partials():
-    """Of partials that beat or crowd, so many are within SAME of what they are; before their energy left was followed
-    past the first dip of a beat, 78 and 93 %."""
+    """Partials that beat or crowd are within SAME of what they are; before their energy left was followed past a beat's
+    first dip, 78 and 93 % were."""
     numbers = np.random.default_rng(5)
     for made, least in ((beating, 90), (crowded, 98)):
         assert share([(0.0, 1.0, made(numbers)) for _ in range(40)]) >= least
