@@ -51,8 +51,8 @@ BACK = 6
 """Samples of a grid before a quantum at which the force is computed."""
 FORCES = 80
 """Samples of force that are computed for a quantum: those before it, 64, and some after it, a multiple of LANES."""
-GRID = 832
-"""Samples of a place's grid: those of a quantum, and of a pulse that begins at its end."""
+GRID = 1_040
+"""Samples of a place's grid: those of a quantum, and of the longest pulse that begins LOOK (swarms.py) after its end."""
 
 
 class PulseTable(Record):

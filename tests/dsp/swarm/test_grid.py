@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from carom.dsp.contact.pulse import contact_time, force_pulse
+from carom.dsp.engine.contacts.swarms import LOOK
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.schema import EXPONENT
 from carom.dsp.swarm import tables
 from carom.dsp.swarm.blows import DROP_TIME, ROLL_OFF, known_of
-from carom.dsp.swarm.grid import EDGE, HALF, MOST_LOSS, find_force, find_moments, find_samples, frames_of, lay_pulse
+from carom.dsp.swarm.grid import BUMP, EDGE, HALF, MOST_LOSS, find_force, find_moments, find_samples, frames_of, lay_pulse
 from carom.dsp.swarm.record import BACK, FORCES, GRID
 from carom.dsp.swarm.tables import contact_form, drop_form, pulse_table
 
@@ -106,6 +109,13 @@ def test_the_moments_of_a_force_are_those_of_what_it_samples(every, frequency):
     wanted = (np.cos(turns * t) * 0.5 * weights) @ np.polynomial.legendre.legvander(nodes, 3) / every
     assert np.abs(feed - wanted).max() < 2e-3 / every
     assert np.abs(samples - np.cos(turns * (np.arange(68) - 1.0) / every) / every).max() < 2e-3 / every
+
+
+def test_the_longest_pulse_has_room_on_a_grid():
+    """The steepest law's pulses are longest: of those that begin as late as any is drawn the last sample is there."""
+    table = pulse_table(EXPONENT.high).record[0]
+    begin = BACK + HALF + QUANTUM + LOOK - BUMP // 2
+    assert begin + table["length"].max() <= GRID
 
 
 @pytest.mark.parametrize(("rate", "every"), [(8_000.0, 1), (64_000.0, 1), (88_200.0, 2), (96_000.0, 2), (192_000.0, 4)])
