@@ -29,6 +29,7 @@ from .simd_ring import (
     push,
     put_answers,
     ring_answering,
+    ring_left_once,
     ring_middle_once,
     ring_moved,
     ring_pushed,
@@ -158,12 +159,24 @@ def ring(modes: Modes, out: View2D[float], start: int, stop: int) -> None:
 
 
 @kernel
-def ring_middle(modes: Modes, half: float, out: View2D[float], start: int, stop: int) -> None:
-    """Ring modes from frame `start` to `stop` where one point is heard of them: right has the share `half` of it, and
-    both rows of `out` are overwritten, with the same but in the last frames of no LANES."""
+def ring_middle(modes: Modes, out: View2D[float], start: int, stop: int) -> None:
+    """Ring modes from frame `start` to `stop` where the middle of both sides is heard: both rows of `out` are
+    overwritten, with the same but in the last frames of no LANES."""
     t = start
     while t + LANES <= stop:
-        ring_middle_once((modes.y1, modes.y2, modes.a1, modes.a2, modes.balance), half, out, t)
+        ring_middle_once((modes.y1, modes.y2, modes.a1, modes.a2, modes.balance), out, t)
+        t += LANES
+    if t < stop:
+        ring(modes, out, t, stop)
+
+
+@kernel
+def ring_left(modes: Modes, out: View2D[float], start: int, stop: int) -> None:
+    """Ring modes from frame `start` to `stop` where the left output alone is heard, with less work: else as
+    `ring`. out[1] holds anything."""
+    t = start
+    while t + LANES <= stop:
+        ring_left_once((modes.y1, modes.y2, modes.a1, modes.a2, modes.balance), out, t)
         t += LANES
     if t < stop:
         ring(modes, out, t, stop)

@@ -271,31 +271,42 @@ def ring_answering(
 
 @intrinsic
 def ring_middle_once(
-    typingctx: object, modes: tuple[View[float], ...], half: float, out: View2D[float], frame: int
+    typingctx: object, modes: tuple[View[float], ...], out: View2D[float], frame: int
 ) -> Lowered[None]:
-    """Compute LANES samples of y <- a1 y1 + a2 y2 of all modes; the sums of (1 - half + half balance) y are written to
-    both rows of out, from a frame on."""
+    """Compute LANES samples of y <- a1 y1 + a2 y2 of all modes; the sums of (y + balance y)/2 are written to both rows
+    of out, from a frame on."""
+    return _ring_once(modes, out, sides=2)
+
+
+@intrinsic
+def ring_left_once(typingctx: object, modes: tuple[View[float], ...], out: View2D[float], frame: int) -> Lowered[None]:
+    """Compute the same where the left output alone is heard: the sums of y."""
+    return _ring_once(modes, out, sides=1)
+
+
+def _ring_once(modes: Any, out: Any, sides: int) -> Lowered[None]:
+    """Return the signature and code of `ring_middle_once`, or of `ring_left_once`: of one side."""
 
     def codegen(context, builder, signature, args):
-        arrays, (half, out, frame) = cgutils.unpack_tuple(builder, args[0]), args[1:]
+        arrays, (out, frame) = cgutils.unpack_tuple(builder, args[0]), args[1:]
         array = signature.args[0][0]
-        target = context.make_array(signature.args[2])(context, builder, out)
+        target = context.make_array(signature.args[1])(context, builder, out)
         size = context.make_array(array)(context, builder, arrays[0]).nitems
 
         def fused(a, b, c):
             return builder.fadd(builder.fmul(a, b, flags=REASSOCIATE), c, flags=REASSOCIATE)
 
-        share = vector_of(builder, [half] * LANES)
-        rest = vector_of(builder, [builder.fsub(ir.Constant(ir.DoubleType(), 1.0), half)] * LANES)
-        zero = ir.Constant(vector_type(), None)
+        half, zero = (ir.Constant(vector_type(), each) for each in ([0.5] * LANES, None))
         totals = [cgutils.alloca_once_value(builder, zero) for _ in range(LANES)]
         with cgutils.for_range_slice(builder, int64(0), size, int64(LANES)) as (i, _):
             places = [pointer_to(context, builder, array, each, i) for each in arrays]
             u, v, p, q, balance = (builder.load(each, align=8) for each in places)
-            weight = fused(share, balance, rest)
+            weight = fused(half, balance, half)
             for total in totals:
                 u, v = fused(p, u, builder.fmul(q, v, flags=REASSOCIATE)), u
-                builder.store(fused(weight, u, builder.load(total)), total)
+                before = builder.load(total)
+                more = fused(weight, u, before) if sides == 2 else builder.fadd(u, before, flags=REASSOCIATE)
+                builder.store(more, total)
             builder.store(u, places[0], align=8)
             builder.store(v, places[1], align=8)
         sums = sums_of(builder, [builder.load(each) for each in totals])
@@ -305,7 +316,7 @@ def ring_middle_once(
             builder.store(sums, place, align=8)
         return context.get_dummy_value()
 
-    return types.void(modes, types.float64, out, types.intp), codegen
+    return types.void(modes, out, types.intp), codegen
 
 
 @intrinsic

@@ -9,7 +9,7 @@ from ...contact.block_records import TOGETHER
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View, View2D
 from ...numerics.legendre import KEPT
-from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_middle, ring_under
+from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_left, ring_middle, ring_under
 from ...resonator.fed import LINE, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
 from ...resonator.sizes import REACH
@@ -101,9 +101,10 @@ def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: i
 def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: int) -> None:
     """Ring an object's modes from frame `start` to `stop`, by themselves."""
     if obj.rolls_head < 0:
-        if obj.travels == 1 or sides_of(state) == 1:
-            half = 0.5 if sides_of(state) == 2 else 0.0
-            ring_middle(modes_of(state, obj, 0, obj.live), half, voice, start, stop)
+        if sides_of(state) == 1:
+            ring_left(modes_of(state, obj, 0, obj.live), voice, start, stop)
+        elif obj.travels == 1:
+            ring_middle(modes_of(state, obj, 0, obj.live), voice, start, stop)
         else:
             ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return
