@@ -85,7 +85,8 @@ def ring_bank(state: State) -> None:
         look(state)
         put_in_order(spectral, _BUDGET, state.bank.place)
     if phase.modes == 0:
-        phase.sounds = 0
+        if phase.sounds == 1:  # else its memory is left alone: it lies apart from all that a small scene touches
+            phase.sounds = 0
         return
     chunks, singles, weights = spectral.chunks, spectral.singles, spectral.weights
     sum_bins(chunks, singles, weights, phase.single, phase.start, phase.count, spectral.sums)
@@ -162,7 +163,11 @@ def _go(state: State, turn: int) -> None:
     """Take the objects into a phase that ring freely, if they are worth it: as many as the budget allows."""
     if state.output.channels > 2 or state.output.stems_on == 1:
         return
-    free = 0
+    free = live = 0
+    for i in range(state.active):
+        live += state.objects[state.order[i]].live
+    if live + state.spectral.modes < _WORTH:
+        return
     for i in range(state.active):
         obj = state.objects[state.order[i]]
         free += obj.live if _rings_freely(state, obj) else 0
