@@ -42,11 +42,11 @@ class ItemError(CaromError, RuntimeError):
 
 @dataclass(frozen=True)
 class Clip:
-    """An item's sound, (frames, channels): floats, or whole numbers of steps; its truth; and of all contacts, one after
-    the other, the forces, (N, 6) float32 in N, and the paths of those that move, (M, 9) float32; and the signals of
-    sensors, (frames, sensors) float32, each in the unit that the truth says."""
+    """An item's sound, (frames, channels): samples, or whole numbers of steps; its truth; and of all contacts, one
+    after the other, the forces, (N, 6) float32 in N, and the paths of those that move, (M, 9) float32; and the signals
+    of sensors, (frames, sensors) float32, each in the unit that the truth says."""
 
-    samples: NDArray[np.float32] | NDArray[np.int32]
+    samples: NDArray[np.float32] | NDArray[np.float64]
     truth: Truth
     force: NDArray[np.float32]
     path: NDArray[np.float32]
@@ -225,7 +225,9 @@ def _about(
 ) -> Truth:
     """Describe an item, and its loudness. exposure: Pa^2 s, of each channel."""
     paired = {"pair": item.pair, "differs": item.differs} if item.pair >= 0 else {}
-    whole = pressure.astype(np.float64)  # at once: numpy's functions of two types convert piece by piece, which is slow
+    # At once, as numpy's functions of two types convert piece by piece; each channel by itself, as it adds up columns
+    # one by one: a clip of two channels took 0.8 ms.
+    whole = pressure.T.astype(np.float64, order="C")
     return {
         "item": item.number,
         "seed": item.seed,
@@ -238,5 +240,5 @@ def _about(
         "frames": recipe.frames,
         "full_scale": full_scale,
         "peak": peak,
-        "exposure": (np.square(whole, out=whole).sum(axis=0) / recipe.rate).tolist(),
+        "exposure": (np.square(whole, out=whole).sum(axis=1) / recipe.rate).tolist(),
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,29 +28,28 @@ def step_of(full_scale: float, samples: str) -> float:
 
 def quantized(
     pressure: NDArray[np.float32], peak: float, full_scale: float, samples: str
-) -> NDArray[np.float32] | NDArray[np.int32]:
+) -> NDArray[np.float32] | NDArray[np.float64]:
     """Return a pressure, of which nothing is above a peak, as samples: floats, or the nearest whole numbers of steps,
-    int32."""
+    in floats as well."""
     if samples not in QUANTIZED:
         return pressure / np.float32(full_scale)
     most = 2 ** (QUANTIZED[samples] - 1)
     factor = most / full_scale
-    steps = np.multiply(pressure, factor, dtype=_exact(factor))
+    steps: NDArray[np.float32] | NDArray[np.float64] = np.multiply(pressure, factor, dtype=_exact(factor))
     np.rint(steps, out=steps)
     if round(peak * factor) >= most:  # there is no such number above 0
         np.clip(steps, -most, most - 1, out=steps)
-    whole: NDArray[np.int32] = steps.astype(np.int32)
-    return whole
+    steps += 0.0  # no -0, which whole numbers do not have
+    return steps
 
 
-def pascals(samples: NDArray[np.float32] | NDArray[np.int32], full_scale: float, form: str) -> NDArray[np.float32]:
+def pascals(samples: NDArray[Any], full_scale: float, form: str) -> NDArray[np.float32]:
     """Return samples of a form as a pressure: what a reader of their file multiplies by the full scale."""
     if form not in QUANTIZED:
         return (samples.astype(np.float64) * full_scale).astype(np.float32)
     step = step_of(full_scale, form)
-    found = samples.astype(_exact(step))
-    np.multiply(found, step, out=found)
-    return found.astype(np.float32, copy=False)
+    found: NDArray[np.float32] = np.multiply(samples, step, dtype=_exact(step)).astype(np.float32, copy=False)
+    return found
 
 
 def _exact(factor: float) -> np.dtype[np.float32] | np.dtype[np.float64]:

@@ -50,8 +50,8 @@ def packed(recipe: Recipe, clips: Iterable[Clip]) -> bytes:
     return b"".join([*tar, bytes(-sum(map(len, tar)) % tarfile.RECORDSIZE)])
 
 
-def sound_file(samples: NDArray[np.float32] | NDArray[np.int32], recipe: Recipe) -> bytes:
-    """Return a sound file of samples (frames, channels): floats, or whole numbers of steps."""
+def sound_file(samples: NDArray[np.float32] | NDArray[np.float64], recipe: Recipe) -> bytes:
+    """Return a sound file of samples (frames, channels), or of whole numbers of steps."""
     if recipe.samples not in QUANTIZED:
         return header(recipe.rate, len(samples), samples.shape[1]) + samples.astype("<f4").tobytes()
     memory = io.BytesIO()
