@@ -98,7 +98,8 @@ def string(
     which = order.astype(int) - 1
     resistance = lost * body.radiated_share(frequency)
     if wires > 1 or body.single or best is None:
-        modes = heard(material, frequency, resistance, (peak * waves[:, which], sign), mass, lost)
+        shapes = peak * waves.take(which, axis=1)
+        modes = heard(material, frequency, resistance, (shapes, sign), mass, lost)
         if wires > 1:
             modes = in_unison(modes, material.decay(frequency), lost, wires, mistuning, top)
         if body.single:
@@ -109,7 +110,7 @@ def string(
         count, reach = order.size, peak * _peaks(at.size, order.size)[which]
         every = heard(material, frequency, resistance, (reach[None], sign), mass, lost)
         kept, sides = best.among(every.frequency, every.pressure, reach, every.decay)
-        shapes = peak * waves[:, which[kept]]
+        shapes = peak * waves.take(which[kept], axis=1)  # row by row, as it lies in memory
         modes = replace(selected(every, kept), strike=shapes, pressure=sides)
     higher = slice(order.size, _FURTHER * order.size)
     felt = _Sines(frequencies[higher], orders[higher], at.size, peak / math.sqrt(wires))
@@ -175,7 +176,7 @@ class _Sines:
         if not which.size:
             return np.empty((self.places, 0))
         order = self.order[which].astype(int) - 1
-        return np.asarray(self.peak * _waves(self.places, int(order.max()) + 1)[:, order])
+        return np.asarray(self.peak * _waves(self.places, int(order.max()) + 1).take(order, axis=1))
 
     def squares(self, which: Indices, u: Array, grid: Array) -> Array:
         """Return sums of squares as `Felt.squares`: by sin^2(n pi x) = (1 - cos(2 pi n x))/2, the sum of cosines by a
@@ -186,9 +187,9 @@ class _Sines:
         places = self.order[which].astype(int) % period
         for weight, share in zip(weights.T, shares.T, strict=True):
             weight[:] = np.bincount(places, u * share, period)
-        cosines = np.fft.fft(weights, axis=0).real
+        cosines = np.fft.rfft(weights, axis=0).real  # of the first half: the other one mirrors it
         sums = np.maximum(0.5 * self.peak**2 * (cosines[0] - cosines), 0.0)
-        return np.concatenate([sums, sums[:1]])
+        return np.concatenate([sums, sums[(period - 1) // 2 :: -1]])
 
 
 def _waves(places: int, least: int) -> Array:

@@ -21,9 +21,11 @@ _BEND = 3.0  # x from which on the places are equally far apart in x, and below 
 _NEWTON_STEPS = 8
 _STEP = 0.2  # of ln x + x/_BEND, between places
 _NODES = 4  # between which a value is interpolated
-_AT_ONCE = 8  # places that are solved together
+_BITS = 3
+_AT_ONCE = 1 << _BITS  # places that are solved together
 _LOWEST, _PIECES = -25, 200  # pieces of so many places: from x = 1e-17 to 800
 _NOISE = 1e-15  # of an impedance: less resistance is rounding
+_NUMBERS = np.arange(_NODES)[:, None]
 
 Solve = Callable[[int, Array], Complex]
 """A group's number and places x (p,) -> impedances of its modes there, (p, modes)."""
@@ -43,23 +45,23 @@ class Curves:
         """Return the impedances of modes (n,), by their groups and columns there, at x > 0 (n,), interpolated by cubics
         of ln R and of the mass."""
         along = _along(x) / _STEP
-        first = np.floor(along).astype(int) - _NODES // 2 + 1
-        places = first + np.arange(_NODES)[:, None]
-        begin = places // _AT_ONCE
-        piece, within = begin - _LOWEST, places - _AT_ONCE * begin
+        first = np.floor(along).astype(np.intp) - _NODES // 2 + 1
+        places = first + _NUMBERS
+        piece, within = (places >> _BITS) - _LOWEST, places & (_AT_ONCE - 1)
+        mine = group * _PIECES + piece  # of the table as one row
         with self._lock:
-            slot = self._slot[group, piece]
-            if (lacking := slot < 0).any():
-                self._add(np.broadcast_to(group, piece.shape)[lacking], piece[lacking])
-                slot = self._slot[group, piece]
+            slot = self._slot.take(mine)
+            if slot.min(initial=0) < 0:
+                self._add(mine[slot < 0])
+                slot = self._slot.take(mine)
             found = self._values.reshape(-1, 2).take((slot * _AT_ONCE + within) * COLUMNS + column, axis=0)
         weights = cubic_weights(along - first)
         resistance, mass = ((weights * found[..., i]).sum(axis=0) for i in (0, 1))
         return np.asarray(np.exp(resistance) + 1j * x * mass)
 
-    def _add(self, groups: Indices, pieces: Indices) -> None:
-        """Solve groups of modes at pieces of the lattice."""
-        for number in np.unique(groups * _PIECES + pieces):
+    def _add(self, numbers: Indices) -> None:
+        """Solve groups of modes at pieces of the lattice, by their numbers in the table as one row."""
+        for number in np.unique(numbers):
             group, piece = divmod(int(number), _PIECES)
             x = _x_of((piece + _LOWEST) * _AT_ONCE + np.arange(_AT_ONCE))
             solved = self._solve(group, x)
@@ -88,4 +90,4 @@ def _x_of(place: Indices) -> Array:
 def cubic_weights(t: Array) -> Array:
     """Return the weights (_NODES, n) of values at 0, 1, 2, 3 in a cubic's value at t."""
     a, b, c, d = t, t - 1, t - 2, t - 3
-    return np.stack([-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6])
+    return np.array([-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6])

@@ -88,6 +88,8 @@ class Loads:
         walled = (speed > _FAST) | (body.baffle != "free")
         for curves, which, factor in ((every.free, ~walled, 1.0), (every.walled, walled, sides)):
             row = np.flatnonzero(~closed & ~skipped & which)
+            if not row.size:
+                continue
             mode = body.mode[row]
             size = factor * (body.radius * body.scale[row]) ** 2
             impedance[row] = size * curves.at(every.group[mode], every.column[mode], x[row])

@@ -44,50 +44,50 @@ class Filling:
         self._given = given = given[np.lexsort((place[given], family[given]))]
         each, number = np.unique(family[given], return_inverse=True)
         apart = 2 * (np.abs(place).max() + 1)  # families one after the other, so that one search finds all
-        self._begins = begins = np.flatnonzero(np.diff(number, prepend=-1))
+        begins = np.flatnonzero(np.diff(number, prepend=-1))
         mine = np.searchsorted(each, family[asked])
         first, last = begins[mine], np.append(begins[1:], given.size)[mine] - 2
         i = np.searchsorted(number * apart + place[given], mine * apart + place[asked]) - 1
-        self._at = np.clip(i, first, last)
-        self._places = place[given], place[asked]
+        self._curves = _Cubics(place[given], begins, np.clip(i, first, last), place[asked])
 
     def fill(self, loads: Load) -> None:
         """Set the loads of the modes that are wanted."""
         if not self._asked.size:
             return
-        x, wanted = self._places
         level = np.log(np.maximum(loads.resistance[self._given], _LEAST))
-        y = np.stack([level, loads.mass[self._given]])
-        level, mass = _value(x, y, _slopes(x, y, self._begins), self._at, wanted)
+        level, mass = self._curves(np.array([level, loads.mass[self._given]]))
         loads.resistance[self._asked], loads.mass[self._asked] = np.exp(level), mass
 
 
 def _cubic(x: Array, y: Array, wanted: Array) -> Array:
     """Interpolate three points or more by Hermite's cubics; the slope at a point is that of the parabola around it."""
     at = np.clip(np.searchsorted(x, wanted) - 1, 0, x.size - 2)
-    return _value(x, y, _slopes(x, y, np.zeros(1, np.intp)), at, wanted)
+    return _Cubics(x, np.zeros(1, np.intp), at, wanted)(y)
 
 
-def _slopes(x: Array, y: Array, begins: Indices) -> Array:
-    """Return the slopes (..., k) at the points of families, each of which begins at one of these places."""
-    step = np.diff(x)
-    step[begins[1:] - 1] = 1.0  # from one family to the next: no slope asks for it
-    rise = np.diff(y) / step
-    slope = np.empty_like(y)
-    slope[..., 1:-1] = (step[1:] * rise[..., :-1] + step[:-1] * rise[..., 1:]) / (step[1:] + step[:-1])
-    ends = np.append(begins[1:], x.size) - 1
-    first = 2 * rise[..., begins] - slope[..., begins + 1]
-    slope[..., ends] = 2 * rise[..., ends - 1] - slope[..., ends - 1]
-    slope[..., begins] = first
-    return slope
+class _Cubics:
+    """Hermite's cubics as in `_cubic`, through the points x (k,) of families, each of which begins at one of `begins`:
+    at the places that are wanted (n,), between the points `at` and the next."""
 
+    def __init__(self, x: Array, begins: Indices, at: Indices, wanted: Array) -> None:
+        self._step = step = np.diff(x)
+        step[begins[1:] - 1] = 1.0  # from one family to the next: no slope asks for it
+        self._both = step[1:] + step[:-1]
+        self._begins, self._ends = begins, np.append(begins[1:], x.size) - 1
+        self._at, self._wide = at, x[at + 1] - x[at]
+        self._along = (wanted - x[at]) / self._wide
 
-def _value(x: Array, y: Array, slope: Array, i: Indices, wanted: Array) -> Array:
-    """Return the value at each place that is wanted, between the points i and i + 1."""
-    step = x[i + 1] - x[i]
-    here, there = y[..., i], y[..., i + 1]
-    rise = (there - here) / step
-    t = (wanted - x[i]) / step
-    bend = (slope[..., i] - rise) * (1 - t) + (rise - slope[..., i + 1]) * t
-    value: Array = here + step * t * (rise + (1 - t) * bend)
-    return value
+    def __call__(self, y: Array) -> Array:
+        """Return the values (..., n) of curves with the values y (..., k) at the points."""
+        step, i, t = self._step, self._at, self._along
+        rises = np.diff(y) / step
+        slope = np.empty_like(y)
+        slope[..., 1:-1] = (step[1:] * rises[..., :-1] + step[:-1] * rises[..., 1:]) / self._both
+        first = 2 * rises[..., self._begins] - slope[..., self._begins + 1]
+        slope[..., self._ends] = 2 * rises[..., self._ends - 1] - slope[..., self._ends - 1]
+        slope[..., self._begins] = first
+        here, there = y.take(i, axis=-1), y.take(i + 1, axis=-1)
+        rise = (there - here) / self._wide
+        bend = (slope.take(i, axis=-1) - rise) * (1 - t) + (rise - slope.take(i + 1, axis=-1)) * t
+        value: Array = here + self._wide * t * (rise + (1 - t) * bend)
+        return value
