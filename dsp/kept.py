@@ -38,11 +38,12 @@ class Kept(Generic[_Key, _Value]):
 
     def get(self, key: _Key) -> _Value | None:
         """Return the value of a key, if it is kept."""
+        now = time.monotonic()
         with self._lock:
             found = self._values.pop(key, None)
             if found:
-                self._values[key] = found[0], time.monotonic(), found[2]
-            self._forget()
+                self._values[key] = found[0], now, found[2]
+            self._forget(now)
             return found[0] if found else None
 
     def all(self) -> list[tuple[_Key, _Value]]:
@@ -52,19 +53,19 @@ class Kept(Generic[_Key, _Value]):
 
     def put(self, key: _Key, value: _Value) -> None:
         """Keep a value; where another thread was faster, that one's."""
+        entry = value, time.monotonic(), self._size(value)
         with self._lock:
-            entry = value, time.monotonic(), self._size(value)
             if self._values.setdefault(key, entry) is entry:
                 self._bytes += entry[2]
-                self._forget()
+                self._forget(entry[1])
 
     def forget(self) -> None:
         """Forget what nobody has asked for lately."""
         with self._lock:
-            self._forget()
+            self._forget(time.monotonic())
 
-    def _forget(self) -> None:
-        oldest = time.monotonic() - SECONDS
+    def _forget(self, now: float) -> None:
+        oldest = now - SECONDS
         while self._values and (self._bytes > self.most or next(iter(self._values.values()))[1] < oldest):
             self._bytes -= self._values.popitem(last=False)[1][2]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -124,7 +125,7 @@ def _quiet(recipe: Recipe, full_scale: float, exposure: list[float]) -> list[str
         return ["it is silent"]
     if recipe.samples not in QUANTIZED:
         return []
-    level = 10.0 * np.log10(12.0 * mean / step_of(full_scale, recipe.samples) ** 2)
+    level = 10.0 * math.log10(12.0 * mean / step_of(full_scale, recipe.samples) ** 2)
     if level >= _LEAST_LEVEL:
         return []
     return [f"it is {level:.0f} dB above the noise of its samples; expected at least {_LEAST_LEVEL:g}"]

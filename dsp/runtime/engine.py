@@ -82,7 +82,7 @@ class Engine:
         self._record["output"]["delay"] = QUANTUM if limited else 0
         self.ring = Ring(self._record)
         self.meter = Meter(self._record)
-        self._pointer, self._channels = self.state.ctypes.data, channels
+        self._pointer, self._channels, self._rate = self.state.ctypes.data, channels, float(rate)
         self.sensors = sensors
         self._pace: tuple[int, float, float] | None = None
         self._memory = Memory(self._record, modes, objects, shapes)
@@ -104,7 +104,7 @@ class Engine:
 
     @property
     def rate(self) -> float:
-        return float(self._record["rate"])
+        return self._rate
 
     @property
     def channels(self) -> int:

@@ -84,8 +84,8 @@ def _keep(memory: mmap.mmap, first: int, known: _Spans, faults: tuple[int, int, 
     filled = first + _SHAPES[0], first + _SHAPES[0] + 4 * shapes.reached
     if filled[1] - filled[0] > _MOST_WRITTEN:
         return
-    written = [*own, filled, _traced(np.frombuffer(memory, STATE), first)]
-    _clean_up(written, first)
+    _set_to_zero([filled, _traced(np.frombuffer(memory, STATE), first)])
+    _clean_up(own, first)
     _kept.append((memory, own))
 
 
@@ -116,7 +116,7 @@ class Mark:
         self._pages[self._filled] = self._contents
         for begin, held in self._parts:
             ctypes.memmove(begin, held, len(held))
-        _clean_up([_traced(self._state, self._first)], self._first)
+        _set_to_zero([_traced(self._state, self._first)])
 
     def _plan(self) -> None:
         """Plan how what is its own is restored: all pages of zeros at once, all others at once, then parts of pages.
@@ -156,6 +156,12 @@ def _clean_up(spans: _Spans, first: int) -> None:
     clean = _clean().ctypes.data - first
     for begin, end in spans:
         ctypes.memmove(begin, clean + begin, end - begin)
+
+
+def _set_to_zero(spans: _Spans) -> None:
+    """Set spans to 0, as a fresh state has what is filled: to read its bytes takes as long again."""
+    for begin, end in spans:
+        ctypes.memset(begin, 0, end - begin)
 
 
 def _own(first: int) -> _Spans:
