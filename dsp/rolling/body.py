@@ -50,6 +50,7 @@ _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
 _BUSY = 3.0  # samples a piece of the path: where they are shorter, a body begins to go by samples
 _IDLE = 16.0  # and where they are longer, it ends: few steps of contact_step.py do, but each change is a small jump
+_LOOKS = 64  # samples from one look to the next, whether a body is to go on by these
 _SAME = 2.0**-16  # samples: times that are nearer count as one
 
 
@@ -315,7 +316,7 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
             break
         if roll.samples == 0 and _goes_by_samples(roll, 1.0 / rate, _BUSY):
             roll.samples = 1
-        if roll.samples == 1:
+        if roll.samples > 0:
             _fill_by_samples(roll, origin, rate, moments)
         else:
             next_event(roll)
@@ -348,7 +349,7 @@ def first_sample(roll: Roll, origin: float, rate: float) -> float:
 def goes_abreast(roll: Roll, origin: float, rate: float) -> bool:
     """True if a body goes on by whole samples from an origin (s) on, under a law of exponent 3/2, and will not end
     soon: it may go beside others (abreast.py)."""
-    runs = roll.samples == 1 and roll.fade == 1.0 and roll.target.speed > 0.0 and roll.a == HERTZ
+    runs = roll.samples > 0 and roll.fade == 1.0 and roll.target.speed > 0.0 and roll.a == HERTZ
     return runs and first_sample(roll, origin, rate) == 0.0 and _goes_by_samples(roll, 1.0 / rate, _IDLE)
 
 
@@ -363,10 +364,10 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
     state = path_at(roll)[0], roll.y, roll.w, roll.step.f[0] if roll.touching == 1 else 0.0
     h, pace = share / rate, rate / share
     while frame < frames:
-        if (frame == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate, _IDLE):
+        if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate, _IDLE):
             roll.samples = 0
             break
-        if not even and frame % STEERS == 0:
+        if not even and roll.samples % STEERS == 0:
             steer(roll)
             modulate(roll)
             roll.span = 0.0
@@ -380,6 +381,7 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
         roll.s += roll.modulated_speed * h
         roll.span += h
         h, pace, share = 1.0 / rate, rate, 1.0
+        roll.samples += 1
         frame += 1
     if even:
         roll.span = 1.0 / rate

@@ -50,6 +50,8 @@ def begun(count, steered, kinds):
     bodies = [sliding(seed=k, **kinds[k % len(kinds)]) for k in range(count)]
     for body in bodies:
         roll.roll_moments(body, 0.0, BEGIN * AHEAD / RATE, RATE)
+        assert body["samples"] > 0
+        body["samples"] = AHEAD  # so that it is steered at the same samples in both ways
         if steered:
             body["target"]["speed"], body["target"]["mass"], body["target"]["roughness"] = 0.5, 0.4, 1.5
     return bodies
@@ -77,20 +79,19 @@ def test_they_go_as_step_by_step(steered):
     for k, body in enumerate(bodies):
         alone = roll.roll_moments(body, begin, quanta * AHEAD / RATE, RATE)
         assert np.abs(moments[k] - alone).max() < 1e-6 * np.abs(alone).max()
-        for name in ("y", "w", "along", "s", "t", "v", "m", "piece", "impacts"):
+        for name in ("y", "w", "along", "s", "t", "v", "m", "piece", "impacts", "samples"):
             assert together[k][name] == pytest.approx(body[name], rel=1e-6, abs=1e-9), name
 
 
 @pytest.mark.slow
 def test_a_body_may_speed_up_on_a_fine_path():
     """A stretch that has more pieces than are kept is walked piece by piece, and nothing is lost."""
-    bodies, quanta, begin = begun(2, False, [{"speed": 0.01}]), 30, BEGIN * AHEAD / RATE
+    bodies, quanta, begin = begun(2, False, [{"speed": 2e-3}]), 2, BEGIN * AHEAD / RATE
     for body in bodies:
         body["target"]["speed"] = 5.0
     moments, together = gone(bodies, quanta, begin)
     alone = np.array([roll.roll_moments(body, begin, quanta * AHEAD / RATE, RATE) for body in bodies])
-    early = alone[:, : 2 * AHEAD]  # later they hop, which chaos tells apart
-    assert np.abs(moments[:, : 2 * AHEAD] - early).max() < 1e-4 * np.abs(early).max()
+    assert np.abs(moments - alone).max() < 1e-4 * np.abs(alone).max()
     for k, body in enumerate(bodies):
         assert together[k]["piece"] == body["piece"]
         assert together[k]["along"] == pytest.approx(body["along"], rel=1e-6, abs=1e-9)
