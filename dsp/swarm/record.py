@@ -52,7 +52,7 @@ BACK = 6
 FORCES = 80
 """Samples of force that are computed for a quantum: those before it, 64, and some after it, a multiple of LANES."""
 GRID = 1_040
-"""Samples of a place's grid: those of a quantum, and of the longest pulse that begins LOOK (swarms.py) after its end."""
+"""Samples of a place's grid: those of a quantum, and of the longest pulse, which begins LOOK (swarms.py) after it."""
 
 
 class PulseTable(Record):

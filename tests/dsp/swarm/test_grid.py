@@ -10,7 +10,17 @@ from carom.dsp.runtime.engine import Engine
 from carom.dsp.schema import EXPONENT
 from carom.dsp.swarm import tables
 from carom.dsp.swarm.blows import DROP_TIME, ROLL_OFF, known_of
-from carom.dsp.swarm.grid import BUMP, EDGE, HALF, MOST_LOSS, find_force, find_moments, find_samples, frames_of, lay_pulse
+from carom.dsp.swarm.grid import (
+    BUMP,
+    EDGE,
+    HALF,
+    MOST_LOSS,
+    find_force,
+    find_moments,
+    find_samples,
+    frames_of,
+    lay_pulse,
+)
 from carom.dsp.swarm.record import BACK, FORCES, GRID
 from carom.dsp.swarm.tables import contact_form, drop_form, pulse_table
 
