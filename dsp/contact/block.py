@@ -37,12 +37,12 @@ from .collocation import raised
 from .coupled_records import Coupled, Member
 from .step_record import NODES
 
-_ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
+ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
 _MENDED = 1e-3  # share of the force by which it may be changed for that
 _EDGE = 0.03
 """The same of a roll's force at the sample's end or of its weight: it may land or leave amid a sample of one part."""
 
-_AS_HARD = 2.0  # times the greatest V so far: a body that lands with no more hops on a rough path
+AS_HARD = 2.0  # times the greatest V so far: a body that lands with no more hops on a rough path
 _ROUNDS = 6  # of such changes
 _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
@@ -161,7 +161,7 @@ def _is_hard(contact: Coupled, block: Block) -> bool:
         most = max(most, block.force[k])
     speed = block.v[0] / contact.period
     energy = block.stored + 0.5 * contact.mass * speed * speed
-    return most > 0.0 and energy > max(block.landing, _AS_HARD * block.scale)
+    return most > 0.0 and energy > max(block.landing, AS_HARD * block.scale)
 
 
 @kernel
@@ -317,7 +317,7 @@ def _account(
     block.most = max(block.scale, block.left)
     grown = block.kept + block.left - block.stored - work
     block.gained = max(grown, 0.0)
-    return 0.0 if grown <= _ALLOWED * block.most else grown - 0.5 * _ALLOWED * block.most
+    return 0.0 if grown <= ALLOWED * block.most else grown - 0.5 * ALLOWED * block.most
 
 
 @kernel

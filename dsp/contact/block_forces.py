@@ -16,9 +16,9 @@ from .collocation import eliminate, raised
 from .coupled_records import Coupled, Member
 
 # Relative change of the forces that ends Newton's method, by parts: below a third of its square is left.
-_CHANGED = np.array([0.0, 1e-2, 2e-3, 2e-3])
+CHANGED = np.array([0.0, 1e-2, 2e-3, 2e-3])
 _CHANGED_TOGETHER = 2e-3  # the same of several
-_NEWTON_STEPS = 12
+NEWTON_STEPS = 12
 
 
 @kernel
@@ -57,7 +57,7 @@ def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, siz
     fails."""
     for i in range(size):
         _see_before(contacts, blocks, net, i, size, first)
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(NEWTON_STEPS):
         for i in range(size):
             _linearise(contacts[net.contact[i]].coupled, blocks, net, i, size, first)
         count = NODES_PER_PART * size
@@ -162,9 +162,9 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
     f0, f1 = block.force[i], block.force[j]
     if x0 <= 0.0 and x1 <= 0.0:
         f0 = f1 = 0.0
-    rate, changed = 1.0 / contact.period, _CHANGED[block.parts]
+    rate, changed = 1.0 / contact.period, CHANGED[block.parts]
     solved = False
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(NEWTON_STEPS):
         f, s, d = law_at(contact, x0 - a00 * f0 - a01 * f1, rate * (v0 - w00 * f0 - w01 * f1))
         g, t, e = law_at(contact, x1 - a10 * f0 - a11 * f1, rate * (v1 - w10 * f0 - w11 * f1))
         d *= rate
@@ -172,8 +172,8 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
         m00, m01 = 1.0 + s * a00 + d * w00, s * a01 + d * w01
         m10, m11 = t * a10 + e * w10, 1.0 + t * a11 + e * w11
         r0, r1 = f - f0, g - f1
-        whole = m00 * m11 - m01 * m10
-        c0, c1 = (r0 * m11 - r1 * m01) / whole, (r1 * m00 - r0 * m10) / whole
+        whole = 1.0 / (m00 * m11 - m01 * m10)
+        c0, c1 = (r0 * m11 - r1 * m01) * whole, (r1 * m00 - r0 * m10) * whole
         f0 += c0
         f1 += c1
         # What the law changes by, as it is linear, where both nodes touch: what is left is about its square.

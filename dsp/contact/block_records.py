@@ -5,14 +5,11 @@ from typing import Annotated
 from ..native.jit import kernel
 from ..native.typed import Record, View, View2D
 from ..numerics.legendre import AHEAD, FINE
-from ..numerics.sums import AT_ONCE, BEYOND, line_of
+from ..numerics.sums import AT_ONCE, BEYOND, DELAYED, line_of
 from .block_sizes import FORCES, LAID, LINEAR, MOMENTS_AHEAD, MOST_PARTS, MOTIONS, NODES_PER_PART
 
 TOGETHER = 4
 """Contacts that are solved together, at most."""
-
-DELAYED = 4
-"""Samples whose forces later ones feel together; a power of two."""
 
 ROWS = 5 * MOST_PARTS - 1
 """Rows of the free motion, at most. The displacement at each node; of each part the tilt of its rate's line of least
@@ -98,8 +95,8 @@ class Block(Record):
     stored: float  # J: V then
     left: float  # J: V after it
     most: float  # J: `scale` after it
-    # m: the point's motion without the forces to come, from a line of the cache on; the first end at its place now
-    rows: Annotated[View[float], (AHEAD + 1) * ROWS + BEYOND + AT_ONCE]
+    # m: the point's motion without the forces to come, from half a line of the cache on; the first end at its place now
+    rows: Annotated[View[float], (AHEAD + 1) * ROWS + BEYOND + 2 * AT_ONCE]
     force: Annotated[View[float], FORCES]  # N
     before: Annotated[View[float], FORCES]  # a sample before
     last: Annotated[View[float], FORCES]
@@ -153,8 +150,11 @@ def rows_for(parts: int) -> int:
 
 @kernel
 def motion_of(block: Block) -> View[float]:
-    """Return the rows of the point's motion, one sample's after the other's."""
-    return block.rows[line_of(block.rows) :]
+    """Return the rows of the point's motion, one sample's after the other's.
+
+    Those of one part fill half a line of the cache: a line begins with what DELAYED samples do to those after them.
+    """
+    return block.rows[line_of(block.rows) + AT_ONCE // 2 :]
 
 
 @kernel

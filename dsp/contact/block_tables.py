@@ -3,9 +3,9 @@
 from ..native.jit import kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import AHEAD, FINE
-from ..numerics.sums import AT_ONCE, add_delayed, add_few, add_tables, line_of
+from ..numerics.sums import AT_ONCE, DELAYED, add_delayed, add_few, add_tables, line_of
 from .block_nodes import AT, RATES, SHARES, TO_NODES, TRAVELS
-from .block_records import DELAYED, Block, Net, Tables, forces_of, moments_of, motion_of, rows_of
+from .block_records import Block, Net, Tables, forces_of, moments_of, motion_of, rows_of
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
 from .power_series import POWERS
 
@@ -134,6 +134,14 @@ def _take_answers(block: Block, later: View[float], moment: int, laid: View[floa
 
 
 @kernel
+def answer_after(tables: Tables, lag: int, moment: int, r: int) -> float:
+    """Return what a moment of a force adds to row r so many samples later, where a sample has one part."""
+    i = (lag - 1) * _OF_ONE + r
+    within = i % AT_ONCE
+    return tables.later[line_of(tables.later) + 2 * (i - within) + moment * AT_ONCE + within]
+
+
+@kernel
 def mix_tables(block: Block, tables: Tables, share: float, samples: int, answer: View[float], stiffness: float) -> None:
     """Set tables to those on a line between a quantum's ends, a share of it from the beginning: as far as so many
     samples need them. `answer` (FINE) gets the answer there."""
@@ -173,7 +181,7 @@ def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
     together.
     """
     for j in range(size):
-        block, k = blocks[net.block[j]], 2 * ((n - 1) & (DELAYED - 1))
+        block, k = blocks[net.block[j]], 2 * (n & (DELAYED - 1))
         block.recent[k], block.recent[k + 1] = block.moments[0], block.moments[1]
     for i in range(size):
         for j in range(size):
@@ -182,10 +190,10 @@ def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
             block, other = blocks[net.block[i]], blocks[net.block[j]]
             if block.parts > 1:
                 _feel(block, block.tables[j], other.moments, n, left, ratio)
-            elif n & (DELAYED - 1) == 0 and n > 0:
+            elif n & (DELAYED - 1) == DELAYED - 1:
                 _feel_delayed(block, block.tables[j], other.recent, n, left, ratio)
             else:
-                near = left if n == 0 else min(left, DELAYED - (n & (DELAYED - 1)))
+                near = min(left, DELAYED - 1 - (n & (DELAYED - 1)))
                 _feel_next(block, block.tables[j], other.moments, n, near, ratio)
 
 
@@ -204,7 +212,7 @@ def _feel(block: Block, tables: Tables, moments: View[float], n: int, left: int,
 @kernel
 def _feel_next(block: Block, tables: Tables, moments: View[float], n: int, near: int, share: float) -> None:
     """Add it to the rows of so many samples of one part."""
-    odd = n & 1  # then it begins amid a line
+    odd = (n + 1) & 1  # then it begins amid a line
     first, begin = line_of(tables.later) + odd * _ODD, (n + 2 - odd) * _OF_ONE
     factors = share * moments[0], share * moments[1]
     add_few(motion_of(block), begin, tables.later, first, factors, (near + odd) * _OF_ONE)
@@ -213,8 +221,5 @@ def _feel_next(block: Block, tables: Tables, moments: View[float], n: int, near:
 @kernel
 def _feel_delayed(block: Block, tables: Tables, recent: View[float], n: int, left: int, share: float) -> None:
     """Add what a share of the last forces, of as many samples as go together, does to those that are left."""
-    first = line_of(tables.later)
-    last, third = (share * recent[6], share * recent[7]), (share * recent[4], share * recent[5])
-    second, oldest = (share * recent[2], share * recent[3]), (share * recent[0], share * recent[1])
-    begin, factors = (n + 2) * _OF_ONE, last + third + second + oldest
-    add_delayed(motion_of(block), begin, tables.later, first, first + _ODD, factors, left * _OF_ONE)
+    first, begin = line_of(tables.later), (n + 2) * _OF_ONE
+    add_delayed(motion_of(block), begin, tables.later, first, recent, share, left * _OF_ONE)

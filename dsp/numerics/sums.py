@@ -8,6 +8,9 @@ from ..native.typed import View
 AT_ONCE = 8
 """Values that are added at once: 64 bytes, a line of the cache."""
 
+DELAYED = 8
+"""Samples that `add_delayed` takes together; a power of two."""
+
 _LINES = 4  # that are added between two jumps: their number then changes seldom, and is foretold
 
 BEYOND = _LINES * AT_ONCE
@@ -17,7 +20,8 @@ _REASSOCIATE = ("contract", "reassoc", "nsz")
 _CONTRACT = ("contract",)
 
 
-def _pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+def pointer_to_line(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+    """Return a pointer to AT_ONCE numbers of a float64 array from an index on."""
     data = context.make_array(array_type)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [index]), ir.VectorType(ir.DoubleType(), AT_ONCE).as_pointer())
 
@@ -51,7 +55,7 @@ def add_tables(
 
     From tables[first] on lie AT_ONCE values of each table, then the next of each.
     """
-    return _add_tables((sums, types.intp, tables, types.intp, factors, types.intp), _LINES)
+    return _add_tables((sums, types.intp, tables, types.intp, factors, types.intp), _LINES, _REASSOCIATE)
 
 
 @intrinsic
@@ -59,8 +63,8 @@ def add_few(
     typingctx: object, sums: View[float], begin: int, tables: View[float], first: int, factors: tuple[float, ...],
     count: int,
 ) -> Lowered[None]:  # fmt: skip
-    """Do what `add_tables` does, for each i below `count`, and for less than AT_ONCE more."""
-    return _add_tables((sums, types.intp, tables, types.intp, factors, types.intp), 1)
+    """Do what `add_tables` does, for each i below `count`, and for less than AT_ONCE more: table after table."""
+    return _add_tables((sums, types.intp, tables, types.intp, factors, types.intp), 1, _CONTRACT)
 
 
 @intrinsic
@@ -78,18 +82,18 @@ def put_few(
             first, halves = builder.mul(i, whole(len(spread))), [zero, zero]
             for k, factor in enumerate(spread):
                 at = builder.add(first, whole(k * AT_ONCE))
-                values = builder.load(_pointer(context, builder, signature.args[1], tables, at), align=8)
+                values = builder.load(pointer_to_line(context, builder, signature.args[1], tables, at), align=8)
                 product = builder.fmul(factor, values, flags=_REASSOCIATE)
                 halves[k % 2] = builder.fadd(halves[k % 2], product, flags=_CONTRACT)
-            place = _pointer(context, builder, signature.args[0], sums, i)
+            place = pointer_to_line(context, builder, signature.args[0], sums, i)
             builder.store(builder.fadd(*halves, flags=_CONTRACT), place, align=8)
         return context.get_dummy_value()
 
     return types.void(sums, tables, factors, types.intp), codegen
 
 
-def _add_tables(arguments: tuple[Any, ...], lines: int) -> Lowered[None]:
-    """Return the signature and code of `add_tables` for so many lines at a time."""
+def _add_tables(arguments: tuple[Any, ...], lines: int, flags: tuple[str, ...]) -> Lowered[None]:
+    """Return the signature and code of `add_tables` for so many lines at a time, and LLVM's flags of its sums."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         sums, begin, tables, first, factors, count = args
@@ -99,14 +103,14 @@ def _add_tables(arguments: tuple[Any, ...], lines: int) -> Lowered[None]:
             added = []
             for line in range(lines):
                 at = builder.add(builder.add(begin, i), whole(line * AT_ONCE))
-                place = _pointer(context, builder, signature.args[0], sums, at)
+                place = pointer_to_line(context, builder, signature.args[0], sums, at)
                 total = builder.load(place, align=8)
                 for k, factor in enumerate(spread):
                     at = builder.add(first, whole((line * len(spread) + k) * AT_ONCE))
                     at = builder.add(builder.mul(i, whole(len(spread))), at)
-                    values = builder.load(_pointer(context, builder, signature.args[2], tables, at), align=8)
-                    product = builder.fmul(factor, values, flags=_REASSOCIATE)
-                    total = builder.fadd(total, product, flags=_REASSOCIATE)
+                    values = builder.load(pointer_to_line(context, builder, signature.args[2], tables, at), align=8)
+                    product = builder.fmul(factor, values, flags=flags)
+                    total = builder.fadd(total, product, flags=flags)
                 added.append((total, place))
             for total, place in added:
                 builder.store(total, place, align=8)
@@ -117,43 +121,57 @@ def _add_tables(arguments: tuple[Any, ...], lines: int) -> Lowered[None]:
 
 @intrinsic
 def add_delayed(
-    typingctx: object, sums: View[float], begin: int, tables: View[float], even: int, odd: int,
-    factors: tuple[float, ...], count: int,
+    typingctx: object, sums: View[float], begin: int, tables: View[float], first: int, causes: View[float],
+    share: float, count: int,
 ) -> Lowered[None]:  # fmt: skip
-    """Add what four samples do to those after them to sums[begin + i] for each i below `count`, and for less than
+    """Add what eight samples do to those after them to sums[begin + i] for each i below `count`, and for less than
     BEYOND more.
 
-    Two factors of each sample are in `factors`, from the last sample on. What they are of lies from tables[even] on as
-    in `add_tables`, two samples in AT_ONCE values; from tables[odd] on once more, a sample later.
+    `causes` has two of each sample, which get a share as factor. What they are factors of lies from tables[first] on as
+    in `add_tables`, two samples in AT_ONCE values.
     """
+    # The latter half of a line, and the former half of the next one.
+    between = [AT_ONCE // 2 + i for i in range(AT_ONCE)]
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         whole = ir.IntType(64)
-        spread = [_spread(builder, factor) for factor in cgutils.unpack_tuple(builder, args[5])]
+        data = context.make_array(signature.args[4])(context, builder, args[4]).data
+        turned = ir.Constant(ir.VectorType(ir.IntType(32), AT_ONCE), between)
+
+        def factor(age: int, k: int) -> Any:
+            cause = builder.load(builder.gep(data, [whole(2 * (DELAYED - 1 - age) + k)]))
+            return _spread(builder, builder.fmul(args[5], cause))
+
+        spread = [[factor(age, k) for k in range(2)] for age in range(DELAYED)]
         with cgutils.for_range_slice(builder, whole(0), args[6], whole(2 * AT_ONCE)) as (i, _):
-            tables = [builder.add(each, builder.mul(i, whole(2))) for each in args[3:5]]
+            first = builder.add(args[3], builder.mul(i, whole(2)))
 
-            def line(number: int) -> list[list[Any]]:
-                at = [[builder.add(first, whole((2 * number + k) * AT_ONCE)) for k in range(2)] for first in tables]
-                places = [[_pointer(context, builder, signature.args[2], args[2], each) for each in row] for row in at]
-                return [[builder.load(each, align=8) for each in row] for row in places]
+            def line(number: int) -> list[Any]:
+                at = [builder.add(first, whole((2 * number + k) * AT_ONCE)) for k in range(2)]
+                places = [pointer_to_line(context, builder, signature.args[2], args[2], each) for each in at]
+                return [builder.load(each, align=8) for each in places]
 
-            lines, added = [line(number) for number in range(4)], []
+            even, added = [line(number) for number in range(DELAYED // 2 + 2)], []
+            odd = [
+                [builder.shuffle_vector(even[n][k], even[n + 1][k], turned) for k in range(2)]
+                for n in range(DELAYED // 2 + 1)
+            ]
             for n in range(2):
                 at = builder.add(builder.add(args[1], i), whole(n * AT_ONCE))
-                place = _pointer(context, builder, signature.args[0], args[0], at)
+                place = pointer_to_line(context, builder, signature.args[0], args[0], at)
                 total = builder.load(place, align=8)
-                for sample in (3, 2, 1, 0):
+                for age in range(DELAYED - 1, -1, -1):
                     for k in range(2):
-                        values = lines[n + (sample + 1) // 2][sample % 2][k]
-                        product = builder.fmul(spread[2 * sample + k], values, flags=_CONTRACT)
+                        values = (odd if age % 2 else even)[n + age // 2][k]
+                        product = builder.fmul(spread[age][k], values, flags=_CONTRACT)
                         total = builder.fadd(total, product, flags=_CONTRACT)
                 added.append((total, place))
             for total, place in added:
                 builder.store(total, place, align=8)
         return context.get_dummy_value()
 
-    return types.void(sums, types.intp, tables, types.intp, types.intp, factors, types.intp), codegen
+    arguments = (sums, types.intp, tables, types.intp, causes, types.float64, types.intp)
+    return types.void(*arguments), codegen
 
 
 @intrinsic
@@ -170,7 +188,7 @@ def add_powers(
         vector = ir.VectorType(ir.DoubleType(), AT_ONCE)
 
         def table(n: int) -> Any:
-            place = _pointer(context, builder, signature.args[1], args[1], ir.IntType(64)(n * AT_ONCE))
+            place = pointer_to_line(context, builder, signature.args[1], args[1], ir.IntType(64)(n * AT_ONCE))
             return builder.load(place, align=8)
 
         def plus(a: Any, b: Any) -> Any:
@@ -231,7 +249,7 @@ def put_convolved(
                     lag = builder.add(builder.sub(first, m), whole(AT_ONCE))
                     for i in range(2):
                         at = [builder.add(lag, builder.mul(step, whole(2 * k + i))) for k in range(2)]
-                        places = [_pointer(context, builder, signature.args[2], answers, each) for each in at]
+                        places = [pointer_to_line(context, builder, signature.args[2], answers, each) for each in at]
                         values = [builder.load(each, align=8) for each in places]
                         for n in range(lacking, _LINES):
                             place = builder.add(builder.add(m, whole(n * AT_ONCE)), builder.mul(frames, whole(i)))
@@ -242,7 +260,7 @@ def put_convolved(
             for n, line in enumerate(totals):
                 for k, total in enumerate(line):
                     at = builder.add(builder.add(first, whole(n * AT_ONCE)), builder.mul(frames, whole(k)))
-                    place = _pointer(context, builder, signature.args[0], sums, at)
+                    place = pointer_to_line(context, builder, signature.args[0], sums, at)
                     builder.store(builder.load(total), place, align=8)
         return context.get_dummy_value()
 

@@ -51,27 +51,40 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
     """Solve the lasting contacts of an object, and of those that share contacts with it, from a frame to the quantum's
     end, or to where another one touches, if they can be."""
     obj, net = state.objects[slot], state.scratch.net
+    if obj.beside >= 0:
+        net.begin = 0
+        _gather(state, net, slot, 0, True)
+        net.end, obj.beside, obj.resumes = obj.beside, -1, QUANTUM
+        _conclude(state, net, frame, net.stop)
+    elif begin_net(state, slot, frame):
+        _solve(state, net, frame)
+
+
+@kernel
+def begin_net(state: State, slot: int, frame: int) -> bool:
+    """Begin a block of those contacts from a frame on, or go on with it; true if there is one to be solved."""
+    obj, net = state.objects[slot], state.scratch.net
     obj.resumes = QUANTUM
     if PARTS[state.choices.accuracy] == 0:
-        return
+        return False
     goes_on = obj.laid >= 0
     net.begin = obj.laid if goes_on else frame
     if not _gather(state, net, slot, frame, goes_on):
         if frame + 2 * _FEWEST <= QUANTUM and _lasts(state, obj):
             obj.resumes = frame + _FEWEST  # what touches may have left
-        return
+        return False
     if not goes_on:
         parts = _look(state, net)
         if parts == 0:
-            return
+            return False
         if may_be_linear(state, net, parts, frame) and run_linear(state, net):
             _hand_on_all(state, net, frame)
             _resume(state, net, net.end)
-            return
+            return False
         settle_net(state, net, parts)
         for i in range(net.size):
             _begin(state, net, i, frame)
-    _solve(state, net, frame)
+    return True
 
 
 @kernel
@@ -82,6 +95,12 @@ def _solve(state: State, net: Net, frame: int) -> None:
         run_alone(state, frame, stop)
     else:
         net.end = _run(state, net, net.size, frame, stop)
+    _conclude(state, net, frame, stop)
+
+
+@kernel
+def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
+    """End a block that was to be solved up to a frame, or leave it so that it goes on."""
     for i in range(net.size):
         state.contacts[net.contact[i]].ahead = net.end
     if net.end == stop < net.stop:

@@ -6,6 +6,7 @@ import pytest
 from carom.dsp.numerics.sums import (
     AT_ONCE,
     BEYOND,
+    DELAYED,
     add_delayed,
     add_few,
     add_powers,
@@ -60,21 +61,18 @@ def test_sums_are_put_where_others_lay():
 def test_samples_are_felt_together_as_one_by_one():
     from numba import njit
 
-    add = njit(lambda sums, begin, tables, even, odd, m, n: add_delayed(sums, begin, tables, even, odd, m, n))
+    add = njit(lambda sums, begin, tables, m, n: add_delayed(sums, begin, tables, 0, m, 0.5, n))
     random = np.random.default_rng(1)
     answers = random.normal(size=(2, 40, AT_ONCE // 2))  # of each moment, by samples after its own
-    later = np.zeros((2, 2, 40, AT_ONCE // 2))  # once more, a sample later
-    later[0], later[1, :, 1:] = answers, answers[:, :-1]
-    tables = later.reshape(2, 2, -1, AT_ONCE).swapaxes(1, 2).ravel()
-    odd = tables.size // 2
-    moments = [(0.3, -0.4), (0.7, -0.2), (0.5, 0.9), (0.7, 0.2)]  # of samples 1 to 4
+    tables = answers.reshape(2, -1, AT_ONCE).swapaxes(0, 1).ravel()
+    moments = random.normal(size=(DELAYED, 2))  # of samples 0 to 7
     sums = random.normal(size=60 * AT_ONCE // 2)
     expected, half = sums.copy(), AT_ONCE // 2
     for n, pair in enumerate(moments):
-        for lag in range(4 - n, 24):
-            expected[(n + lag) * half :][:half] += pair[0] * answers[0, lag - 1] + pair[1] * answers[1, lag - 1]
-    add(sums, 4 * half, tables, 0, odd, sum(moments[::-1], ()), 20 * half)
-    np.testing.assert_allclose(sums[: 24 * half], expected[: 24 * half], atol=1e-14)
+        for lag in range(DELAYED - n, 28):
+            expected[(n + lag) * half :][:half] += 0.5 * (pair @ answers[:, lag - 1])
+    add(sums, DELAYED * half, tables, moments.ravel(), 20 * half)
+    np.testing.assert_allclose(sums[: 28 * half], expected[: 28 * half], atol=1e-14)
 
 
 def test_answers_are_two_by_two_convolutions():

@@ -1,0 +1,345 @@
+"""Bodies that roll alone on their objects, several at a time in the lanes of registers: a sample of one part of each,
+as block.py takes it, to the same bits.
+
+Each quantity is a row with a number for each contact. Loops over these have no branch, so that LLVM takes them by
+vectors. Paths and the points' free motion come for a tile of LAID samples: what the forces in a tile do within it is
+added by lanes, and at its end contact by contact what they do to the samples after it. Where a step is not as most are,
+because Newton's method fails, energy grows or a body lands hard, block.py takes it.
+"""
+
+import math
+from typing import Annotated, Any
+
+from ..native.jit import Lowered, cgutils, intrinsic, ir, kernel, noinline_kernel, types
+from ..native.typed import Record, View, View2D
+from ..numerics.sums import AT_ONCE, pointer_to_line
+from .block import ALLOWED, AS_HARD
+from .block_forces import CHANGED, NEWTON_STEPS
+from .block_nodes import AT, FORCE_MOMENTS, SHARES
+from .block_records import Block, Tables, motion_of
+from .block_sizes import FORCES, LAID, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
+from .block_tables import answer_after
+from .coupled_records import Coupled
+
+LANES = AT_ONCE
+
+EXPONENT = 1.5
+"""The exponent of the law that lanes follow."""
+
+_NODES = NODES_PER_PART  # of a sample of one part
+_MOMENTS = 2  # that later samples feel of it
+_ROWS = 4  # of the free motion in it
+_TILT, _END = 2, 3
+# Behind those: height and slope of the path at both nodes, and its rise.
+_HEIGHT, _SLOPE, _RISE = _ROWS, _ROWS + _NODES, _ROWS + 2 * _NODES
+_LINES = _RISE + 1
+
+
+class Lanes(Record):
+    """Contacts that are solved beside each other, a column for each; names as in Coupled, Block and Tables."""
+
+    slot: Annotated[View[int], LANES]  # of their objects
+    contact: Annotated[View[int], LANES]  # places among the contacts
+    block: Annotated[View[int], LANES]  # and among the blocks
+    ended: Annotated[View[int], LANES]  # frame up to which they are solved, where that is over; -1: they go on
+    idle: Annotated[View[float], LANES]  # 1: the lane is not needed
+    k: Annotated[View[float], LANES]
+    mu: Annotated[View[float], LANES]
+    rest: Annotated[View[float], LANES]  # N: at rest
+    mass: Annotated[View[float], LANES]
+    period: Annotated[View[float], LANES]
+    rate: Annotated[View[float], LANES]  # 1/s
+    lightness: Annotated[View[float], LANES]  # 1/kg
+    pushed: Annotated[View[float], LANES]  # m: in a sample, by the constant force
+    faster: Annotated[View[float], LANES]  # m/s: and by how much faster
+    springs: Annotated[View[float], LANES]
+    landing: Annotated[View[float], LANES]
+    give: Annotated[View2D[float], _NODES * 2 * _NODES, LANES]  # of each force: at both nodes, then of the rates there
+    course: Annotated[View2D[float], _MOMENTS * _NODES, LANES]
+    held: Annotated[View2D[float], 2 * _NODES, LANES]
+    position: Annotated[View[float], LANES]
+    v: Annotated[View[float], LANES]
+    now: Annotated[View[float], LANES]  # m: compression
+    gained: Annotated[View[float], LANES]
+    scale: Annotated[View[float], LANES]
+    stored: Annotated[View[float], LANES]
+    force: Annotated[View2D[float], _NODES, LANES]
+    before: Annotated[View2D[float], _NODES, LANES]
+    touches: Annotated[View[int], LANES]  # 1: they touch, as in Coupled
+    contacts: Annotated[View[int], LANES]
+    steps: Annotated[View[int], LANES]
+    # Of a tile, sample after sample:
+    lines: Annotated[View2D[float], LAID * _LINES, LANES]
+    felt: Annotated[View2D[float], LAID * _MOMENTS, LANES]  # N s: the moments that later samples feel
+    answers: Annotated[View2D[float], LAID * _MOMENTS * _ROWS, LANES]  # of each moment, so many samples later
+    # Of a sample:
+    line: Annotated[View2D[float], _LINES, LANES]
+    free: Annotated[View2D[float], 2 * _NODES, LANES]
+    found: Annotated[View2D[float], _NODES, LANES]  # N: the forces
+    travel: Annotated[View2D[float], _MOMENTS, LANES]
+    moments: Annotated[View2D[float], _MOMENTS, LANES]
+    done: Annotated[View[float], LANES]  # 1: Newton's method has ended
+    end: Annotated[View[float], LANES]
+    left: Annotated[View[float], LANES]
+    most: Annotated[View[float], LANES]
+    grown: Annotated[View[float], LANES]
+    as_most: Annotated[View[int], LANES]  # 1: the step is as most are
+
+
+@noinline_kernel
+def enter_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
+    """Put a contact into a lane."""
+    h, rest, own = contact.period, contact.rest_force, block.tables[0]
+    lanes.k[i], lanes.mu[i], lanes.rest[i], lanes.mass[i] = contact.k, contact.mu, rest, contact.mass
+    lanes.period[i], lanes.rate[i], lanes.lightness[i] = h, 1.0 / h, 1.0 / contact.m
+    lanes.pushed[i] = h * h * (contact.push - rest) / contact.m
+    lanes.faster[i] = h * (contact.push - rest) * lanes.lightness[i]
+    lanes.springs[i], lanes.landing[i] = block.springs, block.landing
+    for k in range(_NODES):
+        for j in range(_NODES):
+            lanes.give[2 * _NODES * j + k, i] = own.give[j * MOTIONS + k]
+            lanes.give[2 * _NODES * j + _NODES + k, i] = own.give[j * MOTIONS + FORCES + k]
+        for moment in range(_MOMENTS):
+            lanes.course[_NODES * moment + k, i] = own.travel[moment * FORCES + k]
+        lanes.held[k, i], lanes.held[_NODES + k, i] = own.give_all[k], own.give_all[FORCES + k]
+    _take_answers(lanes, i, own)
+    lanes.steps[i], lanes.idle[i], lanes.ended[i] = 0, 0.0, -1
+    resume_lane(lanes, i, contact, block)
+
+
+@kernel
+def _take_answers(lanes: Lanes, i: int, own: Tables) -> None:
+    """Take what forces do to the samples after theirs in a tile."""
+    for lag in range(1, LAID):
+        for moment in range(_MOMENTS):
+            for r in range(_ROWS):
+                lanes.answers[(lag * _MOMENTS + moment) * _ROWS + r, i] = answer_after(own, lag, moment, r)
+
+
+@noinline_kernel
+def resume_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
+    """Bring a lane to where its contact is."""
+    lanes.position[i], lanes.v[i], lanes.now[i] = contact.position, contact.v, contact.motion[0]
+    lanes.gained[i], lanes.scale[i], lanes.stored[i] = block.gained, block.scale, block.stored
+    lanes.touches[i], lanes.contacts[i] = contact.touching, contact.contacts
+    for j in range(_NODES):
+        lanes.force[j, i], lanes.before[j, i] = block.force[j], block.before[j]
+
+
+@noinline_kernel
+def leave_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
+    """Bring a contact to where its lane is."""
+    contact.position, contact.v, contact.motion[0] = lanes.position[i], lanes.v[i], lanes.now[i]
+    contact.touching, contact.contacts = lanes.touches[i], lanes.contacts[i]
+    block.gained, block.scale, block.stored = lanes.gained[i], lanes.scale[i], lanes.stored[i]
+    for j in range(_NODES):
+        block.force[j], block.before[j] = lanes.force[j, i], lanes.before[j, i]
+        block.last[j] = lanes.before[j, i]
+    contact.steps += lanes.steps[i]
+    lanes.steps[i] = 0
+
+
+@noinline_kernel
+def lay_lane(lanes: Lanes, i: int, block: Block, first: int) -> None:
+    """Take path and free motion over a tile of samples, of which `first` is the first one in the block."""
+    rows = motion_of(block)
+    for s in range(LAID):
+        for r in range(_ROWS):
+            lanes.lines[_LINES * s + r, i] = rows[(first + s + 1) * _ROWS + r]
+        for k in range(_NODES):
+            lanes.lines[_LINES * s + _HEIGHT + k, i] = block.height[_NODES * s + k]
+            lanes.lines[_LINES * s + _SLOPE + k, i] = block.slope[_NODES * s + k]
+        lanes.lines[_LINES * s + _RISE, i] = block.rise[s]
+
+
+@kernel
+def leave_rows(lanes: Lanes, i: int, block: Block, n: int) -> None:
+    """Bring a lane's motion over sample n of its block to the block, as it is now."""
+    rows = motion_of(block)
+    for r in range(_ROWS):
+        rows[(n + 1) * _ROWS + r] = lanes.line[r, i]
+
+
+@intrinsic
+def _put_line(
+    typingctx: object, line: View2D[float], lines: View2D[float], felt: View2D[float], answers: View2D[float], s: int
+) -> Lowered[None]:
+    """Take sample s of a tile, and add to its motion what the forces of the samples before it in the tile do to it."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        s, whole = args[4], ir.IntType(64)
+
+        def place(n: int, at: Any) -> Any:
+            return pointer_to_line(context, builder, signature.args[n], args[n], builder.mul(at, whole(LANES)))
+
+        def read(n: int, at: Any) -> Any:
+            return builder.load(place(n, at), align=8)
+
+        first = builder.mul(s, whole(_LINES))
+        values = [read(1, builder.add(first, whole(r))) for r in range(_LINES)]
+        totals = [cgutils.alloca_once_value(builder, value) for value in values[:_ROWS]]
+        with cgutils.for_range(builder, s) as loop:
+            lag = builder.sub(s, loop.index)
+            for moment in range(_MOMENTS):
+                factor = read(2, builder.add(builder.mul(loop.index, whole(_MOMENTS)), whole(moment)))
+                at = builder.add(builder.mul(lag, whole(_MOMENTS * _ROWS)), whole(moment * _ROWS))
+                for r, total in enumerate(totals):
+                    product = builder.fmul(factor, read(3, builder.add(at, whole(r))), flags=("contract",))
+                    builder.store(builder.fadd(builder.load(total), product, flags=("contract",)), total)
+        for r, value in enumerate([builder.load(total) for total in totals] + values[_ROWS:]):
+            builder.store(value, place(0, whole(r)), align=8)
+        return context.get_dummy_value()
+
+    return types.void(line, lines, felt, answers, types.intp), codegen
+
+
+@noinline_kernel
+def step_lanes(lanes: Lanes, s: int) -> None:
+    """Take all lanes through sample s of the tile: where the step is as most are, they have gone on to its end."""
+    _put_line(lanes.line, lanes.lines, lanes.felt, lanes.answers, s)
+    _predict(lanes)
+    _solve(lanes)
+    _account(lanes)
+    _move(lanes)
+    for j in range(_MOMENTS):
+        for i in range(LANES):
+            lanes.felt[_MOMENTS * s + j, i] = lanes.moments[j, i]
+
+
+@kernel
+def _predict(lanes: Lanes) -> None:
+    """Do what block.py's `_predict` does."""
+    for i in range(LANES):
+        rest, pushed, moved = lanes.rest[i], lanes.pushed[i], lanes.period[i] * lanes.v[i]
+        begin, tilted, end = lanes.position[i] - lanes.now[i], 0.0, lanes.line[_END, i]
+        for k in range(_NODES):
+            at, tilt = AT[1, k], lanes.line[_TILT, i]
+            rate = (end - begin) + (tilt if k % NODES_PER_PART == 1 else -tilt)
+            height = lanes.line[_HEIGHT + k, i] + rest * lanes.held[k, i]
+            x = lanes.position[i] + at * (moved + 0.5 * at * pushed) + height - lanes.line[k, i]
+            v = moved + at * pushed + lanes.line[_SLOPE + k, i] - rate
+            tilted += SHARES[1, k] * (2.0 * at - 1.0) * v
+            lanes.free[k, i] = x
+            lanes.free[_NODES + k, i] = v + rest * lanes.held[_NODES + k, i]
+        lanes.travel[0, i] = moved + 0.5 * pushed + lanes.line[_RISE, i] + (begin - end)
+        lanes.travel[1, i] = tilted
+    for i in range(LANES):
+        opens = (lanes.free[0, i] <= 0.0) & (lanes.free[1, i] <= 0.0)
+        for k in range(_NODES):
+            guess = max(2.0 * lanes.force[k, i] - lanes.before[k, i], 0.0)
+            lanes.found[k, i] = 0.0 if opens else guess
+        lanes.done[i] = lanes.idle[i]
+
+
+@kernel
+def _solve(lanes: Lanes) -> None:
+    """Find the two forces in each lane by Newton's method."""
+    for _ in range(NEWTON_STEPS):
+        waiting = 0
+        for i in range(LANES):
+            k, mu, rate = lanes.k[i], lanes.mu[i], lanes.rate[i]
+            a00, a10, w00, w10 = lanes.give[0, i], lanes.give[1, i], lanes.give[2, i], lanes.give[3, i]
+            a01, a11, w01, w11 = lanes.give[4, i], lanes.give[5, i], lanes.give[6, i], lanes.give[7, i]
+            f0, f1 = lanes.found[0, i], lanes.found[1, i]
+            x0, v0 = lanes.free[0, i] - a00 * f0 - a01 * f1, rate * (lanes.free[2, i] - w00 * f0 - w01 * f1)
+            x1, v1 = lanes.free[1, i] - a10 * f0 - a11 * f1, rate * (lanes.free[3, i] - w10 * f0 - w11 * f1)
+            f, s, d = _law(k, mu, x0, v0)
+            g, t, e = _law(k, mu, x1, v1)
+            d *= rate
+            e *= rate
+            m00, m01 = 1.0 + s * a00 + d * w00, s * a01 + d * w01
+            m10, m11 = t * a10 + e * w10, 1.0 + t * a11 + e * w11
+            r0, r1 = f - f0, g - f1
+            whole = 1.0 / (m00 * m11 - m01 * m10)
+            c0, c1 = (r0 * m11 - r1 * m01) * whole, (r1 * m00 - r0 * m10) * whole
+            n0, n1 = f0 + c0, f1 + c1
+            near, far = abs(r0 - c0) + abs(r1 - c1), abs(c0) + abs(c1)
+            left = near if min(f, g) > 0.0 else far
+            ended = left <= CHANGED[1] * (abs(n0) + abs(n1))
+            going = lanes.done[i] == 0.0
+            lanes.found[0, i] = n0 if going else f0
+            lanes.found[1, i] = n1 if going else f1
+            lanes.done[i] = 1.0 if ended else lanes.done[i]
+            waiting += 1 if going & (not ended) else 0
+        if waiting == 0:
+            break
+
+
+@kernel
+def _law(k: float, mu: float, x: float, v: float) -> tuple[float, float, float]:
+    """Return what `law_at` does where the exponent is EXPONENT."""
+    slack = 1.0 + mu * v
+    touches = (x > 0.0) & (slack > 0.0)
+    spring = k * math.sqrt(x if touches else 0.0)
+    force, stiffness, damping = spring * (x * slack), spring * (EXPONENT * slack), spring * (mu * x)
+    return force if touches else 0.0, stiffness if touches else 0.0, damping if touches else 0.0
+
+
+@kernel
+def _account(lanes: Lanes) -> None:
+    """Do what block.py's `_account` and `_is_hard` do, and see which steps are as most are."""
+    for i in range(LANES):
+        moved, work, rest = lanes.travel[0, i], 0.0, lanes.rest[i]
+        for moment in range(_MOMENTS):
+            travel, felt, excess = lanes.travel[moment, i], 0.0, 0.0
+            for p in range(_NODES):
+                force = lanes.found[p, i]
+                travel -= lanes.course[_NODES * moment + p, i] * (force - rest)
+                felt += FORCE_MOMENTS[1, moment, p] * force
+                excess += FORCE_MOMENTS[1, moment, p] * (force - rest)
+            if moment == 0:
+                moved = travel
+            work += (2 * moment + 1) * felt * travel
+            lanes.moments[moment, i] = lanes.period[i] * excess
+        end = lanes.now[i] + moved
+        deep = end if end > 0.0 else 0.0
+        left = lanes.springs[i] * (deep * deep * math.sqrt(deep))
+        lanes.end[i], lanes.left[i], lanes.most[i] = end, left, max(lanes.scale[i], left)
+        lanes.grown[i] = lanes.gained[i] + left - lanes.stored[i] - work
+    for i in range(LANES):
+        f0, f1, grown = lanes.found[0, i], lanes.found[1, i], lanes.grown[i]
+        speed = (lanes.free[2, i] - lanes.give[2, i] * f0 - lanes.give[6, i] * f1) / lanes.period[i]
+        energy = lanes.stored[i] + 0.5 * lanes.mass[i] * speed * speed
+        gentle = (max(f0, f1) <= 0.0) | (energy <= max(lanes.landing[i], AS_HARD * lanes.scale[i]))
+        sound = (abs(f0 + f1) < math.inf) & (grown > -math.inf) & (grown <= ALLOWED * lanes.most[i])
+        lanes.as_most[i] = 1 if gentle & sound & (lanes.done[i] == 1.0) else 0
+
+
+@kernel
+def _move(lanes: Lanes) -> None:
+    """Go on to the sample's end where the step is as most are."""
+    for i in range(LANES):
+        goes, pushed, end = lanes.as_most[i] == 1, lanes.faster[i], lanes.end[i]
+        position = lanes.position[i] + (lanes.period[i] * (lanes.v[i] + 0.5 * pushed) + lanes.line[_RISE, i])
+        position -= 0.5 * lanes.period[i] * lanes.lightness[i] * (lanes.moments[0, i] - lanes.moments[1, i])
+        v = lanes.v[i] + (pushed - lanes.lightness[i] * lanes.moments[0, i])
+        pushes = lanes.found[0, i] + lanes.found[1, i] > 0.0
+        lanes.position[i] = position if goes else lanes.position[i]
+        lanes.v[i] = v if goes else lanes.v[i]
+        for j in range(_NODES):
+            lanes.before[j, i] = lanes.force[j, i] if goes else lanes.before[j, i]
+            lanes.force[j, i] = lanes.found[j, i] if goes else lanes.force[j, i]
+        lanes.gained[i] = max(lanes.grown[i], 0.0) if goes else lanes.gained[i]
+        lanes.scale[i] = lanes.most[i] if goes else lanes.scale[i]
+        lanes.stored[i] = lanes.left[i] if goes else lanes.stored[i]
+        lanes.now[i] = end if goes else lanes.now[i]
+        lanes.contacts[i] += 1 if goes & pushes & (lanes.touches[i] == 0) else 0
+        lanes.touches[i] = (1 if end > 0.0 else 0) if goes else lanes.touches[i]
+        lanes.steps[i] += 1 if goes else 0
+
+
+@kernel
+def take_forces(lanes: Lanes, i: int, s: int, block: Block) -> None:
+    """Note the moments of a sample of a tile that the lane's contact took by itself."""
+    for j in range(_MOMENTS):
+        lanes.felt[_MOMENTS * s + j, i] = block.moments[j]
+
+
+@kernel
+def hand_on(lanes: Lanes, i: int, block: Block, samples: int, feed: View2D[float]) -> None:
+    """Hand on the moments of so many samples of a tile: to a feed, and to what later samples will feel."""
+    for s in range(samples):
+        for j in range(_MOMENTS):
+            feed[s, j] = block.recent[_MOMENTS * s + j] = block.moments[j] = lanes.felt[_MOMENTS * s + j, i]
+        for j in range(_MOMENTS, MOMENTS_AHEAD):
+            feed[s, j] = block.moments[j] = 0.0
