@@ -1,6 +1,6 @@
 """The answers of points to the forces of contacts that are solved in blocks: within a sample, and after it."""
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.sums import AT_ONCE, DELAYED, add_delayed, add_few, add_tables, line_of
@@ -191,7 +191,7 @@ def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
             if block.parts > 1:
                 _feel(block, block.tables[j], other.moments, n, left, ratio)
             elif n & (DELAYED - 1) == DELAYED - 1:
-                _feel_delayed(block, block.tables[j], other.recent, n, left, ratio)
+                feel_delayed(block, block.tables[j], other.recent, n, left, ratio)
             else:
                 near = min(left, DELAYED - 1 - (n & (DELAYED - 1)))
                 _feel_next(block, block.tables[j], other.moments, n, near, ratio)
@@ -218,8 +218,9 @@ def _feel_next(block: Block, tables: Tables, moments: View[float], n: int, near:
     add_few(motion_of(block), begin, tables.later, first, factors, (near + odd) * _OF_ONE)
 
 
-@kernel
-def _feel_delayed(block: Block, tables: Tables, recent: View[float], n: int, left: int, share: float) -> None:
-    """Add what a share of the last forces, of as many samples as go together, does to those that are left."""
+@noinline_kernel
+def feel_delayed(block: Block, tables: Tables, recent: View[float], n: int, left: int, share: float) -> None:
+    """Add what a share of the last forces up to sample n, of as many samples as go together, does to those that are
+    left."""
     first, begin = line_of(tables.later), (n + 2) * _OF_ONE
     add_delayed(motion_of(block), begin, tables.later, first, recent, share, left * _OF_ONE)

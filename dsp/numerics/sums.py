@@ -131,47 +131,35 @@ def add_delayed(
     in `add_tables`, two samples in AT_ONCE values.
     """
     # The latter half of a line, and the former half of the next one.
-    between = [AT_ONCE // 2 + i for i in range(AT_ONCE)]
+    between = ir.Constant(ir.VectorType(ir.IntType(32), AT_ONCE), [AT_ONCE // 2 + i for i in range(AT_ONCE)])
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         whole = ir.IntType(64)
+
+        def line(n: int, at: Any) -> Any:
+            return pointer_to_line(context, builder, signature.args[n], args[n], at)
+
         data = context.make_array(signature.args[4])(context, builder, args[4]).data
-        turned = ir.Constant(ir.VectorType(ir.IntType(32), AT_ONCE), between)
-
-        def factor(age: int, k: int) -> Any:
-            cause = builder.load(builder.gep(data, [whole(2 * (DELAYED - 1 - age) + k)]))
-            return _spread(builder, builder.fmul(args[5], cause))
-
-        spread = [[factor(age, k) for k in range(2)] for age in range(DELAYED)]
+        given = [builder.load(builder.gep(data, [whole(n)])) for n in range(2 * DELAYED)]
+        spread = [_spread(builder, builder.fmul(args[5], each)) for each in given]
         with cgutils.for_range_slice(builder, whole(0), args[6], whole(2 * AT_ONCE)) as (i, _):
             first = builder.add(args[3], builder.mul(i, whole(2)))
-
-            def line(number: int) -> list[Any]:
-                at = [builder.add(first, whole((2 * number + k) * AT_ONCE)) for k in range(2)]
-                places = [pointer_to_line(context, builder, signature.args[2], args[2], each) for each in at]
-                return [builder.load(each, align=8) for each in places]
-
-            even, added = [line(number) for number in range(DELAYED // 2 + 2)], []
-            odd = [
-                [builder.shuffle_vector(even[n][k], even[n + 1][k], turned) for k in range(2)]
-                for n in range(DELAYED // 2 + 1)
-            ]
-            for n in range(2):
-                at = builder.add(builder.add(args[1], i), whole(n * AT_ONCE))
-                place = pointer_to_line(context, builder, signature.args[0], args[0], at)
-                total = builder.load(place, align=8)
-                for age in range(DELAYED - 1, -1, -1):
-                    for k in range(2):
-                        values = (odd if age % 2 else even)[n + age // 2][k]
-                        product = builder.fmul(spread[age][k], values, flags=_CONTRACT)
-                        total = builder.fadd(total, product, flags=_CONTRACT)
-                added.append((total, place))
-            for total, place in added:
+            lines = [builder.add(first, whole(n * AT_ONCE)) for n in range(DELAYED + 4)]  # in turn of both causes
+            even = [builder.load(line(2, each), align=8) for each in lines]
+            odd = [builder.shuffle_vector(*each, between) for each in zip(even, even[2:], strict=False)]
+            places = [line(0, builder.add(builder.add(args[1], i), whole(n * AT_ONCE))) for n in range(2)]
+            totals = [builder.load(place, align=8) for place in places]
+            for n, cause in enumerate(spread):
+                age, k = DELAYED - 1 - n // 2, n % 2
+                for m in range(2):
+                    values = (odd if age % 2 else even)[2 * (m + age // 2) + k]
+                    product = builder.fmul(cause, values, flags=_CONTRACT)
+                    totals[m] = builder.fadd(totals[m], product, flags=_CONTRACT)
+            for total, place in zip(totals, places, strict=True):
                 builder.store(total, place, align=8)
         return context.get_dummy_value()
 
-    arguments = (sums, types.intp, tables, types.intp, causes, types.float64, types.intp)
-    return types.void(*arguments), codegen
+    return types.void(sums, types.intp, tables, types.intp, causes, types.float64, types.intp), codegen
 
 
 @intrinsic

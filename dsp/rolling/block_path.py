@@ -85,7 +85,13 @@ def roll_evenly(roll: Roll, block: Block, period: float, left: int) -> None:
     end of all samples that are laid with it, of which there are no more than are left."""
     if block.at + 1 < block.laid:
         block.at += 1
-        return
+    else:
+        _lay_evenly(roll, block, period, left)
+
+
+@noinline_kernel
+def _lay_evenly(roll: Roll, block: Block, period: float, left: int) -> None:
+    """Write the lines over the coming samples, of which so many are left."""
     block.piece, block.along, block.t, block.s = roll.piece, roll.along, roll.t, roll.s
     block.at, samples = 0, min(left, LAID)
     _extend(roll.path, roll.piece + AHEAD)

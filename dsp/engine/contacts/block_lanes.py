@@ -3,7 +3,6 @@
 They come to the same bits as one after the other (blocks.py), whatever else rolls.
 """
 
-from ...contact.block import step_blocks
 from ...contact.block_lanes import (
     EXPONENT,
     LANES,
@@ -18,11 +17,11 @@ from ...contact.block_lanes import (
     take_forces,
 )
 from ...contact.block_sizes import LAID
-from ...contact.block_tables import feel
+from ...contact.block_tables import feel_delayed
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.block_path import roll_evenly
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
-from .blocks import begin_net, run_alone
+from .blocks import begin_net, run_alone, step_net
 
 _FEWEST = 3  # contacts that are worth lanes
 
@@ -133,8 +132,7 @@ def _lay(state: State, i: int, first: int) -> None:
         _go_alone(state, i, first)
         return
     if first > 0:
-        _bring(state, i)
-        feel(state.blocks, state.scratch.net, 1, first - 1)
+        feel_delayed(block, block.tables[0], block.recent, first - 1, QUANTUM - first, 1.0)
     lay_lane(lanes, i, block, first)
 
 
@@ -147,7 +145,7 @@ def _take_alone(state: State, i: int, first: int, s: int) -> None:
     leave_rows(lanes, i, block, first + s)
     block.at = s
     _bring(state, i)
-    if step_blocks(state.contacts, state.blocks, state.scratch.net, 1, first + s):
+    if step_net(state, first + s):
         resume_lane(lanes, i, contact, block)
         take_forces(lanes, i, s, block)
     else:

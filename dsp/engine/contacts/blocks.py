@@ -130,6 +130,12 @@ def run_alone(state: State, frame: int, stop: int) -> None:
     state.scratch.net.end = _run(state, state.scratch.net, 1, frame, stop)
 
 
+@noinline_kernel
+def step_net(state: State, n: int) -> bool:
+    """Take all contacts of the net through sample n of their block; false if it ends before."""
+    return step_blocks(state.contacts, state.blocks, state.scratch.net, state.scratch.net.size, n)
+
+
 @kernel
 def _resume(state: State, net: Net, end: int) -> None:
     """Say when the objects of a net whose block ends at a frame are to be looked at again.
@@ -340,7 +346,11 @@ def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
             feel(state.blocks, net, size, n - 1 - net.begin)
         for i in range(size):
             net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]], n, stop)
-        if not step_blocks(state.contacts, state.blocks, net, size, n - net.begin):
+        if size == 1:
+            taken = step_blocks(state.contacts, state.blocks, net, 1, n - net.begin)
+        else:
+            taken = step_net(state, n - net.begin)
+        if not taken:
             return n
         for i in range(size):
             feed, moments = state.feeds[net.block[i], BEHIND + n], state.blocks[net.block[i]].moments
