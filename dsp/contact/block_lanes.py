@@ -8,11 +8,11 @@ because Newton's method fails, energy grows or a body lands hard, block.py takes
 """
 
 import math
-from typing import Annotated, Any
+from typing import Any
 
 from ..native.jit import Lowered, cgutils, intrinsic, ir, kernel, noinline_kernel, types
-from ..native.typed import Record, View, View2D
-from ..numerics.sums import AT_ONCE, pointer_to_line
+from ..native.typed import View2D
+from ..numerics.sums import pointer_to_line
 from .block import ALLOWED, AS_HARD
 from .block_forces import CHANGED, NEWTON_STEPS
 from .block_nodes import AT, FORCE_MOMENTS, SHARES
@@ -20,70 +20,10 @@ from .block_records import Block, Tables, motion_of
 from .block_sizes import FORCES, LAID, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
 from .block_tables import answer_after
 from .coupled_records import Coupled
-
-LANES = AT_ONCE
+from .lanes_record import END, HEIGHT, LANES, LINES, MOMENTS, RISE, ROWS, SLOPE, TILT, Lanes
 
 EXPONENT = 1.5
 """The exponent of the law that lanes follow."""
-
-_NODES = NODES_PER_PART  # of a sample of one part
-_MOMENTS = 2  # that later samples feel of it
-_ROWS = 4  # of the free motion in it
-_TILT, _END = 2, 3
-# Behind those: height and slope of the path at both nodes, and its rise.
-_HEIGHT, _SLOPE, _RISE = _ROWS, _ROWS + _NODES, _ROWS + 2 * _NODES
-_LINES = _RISE + 1
-
-
-class Lanes(Record):
-    """Contacts that are solved beside each other, a column for each; names as in Coupled, Block and Tables."""
-
-    slot: Annotated[View[int], LANES]  # of their objects
-    contact: Annotated[View[int], LANES]  # places among the contacts
-    block: Annotated[View[int], LANES]  # and among the blocks
-    ended: Annotated[View[int], LANES]  # frame up to which they are solved, where that is over; -1: they go on
-    idle: Annotated[View[float], LANES]  # 1: the lane is not needed
-    k: Annotated[View[float], LANES]
-    mu: Annotated[View[float], LANES]
-    rest: Annotated[View[float], LANES]  # N: at rest
-    mass: Annotated[View[float], LANES]
-    period: Annotated[View[float], LANES]
-    rate: Annotated[View[float], LANES]  # 1/s
-    lightness: Annotated[View[float], LANES]  # 1/kg
-    pushed: Annotated[View[float], LANES]  # m: in a sample, by the constant force
-    faster: Annotated[View[float], LANES]  # m/s: and by how much faster
-    springs: Annotated[View[float], LANES]
-    landing: Annotated[View[float], LANES]
-    give: Annotated[View2D[float], _NODES * 2 * _NODES, LANES]  # of each force: at both nodes, then of the rates there
-    course: Annotated[View2D[float], _MOMENTS * _NODES, LANES]
-    held: Annotated[View2D[float], 2 * _NODES, LANES]
-    position: Annotated[View[float], LANES]
-    v: Annotated[View[float], LANES]
-    now: Annotated[View[float], LANES]  # m: compression
-    gained: Annotated[View[float], LANES]
-    scale: Annotated[View[float], LANES]
-    stored: Annotated[View[float], LANES]
-    force: Annotated[View2D[float], _NODES, LANES]
-    before: Annotated[View2D[float], _NODES, LANES]
-    touches: Annotated[View[int], LANES]  # 1: they touch, as in Coupled
-    contacts: Annotated[View[int], LANES]
-    steps: Annotated[View[int], LANES]
-    # Of a tile, sample after sample:
-    lines: Annotated[View2D[float], LAID * _LINES, LANES]
-    felt: Annotated[View2D[float], LAID * _MOMENTS, LANES]  # N s: the moments that later samples feel
-    answers: Annotated[View2D[float], LAID * _MOMENTS * _ROWS, LANES]  # of each moment, so many samples later
-    # Of a sample:
-    line: Annotated[View2D[float], _LINES, LANES]
-    free: Annotated[View2D[float], 2 * _NODES, LANES]
-    found: Annotated[View2D[float], _NODES, LANES]  # N: the forces
-    travel: Annotated[View2D[float], _MOMENTS, LANES]
-    moments: Annotated[View2D[float], _MOMENTS, LANES]
-    done: Annotated[View[float], LANES]  # 1: Newton's method has ended
-    end: Annotated[View[float], LANES]
-    left: Annotated[View[float], LANES]
-    most: Annotated[View[float], LANES]
-    grown: Annotated[View[float], LANES]
-    as_most: Annotated[View[int], LANES]  # 1: the step is as most are
 
 
 @noinline_kernel
@@ -95,13 +35,13 @@ def enter_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
     lanes.pushed[i] = h * h * (contact.push - rest) / contact.m
     lanes.faster[i] = h * (contact.push - rest) * lanes.lightness[i]
     lanes.springs[i], lanes.landing[i] = block.springs, block.landing
-    for k in range(_NODES):
-        for j in range(_NODES):
-            lanes.give[2 * _NODES * j + k, i] = own.give[j * MOTIONS + k]
-            lanes.give[2 * _NODES * j + _NODES + k, i] = own.give[j * MOTIONS + FORCES + k]
-        for moment in range(_MOMENTS):
-            lanes.course[_NODES * moment + k, i] = own.travel[moment * FORCES + k]
-        lanes.held[k, i], lanes.held[_NODES + k, i] = own.give_all[k], own.give_all[FORCES + k]
+    for k in range(NODES_PER_PART):
+        for j in range(NODES_PER_PART):
+            lanes.give[2 * NODES_PER_PART * j + k, i] = own.give[j * MOTIONS + k]
+            lanes.give[2 * NODES_PER_PART * j + NODES_PER_PART + k, i] = own.give[j * MOTIONS + FORCES + k]
+        for moment in range(MOMENTS):
+            lanes.course[NODES_PER_PART * moment + k, i] = own.travel[moment * FORCES + k]
+        lanes.held[k, i], lanes.held[NODES_PER_PART + k, i] = own.give_all[k], own.give_all[FORCES + k]
     _take_answers(lanes, i, own)
     lanes.steps[i], lanes.idle[i], lanes.ended[i] = 0, 0.0, -1
     resume_lane(lanes, i, contact, block)
@@ -111,9 +51,9 @@ def enter_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
 def _take_answers(lanes: Lanes, i: int, own: Tables) -> None:
     """Take what forces do to the samples after theirs in a tile."""
     for lag in range(1, LAID):
-        for moment in range(_MOMENTS):
-            for r in range(_ROWS):
-                lanes.answers[(lag * _MOMENTS + moment) * _ROWS + r, i] = answer_after(own, lag, moment, r)
+        for moment in range(MOMENTS):
+            for r in range(ROWS):
+                lanes.answers[(lag * MOMENTS + moment) * ROWS + r, i] = answer_after(own, lag, moment, r)
 
 
 @noinline_kernel
@@ -122,7 +62,7 @@ def resume_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
     lanes.position[i], lanes.v[i], lanes.now[i] = contact.position, contact.v, contact.motion[0]
     lanes.gained[i], lanes.scale[i], lanes.stored[i] = block.gained, block.scale, block.stored
     lanes.touches[i], lanes.contacts[i] = contact.touching, contact.contacts
-    for j in range(_NODES):
+    for j in range(NODES_PER_PART):
         lanes.force[j, i], lanes.before[j, i] = block.force[j], block.before[j]
 
 
@@ -132,7 +72,7 @@ def leave_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
     contact.position, contact.v, contact.motion[0] = lanes.position[i], lanes.v[i], lanes.now[i]
     contact.touching, contact.contacts = lanes.touches[i], lanes.contacts[i]
     block.gained, block.scale, block.stored = lanes.gained[i], lanes.scale[i], lanes.stored[i]
-    for j in range(_NODES):
+    for j in range(NODES_PER_PART):
         block.force[j], block.before[j] = lanes.force[j, i], lanes.before[j, i]
         block.last[j] = lanes.before[j, i]
     contact.steps += lanes.steps[i]
@@ -144,20 +84,20 @@ def lay_lane(lanes: Lanes, i: int, block: Block, first: int) -> None:
     """Take path and free motion over a tile of samples, of which `first` is the first one in the block."""
     rows = motion_of(block)
     for s in range(LAID):
-        for r in range(_ROWS):
-            lanes.lines[_LINES * s + r, i] = rows[(first + s + 1) * _ROWS + r]
-        for k in range(_NODES):
-            lanes.lines[_LINES * s + _HEIGHT + k, i] = block.height[_NODES * s + k]
-            lanes.lines[_LINES * s + _SLOPE + k, i] = block.slope[_NODES * s + k]
-        lanes.lines[_LINES * s + _RISE, i] = block.rise[s]
+        for r in range(ROWS):
+            lanes.lines[LINES * s + r, i] = rows[(first + s + 1) * ROWS + r]
+        for k in range(NODES_PER_PART):
+            lanes.lines[LINES * s + HEIGHT + k, i] = block.height[NODES_PER_PART * s + k]
+            lanes.lines[LINES * s + SLOPE + k, i] = block.slope[NODES_PER_PART * s + k]
+        lanes.lines[LINES * s + RISE, i] = block.rise[s]
 
 
 @kernel
 def leave_rows(lanes: Lanes, i: int, block: Block, n: int) -> None:
     """Bring a lane's motion over sample n of its block to the block, as it is now."""
     rows = motion_of(block)
-    for r in range(_ROWS):
-        rows[(n + 1) * _ROWS + r] = lanes.line[r, i]
+    for r in range(ROWS):
+        rows[(n + 1) * ROWS + r] = lanes.line[r, i]
 
 
 @intrinsic
@@ -175,18 +115,18 @@ def _put_line(
         def read(n: int, at: Any) -> Any:
             return builder.load(place(n, at), align=8)
 
-        first = builder.mul(s, whole(_LINES))
-        values = [read(1, builder.add(first, whole(r))) for r in range(_LINES)]
-        totals = [cgutils.alloca_once_value(builder, value) for value in values[:_ROWS]]
+        first = builder.mul(s, whole(LINES))
+        values = [read(1, builder.add(first, whole(r))) for r in range(LINES)]
+        totals = [cgutils.alloca_once_value(builder, value) for value in values[:ROWS]]
         with cgutils.for_range(builder, s) as loop:
             lag = builder.sub(s, loop.index)
-            for moment in range(_MOMENTS):
-                factor = read(2, builder.add(builder.mul(loop.index, whole(_MOMENTS)), whole(moment)))
-                at = builder.add(builder.mul(lag, whole(_MOMENTS * _ROWS)), whole(moment * _ROWS))
+            for moment in range(MOMENTS):
+                factor = read(2, builder.add(builder.mul(loop.index, whole(MOMENTS)), whole(moment)))
+                at = builder.add(builder.mul(lag, whole(MOMENTS * ROWS)), whole(moment * ROWS))
                 for r, total in enumerate(totals):
                     product = builder.fmul(factor, read(3, builder.add(at, whole(r))), flags=("contract",))
                     builder.store(builder.fadd(builder.load(total), product, flags=("contract",)), total)
-        for r, value in enumerate([builder.load(total) for total in totals] + values[_ROWS:]):
+        for r, value in enumerate([builder.load(total) for total in totals] + values[ROWS:]):
             builder.store(value, place(0, whole(r)), align=8)
         return context.get_dummy_value()
 
@@ -201,9 +141,9 @@ def step_lanes(lanes: Lanes, s: int) -> None:
     _solve(lanes)
     _account(lanes)
     _move(lanes)
-    for j in range(_MOMENTS):
+    for j in range(MOMENTS):
         for i in range(LANES):
-            lanes.felt[_MOMENTS * s + j, i] = lanes.moments[j, i]
+            lanes.felt[MOMENTS * s + j, i] = lanes.moments[j, i]
 
 
 @kernel
@@ -211,21 +151,21 @@ def _predict(lanes: Lanes) -> None:
     """Do what block.py's `_predict` does."""
     for i in range(LANES):
         rest, pushed, moved = lanes.rest[i], lanes.pushed[i], lanes.period[i] * lanes.v[i]
-        begin, tilted, end = lanes.position[i] - lanes.now[i], 0.0, lanes.line[_END, i]
-        for k in range(_NODES):
-            at, tilt = AT[1, k], lanes.line[_TILT, i]
+        begin, tilted, end = lanes.position[i] - lanes.now[i], 0.0, lanes.line[END, i]
+        for k in range(NODES_PER_PART):
+            at, tilt = AT[1, k], lanes.line[TILT, i]
             rate = (end - begin) + (tilt if k % NODES_PER_PART == 1 else -tilt)
-            height = lanes.line[_HEIGHT + k, i] + rest * lanes.held[k, i]
+            height = lanes.line[HEIGHT + k, i] + rest * lanes.held[k, i]
             x = lanes.position[i] + at * (moved + 0.5 * at * pushed) + height - lanes.line[k, i]
-            v = moved + at * pushed + lanes.line[_SLOPE + k, i] - rate
+            v = moved + at * pushed + lanes.line[SLOPE + k, i] - rate
             tilted += SHARES[1, k] * (2.0 * at - 1.0) * v
             lanes.free[k, i] = x
-            lanes.free[_NODES + k, i] = v + rest * lanes.held[_NODES + k, i]
-        lanes.travel[0, i] = moved + 0.5 * pushed + lanes.line[_RISE, i] + (begin - end)
+            lanes.free[NODES_PER_PART + k, i] = v + rest * lanes.held[NODES_PER_PART + k, i]
+        lanes.travel[0, i] = moved + 0.5 * pushed + lanes.line[RISE, i] + (begin - end)
         lanes.travel[1, i] = tilted
     for i in range(LANES):
         opens = (lanes.free[0, i] <= 0.0) & (lanes.free[1, i] <= 0.0)
-        for k in range(_NODES):
+        for k in range(NODES_PER_PART):
             guess = max(2.0 * lanes.force[k, i] - lanes.before[k, i], 0.0)
             lanes.found[k, i] = 0.0 if opens else guess
         lanes.done[i] = lanes.idle[i]
@@ -280,11 +220,11 @@ def _account(lanes: Lanes) -> None:
     """Do what block.py's `_account` and `_is_hard` do, and see which steps are as most are."""
     for i in range(LANES):
         moved, work, rest = lanes.travel[0, i], 0.0, lanes.rest[i]
-        for moment in range(_MOMENTS):
+        for moment in range(MOMENTS):
             travel, felt, excess = lanes.travel[moment, i], 0.0, 0.0
-            for p in range(_NODES):
+            for p in range(NODES_PER_PART):
                 force = lanes.found[p, i]
-                travel -= lanes.course[_NODES * moment + p, i] * (force - rest)
+                travel -= lanes.course[NODES_PER_PART * moment + p, i] * (force - rest)
                 felt += FORCE_MOMENTS[1, moment, p] * force
                 excess += FORCE_MOMENTS[1, moment, p] * (force - rest)
             if moment == 0:
@@ -310,13 +250,13 @@ def _move(lanes: Lanes) -> None:
     """Go on to the sample's end where the step is as most are."""
     for i in range(LANES):
         goes, pushed, end = lanes.as_most[i] == 1, lanes.faster[i], lanes.end[i]
-        position = lanes.position[i] + (lanes.period[i] * (lanes.v[i] + 0.5 * pushed) + lanes.line[_RISE, i])
+        position = lanes.position[i] + (lanes.period[i] * (lanes.v[i] + 0.5 * pushed) + lanes.line[RISE, i])
         position -= 0.5 * lanes.period[i] * lanes.lightness[i] * (lanes.moments[0, i] - lanes.moments[1, i])
         v = lanes.v[i] + (pushed - lanes.lightness[i] * lanes.moments[0, i])
         pushes = lanes.found[0, i] + lanes.found[1, i] > 0.0
         lanes.position[i] = position if goes else lanes.position[i]
         lanes.v[i] = v if goes else lanes.v[i]
-        for j in range(_NODES):
+        for j in range(NODES_PER_PART):
             lanes.before[j, i] = lanes.force[j, i] if goes else lanes.before[j, i]
             lanes.force[j, i] = lanes.found[j, i] if goes else lanes.force[j, i]
         lanes.gained[i] = max(lanes.grown[i], 0.0) if goes else lanes.gained[i]
@@ -331,15 +271,15 @@ def _move(lanes: Lanes) -> None:
 @kernel
 def take_forces(lanes: Lanes, i: int, s: int, block: Block) -> None:
     """Note the moments of a sample of a tile that the lane's contact took by itself."""
-    for j in range(_MOMENTS):
-        lanes.felt[_MOMENTS * s + j, i] = block.moments[j]
+    for j in range(MOMENTS):
+        lanes.felt[MOMENTS * s + j, i] = block.moments[j]
 
 
 @kernel
 def hand_on(lanes: Lanes, i: int, block: Block, samples: int, feed: View2D[float]) -> None:
     """Hand on the moments of so many samples of a tile: to a feed, and to what later samples will feel."""
     for s in range(samples):
-        for j in range(_MOMENTS):
-            feed[s, j] = block.recent[_MOMENTS * s + j] = block.moments[j] = lanes.felt[_MOMENTS * s + j, i]
-        for j in range(_MOMENTS, MOMENTS_AHEAD):
+        for j in range(MOMENTS):
+            feed[s, j] = block.recent[MOMENTS * s + j] = block.moments[j] = lanes.felt[MOMENTS * s + j, i]
+        for j in range(MOMENTS, MOMENTS_AHEAD):
             feed[s, j] = block.moments[j] = 0.0

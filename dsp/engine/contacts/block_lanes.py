@@ -5,8 +5,6 @@ They come to the same bits as one after the other (blocks.py), whatever else rol
 
 from ...contact.block_lanes import (
     EXPONENT,
-    LANES,
-    Lanes,
     enter_lane,
     hand_on,
     lay_lane,
@@ -18,6 +16,7 @@ from ...contact.block_lanes import (
 )
 from ...contact.block_sizes import LAID
 from ...contact.block_tables import feel_delayed
+from ...contact.lanes_record import LANES, Lanes
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.block_path import roll_evenly
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State

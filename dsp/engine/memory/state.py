@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact.accuracy import DEFAULT
-from ...contact.block_lanes import Lanes
 from ...contact.block_records import ROWS, Block, Net
 from ...contact.coupled_records import CoupledGroup
+from ...contact.lanes_record import Lanes
 from ...karman.layout import SHEETS, TABLE_VALUES, Sheet, Space
 from ...native.pages import own_zeros
 from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32, i16, i32
