@@ -1,14 +1,22 @@
 """The place of a contact on an object: a position on its strike path, or the nearest point of its surface."""
 
+import numpy as np
+
 from ...native.jit import kernel, noinline_kernel
+from ...native.records import field
 from ...native.typed import View
 from ...numerics.triangle import nearest_on
+from ...schema import STEERABLE
 from ..memory.capacity import DIRECTED, FACE
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import Object, State
 from .objects import place
 
 _FAR = 1e30  # m^2
+PLACES = "position", "x", "y", "z", "by_position", "by_x", "by_y", "by_z"
+_PLACES = np.array([STEERABLE.index(name) for name in PLACES])
+THERE = 1e-6
+"""The distance (of a path, or m) from its target within which a place is as good as there."""
 
 
 @kernel
@@ -62,6 +70,41 @@ def direct(state: State, obj: Object, contact: Contact, side: int) -> None:
         state.directed[here + i] = phi
     point.directed = 1 + row
     point.weights[0], point.weights[1], point.weights[2], point.weights[3] = 1.0, 0.0, 0.0, 0.0
+
+
+@kernel
+def glides(contact: Contact) -> bool:
+    """True if a contact is still on its way to where it was last sent."""
+    found = False
+    for i in range(len(_PLACES)):
+        found |= abs(field(contact.now, _PLACES[i]) - field(contact.target, _PLACES[i])) > THERE
+    return found
+
+
+@kernel
+def put_behind(state: State, contact: Contact, share: float, anew: bool) -> None:
+    """Do what `put` and `put_other` do for a contact that is behind its place: by a share of what is left from there to
+    its target. anew: at a surface, too, where that takes long."""
+    for side in range(2):
+        point, first = contact.point[side], 4 * side
+        if point.slot < 0:
+            continue
+        obj = state.objects[point.slot]
+        if point.on_surface == 0 or obj.faces == 0:
+            place(point, _behind(contact, first, share), obj.rows)
+        elif anew:
+            x, y = _behind(contact, first + 1, share), _behind(contact, first + 2, share)
+            put_at(state, obj, point, x, y, _behind(contact, first + 3, share))
+            if side == 0:
+                point.directed = 0
+                direct(state, obj, contact, 0)
+
+
+@kernel
+def _behind(contact: Contact, which: int, share: float) -> float:
+    """Return one of _PLACES, as far behind as `put_behind` says."""
+    now: float = field(contact.now, _PLACES[which])
+    return now + share * (now - field(contact.target, _PLACES[which]))
 
 
 @kernel

@@ -28,6 +28,7 @@ from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of
 from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker, press_striker
+from ..bodies.surface import glides
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
@@ -254,7 +255,7 @@ def _can_be(state: State, contact: Contact) -> bool:
     if contact.trait.rests == 1:
         return contact.touching == 1 and _has_place(state, contact)
     if contact.trait.held == 1:
-        return _stays(state, contact) and _has_place(state, contact)
+        return not glides(contact) and _stays(state, contact) and _has_place(state, contact)
     if contact.trait.along == 0:
         blow = contact.trait.single == 1 and not _is_directed(contact)
         return blow and _stays(state, contact) and is_long(contact.coupled) and _has_place(state, contact)

@@ -12,7 +12,7 @@ from ..memory.state import COUPLING, State
 from .contact_force import drive, find_transfer, gain_of, observe_points
 from .contact_list import acts, share_object
 from .coupled_rolls import lead_roll
-from .presses import press
+from .presses import move_press, press
 from .solver_choice import choose_tolerance, count_steps, price_of
 
 
@@ -112,6 +112,7 @@ def _solve(state: State, frame: int) -> None:
             lead_roll(state, contact)
         if contact.trait.held == 1:
             press(contact, frame)
+            move_press(state, contact, frame)
         observe_points(state, contact)
         if contact.coupled.tolerance == HELD and not holds_steps(state):
             state.stats.over_budget += 1

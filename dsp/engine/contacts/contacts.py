@@ -13,7 +13,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
 from ...schema import BY_POINT, POINT, STEERABLE, gestures_steered_by
 from ..bodies.strikers import roll_striker
-from ..bodies.surface import put, put_other
+from ..bodies.surface import PLACES, THERE, put, put_other
 from ..memory.order import wake
 from ..memory.quality import coarseness_of, holds_steps, must_wait
 from ..memory.records import Contact
@@ -43,8 +43,7 @@ from .swarms import delay_swarm, has_run_out, swarm_on
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 
 _GLIDES = np.array([max(each.glide for each in gestures_steered_by(name).values()) for name in STEERABLE])
-_PLACES = "position", "x", "y", "z", "by_position", "by_x", "by_y", "by_z"
-_NEAR = np.array([1e-6 if name in _PLACES else 0.0 for name in STEERABLE])  # as good as there
+_NEAR = np.array([THERE if name in PLACES else 0.0 for name in STEERABLE])
 _POSITION, _BY_POSITION = STEERABLE.index("position"), STEERABLE.index("by_position")
 _POINT, _BY_POINT = STEERABLE.index(POINT[0].name), STEERABLE.index(BY_POINT[0].name)
 

@@ -1,14 +1,17 @@
-"""The force that presses a striker on: it comes as 1 - exp(-t/T) does, and goes as exp(-t/T).
+"""The force that presses a striker on, and where: it comes as 1 - exp(-t/T) does, and goes as exp(-t/T), and so does a
+place that is steered.
 
 It is taken sample by sample, from the instant at which the striker is laid on: a light one that bounces under it would
-tell where the quanta begin.
+tell where the quanta begin. What bends under a press that moves by quanta would ring.
 """
 
 import math
 
 from ...contact.coupled_flight import fly_on
 from ...native.jit import kernel
-from ...schema import FORCE
+from ...resonator.fed import LINE
+from ...schema import FORCE, POSITION
+from ..bodies.surface import glides, put_behind
 from ..memory.records import Contact
 from ..memory.state import QUANTUM, State
 from .contact_force import observe_points
@@ -45,6 +48,17 @@ def press(contact: Contact, frame: int) -> None:
     less = -gap * coupled.period**3 / (12.0 * coupled.m * _GLIDE)
     coupled.position -= less
     coupled.motion[0] -= less
+
+
+@kernel
+def move_press(state: State, contact: Contact, frame: int) -> None:
+    """Put a coupled striker that is pressed on where it is amid the sample that ends at a frame; at a surface, and for
+    how objects answer it, where it was at the first of LINE samples."""
+    if glides(contact):
+        left = (QUANTUM - frame - 0.5) / (POSITION.glide * state.rate)
+        anew = frame % LINE == 0
+        put_behind(state, contact, math.expm1(left), anew)
+        contact.unsettled |= int(anew)
 
 
 @kernel
