@@ -33,6 +33,7 @@ from .block_nodes import AT, FORCE_MOMENTS, SHARES, TIMES_OF_ONE, TIMES_OF_THREE
 from .block_parts import LANDS, energy_at
 from .block_records import Block, Net, forces_of, motion_of, rows_of, weigh_all
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
+from .block_step import free_at, gone_on, is_gentle
 from .collocation import raised
 from .coupled_records import Coupled, Member
 from .step_record import NODES
@@ -42,7 +43,6 @@ _MENDED = 1e-3  # share of the force by which it may be changed for that
 _EDGE = 0.03
 """The same of a roll's force at the sample's end or of its weight: it may land or leave amid a sample of one part."""
 
-AS_HARD = 2.0  # times the greatest V so far: a body that lands with no more hops on a rough path
 _ROUNDS = 6  # of such changes
 _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
@@ -141,7 +141,7 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
             block = blocks[net.block[i]]
             if block.solved == 0 or not math.isfinite(excess) or (block.leaves == 1 and not _pushes(block)):
                 return False
-            if _is_hard(contacts[net.contact[i]].coupled, block):
+            if not _is_gentle(contacts[net.contact[i]].coupled, block):
                 return False
             if excess > 0.0:
                 grows = True
@@ -153,15 +153,13 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
 
 
 @kernel
-def _is_hard(contact: Coupled, block: Block) -> bool:
-    """True if a contact pushes with more energy than its parts of a sample follow: what is thrown up may land far
-    harder than it rests."""
+def _is_gentle(contact: Coupled, block: Block) -> bool:
+    """True if a contact pushes with no more energy than its parts of a sample follow."""
     most = 0.0
     for k in range(forces_of(block)):
         most = max(most, block.force[k])
     speed = block.v[0] / contact.period
-    energy = block.stored + 0.5 * contact.mass * speed * speed
-    return most > 0.0 and energy > max(block.landing, AS_HARD * block.scale)
+    return is_gentle(most, block.stored + 0.5 * contact.mass * speed * speed, block.landing, block.scale)
 
 
 @kernel
@@ -208,15 +206,14 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
     pushed = h * h * (contact.push - rest) / contact.m
     moved, held = h * contact.v, block.tables[i].give_all
     begin, tilted, laid = contact.position - contact.motion[0], 0.0, forces * block.at
+    body = contact.position, moved, pushed
     for k in range(forces):
         at, part = AT[parts, k], k // NODES_PER_PART
         before = rows[middles + part - 1] if part > 0 else begin
         after = rows[middles + part] if part < parts - 1 else rows[end]
-        tilt = rows[first + forces + part]
-        rate = parts * (after - before) + (tilt if k % NODES_PER_PART == 1 else -tilt)
-        height = block.height[laid + k] + rest * held[k]
-        x = contact.position + at * (moved + 0.5 * at * pushed) + height - rows[first + k]
-        v = moved + at * pushed + block.slope[laid + k] - rate
+        path = block.height[laid + k] + rest * held[k], block.slope[laid + k]
+        point = rows[first + k], parts * (after - before), rows[first + forces + part]
+        x, v = free_at(at, 1.0 if k % NODES_PER_PART == 1 else -1.0, body, path, point)
         tilted += SHARES[parts, k] * (2.0 * at - 1.0) * v
         block.free[k] = block.seen[k] = x
         block.free[FORCES + k] = block.seen[FORCES + k] = v + rest * held[FORCES + k]
@@ -342,10 +339,9 @@ def _move(contact: Coupled, block: Block, times: tuple[float, ...]) -> None:
         total += block.force[j]
         block.before[j] = block.last[j]
     lightness = 1.0 / contact.m
-    pushed = h * (contact.push - rest) * lightness  # m/s
-    contact.position += h * (contact.v + 0.5 * pushed) + block.rise[block.at]
-    contact.position -= 0.5 * h * lightness * (block.moments[0] - block.moments[1])
-    contact.v += pushed - lightness * block.moments[0]
+    push, moments = (h * (contact.push - rest) * lightness, lightness), (block.moments[0], block.moments[1])
+    body = contact.position, contact.v
+    contact.position, contact.v = gone_on(body, h, push, block.rise[block.at], moments)
     if total > 0.0 and contact.touching == 0:
         contact.contacts += 1
     block.scale, block.stored = block.most, block.left

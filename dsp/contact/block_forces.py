@@ -12,6 +12,7 @@ from ..native.jit import kernel, noinline_kernel
 from ..native.typed import Items
 from .block_records import Block, Net, Tables
 from .block_sizes import FORCES, MOTIONS, NODES_PER_PART
+from .block_step import correct, less
 from .collocation import eliminate, raised
 from .coupled_records import Coupled, Member
 
@@ -156,34 +157,24 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
     j = i + 1
     x0, x1, v0, v1 = seen
     here, there = own.give[i * MOTIONS :], own.give[j * MOTIONS :]
-    a00, a01, a10, a11 = here[i], there[i], here[j], there[j]
-    here, there = own.give[i * MOTIONS + FORCES :], own.give[j * MOTIONS + FORCES :]
-    w00, w01, w10, w11 = here[i], there[i], here[j], there[j]
-    f0, f1 = block.force[i], block.force[j]
+    a = here[i], here[j], there[i], there[j]
+    w = here[FORCES + i], here[FORCES + j], there[FORCES + i], there[FORCES + j]
+    forces = block.force[i], block.force[j]
     if x0 <= 0.0 and x1 <= 0.0:
-        f0 = f1 = 0.0
+        forces = 0.0, 0.0
     rate, changed = 1.0 / contact.period, CHANGED[block.parts]
     solved = False
     for _ in range(NEWTON_STEPS):
-        f, s, d = law_at(contact, x0 - a00 * f0 - a01 * f1, rate * (v0 - w00 * f0 - w01 * f1))
-        g, t, e = law_at(contact, x1 - a10 * f0 - a11 * f1, rate * (v1 - w10 * f0 - w11 * f1))
-        d *= rate
-        e *= rate
-        m00, m01 = 1.0 + s * a00 + d * w00, s * a01 + d * w01
-        m10, m11 = t * a10 + e * w10, 1.0 + t * a11 + e * w11
-        r0, r1 = f - f0, g - f1
-        whole = 1.0 / (m00 * m11 - m01 * m10)
-        c0, c1 = (r0 * m11 - r1 * m01) * whole, (r1 * m00 - r0 * m10) * whole
-        f0 += c0
-        f1 += c1
-        # What the law changes by, as it is linear, where both nodes touch: what is left is about its square.
-        left = abs(r0 - c0) + abs(r1 - c1) if min(f, g) > 0.0 else abs(c0) + abs(c1)
+        f, s, d = law_at(contact, less(x0, a[0], a[2], forces), rate * less(v0, w[0], w[2], forces))
+        g, t, e = law_at(contact, less(x1, a[1], a[3], forces), rate * less(v1, w[1], w[3], forces))
+        f0, f1, left = correct(forces, (f, s, rate * d), (g, t, rate * e), a, w)
+        forces = f0, f1
         if left <= changed * (abs(f0) + abs(f1)):
             solved = True
             break
-    block.force[i], block.force[j] = f0, f1
-    block.v[i], block.v[j] = v0 - w00 * f0 - w01 * f1, v1 - w10 * f0 - w11 * f1
-    return solved and math.isfinite(f0 + f1)
+    block.force[i], block.force[j] = forces
+    block.v[i], block.v[j] = less(v0, w[0], w[2], forces), less(v1, w[1], w[3], forces)
+    return solved and math.isfinite(forces[0] + forces[1])
 
 
 @kernel

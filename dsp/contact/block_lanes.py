@@ -12,18 +12,21 @@ from typing import Any
 
 from ..native.jit import Lowered, cgutils, intrinsic, ir, kernel, noinline_kernel, types
 from ..native.typed import View2D
-from ..numerics.sums import pointer_to_line
-from .block import ALLOWED, AS_HARD
+from ..numerics.sums import pointer_to_line, put_few
+from .block import ALLOWED
 from .block_forces import CHANGED, NEWTON_STEPS
 from .block_nodes import AT, FORCE_MOMENTS, SHARES
 from .block_records import Block, Tables, motion_of
 from .block_sizes import FORCES, LAID, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
+from .block_step import correct, free_at, gone_on, is_gentle, less
 from .block_tables import answer_after
 from .coupled_records import Coupled
 from .lanes_record import END, HEIGHT, LANES, LINES, MOMENTS, RISE, ROWS, SLOPE, TILT, Lanes
 
 EXPONENT = 1.5
 """The exponent of the law that lanes follow."""
+
+_WHOLE = (1.0,)
 
 
 @noinline_kernel
@@ -134,16 +137,15 @@ def _put_line(
 
 
 @noinline_kernel
-def step_lanes(lanes: Lanes, s: int) -> None:
-    """Take all lanes through sample s of the tile: where the step is as most are, they have gone on to its end."""
+def step_lanes(lanes: Lanes, s: int) -> int:
+    """Take all lanes through sample s of the tile: where the step is as most are, they have gone on to its end. Return
+    in how many it is not."""
     _put_line(lanes.line, lanes.lines, lanes.felt, lanes.answers, s)
     _predict(lanes)
     _solve(lanes)
-    _account(lanes)
-    _move(lanes)
-    for j in range(MOMENTS):
-        for i in range(LANES):
-            lanes.felt[MOMENTS * s + j, i] = lanes.moments[j, i]
+    left = _go_on(lanes)
+    put_few(lanes.felt[MOMENTS * s], lanes.moments[0], _WHOLE, MOMENTS * LANES)
+    return left
 
 
 @kernel
@@ -151,19 +153,17 @@ def _predict(lanes: Lanes) -> None:
     """Do what block.py's `_predict` does."""
     for i in range(LANES):
         rest, pushed, moved = lanes.rest[i], lanes.pushed[i], lanes.period[i] * lanes.v[i]
-        begin, tilted, end = lanes.position[i] - lanes.now[i], 0.0, lanes.line[END, i]
+        position, begin, end = lanes.position[i], lanes.position[i] - lanes.now[i], lanes.line[END, i]
+        body, tilted = (position, moved, pushed), 0.0
         for k in range(NODES_PER_PART):
-            at, tilt = AT[1, k], lanes.line[TILT, i]
-            rate = (end - begin) + (tilt if k % NODES_PER_PART == 1 else -tilt)
-            height = lanes.line[HEIGHT + k, i] + rest * lanes.held[k, i]
-            x = lanes.position[i] + at * (moved + 0.5 * at * pushed) + height - lanes.line[k, i]
-            v = moved + at * pushed + lanes.line[SLOPE + k, i] - rate
+            at, side = AT[1, k], 2.0 * k - 1.0
+            path = lanes.line[HEIGHT + k, i] + rest * lanes.held[k, i], lanes.line[SLOPE + k, i]
+            x, v = free_at(at, side, body, path, (lanes.line[k, i], end - begin, lanes.line[TILT, i]))
             tilted += SHARES[1, k] * (2.0 * at - 1.0) * v
             lanes.free[k, i] = x
             lanes.free[NODES_PER_PART + k, i] = v + rest * lanes.held[NODES_PER_PART + k, i]
         lanes.travel[0, i] = moved + 0.5 * pushed + lanes.line[RISE, i] + (begin - end)
         lanes.travel[1, i] = tilted
-    for i in range(LANES):
         opens = (lanes.free[0, i] <= 0.0) & (lanes.free[1, i] <= 0.0)
         for k in range(NODES_PER_PART):
             guess = max(2.0 * lanes.force[k, i] - lanes.before[k, i], 0.0)
@@ -177,28 +177,18 @@ def _solve(lanes: Lanes) -> None:
     for _ in range(NEWTON_STEPS):
         waiting = 0
         for i in range(LANES):
-            k, mu, rate = lanes.k[i], lanes.mu[i], lanes.rate[i]
-            a00, a10, w00, w10 = lanes.give[0, i], lanes.give[1, i], lanes.give[2, i], lanes.give[3, i]
-            a01, a11, w01, w11 = lanes.give[4, i], lanes.give[5, i], lanes.give[6, i], lanes.give[7, i]
-            f0, f1 = lanes.found[0, i], lanes.found[1, i]
-            x0, v0 = lanes.free[0, i] - a00 * f0 - a01 * f1, rate * (lanes.free[2, i] - w00 * f0 - w01 * f1)
-            x1, v1 = lanes.free[1, i] - a10 * f0 - a11 * f1, rate * (lanes.free[3, i] - w10 * f0 - w11 * f1)
-            f, s, d = _law(k, mu, x0, v0)
-            g, t, e = _law(k, mu, x1, v1)
-            d *= rate
-            e *= rate
-            m00, m01 = 1.0 + s * a00 + d * w00, s * a01 + d * w01
-            m10, m11 = t * a10 + e * w10, 1.0 + t * a11 + e * w11
-            r0, r1 = f - f0, g - f1
-            whole = 1.0 / (m00 * m11 - m01 * m10)
-            c0, c1 = (r0 * m11 - r1 * m01) * whole, (r1 * m00 - r0 * m10) * whole
-            n0, n1 = f0 + c0, f1 + c1
-            near, far = abs(r0 - c0) + abs(r1 - c1), abs(c0) + abs(c1)
-            left = near if min(f, g) > 0.0 else far
-            ended = left <= CHANGED[1] * (abs(n0) + abs(n1))
+            k, mu, rate, forces = lanes.k[i], lanes.mu[i], lanes.rate[i], (lanes.found[0, i], lanes.found[1, i])
+            a = lanes.give[0, i], lanes.give[1, i], lanes.give[4, i], lanes.give[5, i]
+            w = lanes.give[2, i], lanes.give[3, i], lanes.give[6, i], lanes.give[7, i]
+            x0, v0 = less(lanes.free[0, i], a[0], a[2], forces), less(lanes.free[2, i], w[0], w[2], forces)
+            x1, v1 = less(lanes.free[1, i], a[1], a[3], forces), less(lanes.free[3, i], w[1], w[3], forces)
+            f, s, d = _law(k, mu, x0, rate * v0)
+            g, t, e = _law(k, mu, x1, rate * v1)
+            f0, f1, left = correct(forces, (f, s, rate * d), (g, t, rate * e), a, w)
+            ended = left <= CHANGED[1] * (abs(f0) + abs(f1))
             going = lanes.done[i] == 0.0
-            lanes.found[0, i] = n0 if going else f0
-            lanes.found[1, i] = n1 if going else f1
+            lanes.found[0, i] = f0 if going else forces[0]
+            lanes.found[1, i] = f1 if going else forces[1]
             lanes.done[i] = 1.0 if ended else lanes.done[i]
             waiting += 1 if going & (not ended) else 0
         if waiting == 0:
@@ -216,10 +206,15 @@ def _law(k: float, mu: float, x: float, v: float) -> tuple[float, float, float]:
 
 
 @kernel
-def _account(lanes: Lanes) -> None:
-    """Do what block.py's `_account` and `_is_hard` do, and see which steps are as most are."""
+def _go_on(lanes: Lanes) -> int:
+    """Do what block.py's `_account` and `_is_gentle` do, and its `_move` where the step is as most are; return in how
+    many lanes it is not."""
+    waits = 0
     for i in range(LANES):
-        moved, work, rest = lanes.travel[0, i], 0.0, lanes.rest[i]
+        f0, f1, rest, h = lanes.found[0, i], lanes.found[1, i], lanes.rest[i], lanes.period[i]
+        position, v, now, touched = lanes.position[i], lanes.v[i], lanes.now[i], lanes.touches[i]
+        gained, scale, stored = lanes.gained[i], lanes.scale[i], lanes.stored[i]
+        moved, work = lanes.travel[0, i], 0.0
         for moment in range(MOMENTS):
             travel, felt, excess = lanes.travel[moment, i], 0.0, 0.0
             for p in range(NODES_PER_PART):
@@ -230,42 +225,30 @@ def _account(lanes: Lanes) -> None:
             if moment == 0:
                 moved = travel
             work += (2 * moment + 1) * felt * travel
-            lanes.moments[moment, i] = lanes.period[i] * excess
-        end = lanes.now[i] + moved
+            lanes.moments[moment, i] = h * excess
+        end = now + moved
         deep = end if end > 0.0 else 0.0
         left = lanes.springs[i] * (deep * deep * math.sqrt(deep))
-        lanes.end[i], lanes.left[i], lanes.most[i] = end, left, max(lanes.scale[i], left)
-        lanes.grown[i] = lanes.gained[i] + left - lanes.stored[i] - work
-    for i in range(LANES):
-        f0, f1, grown = lanes.found[0, i], lanes.found[1, i], lanes.grown[i]
-        speed = (lanes.free[2, i] - lanes.give[2, i] * f0 - lanes.give[6, i] * f1) / lanes.period[i]
-        energy = lanes.stored[i] + 0.5 * lanes.mass[i] * speed * speed
-        gentle = (max(f0, f1) <= 0.0) | (energy <= max(lanes.landing[i], AS_HARD * lanes.scale[i]))
-        sound = (abs(f0 + f1) < math.inf) & (grown > -math.inf) & (grown <= ALLOWED * lanes.most[i])
-        lanes.as_most[i] = 1 if gentle & sound & (lanes.done[i] == 1.0) else 0
-
-
-@kernel
-def _move(lanes: Lanes) -> None:
-    """Go on to the sample's end where the step is as most are."""
-    for i in range(LANES):
-        goes, pushed, end = lanes.as_most[i] == 1, lanes.faster[i], lanes.end[i]
-        position = lanes.position[i] + (lanes.period[i] * (lanes.v[i] + 0.5 * pushed) + lanes.line[RISE, i])
-        position -= 0.5 * lanes.period[i] * lanes.lightness[i] * (lanes.moments[0, i] - lanes.moments[1, i])
-        v = lanes.v[i] + (pushed - lanes.lightness[i] * lanes.moments[0, i])
-        pushes = lanes.found[0, i] + lanes.found[1, i] > 0.0
-        lanes.position[i] = position if goes else lanes.position[i]
-        lanes.v[i] = v if goes else lanes.v[i]
-        for j in range(NODES_PER_PART):
-            lanes.before[j, i] = lanes.force[j, i] if goes else lanes.before[j, i]
-            lanes.force[j, i] = lanes.found[j, i] if goes else lanes.force[j, i]
-        lanes.gained[i] = max(lanes.grown[i], 0.0) if goes else lanes.gained[i]
-        lanes.scale[i] = lanes.most[i] if goes else lanes.scale[i]
-        lanes.stored[i] = lanes.left[i] if goes else lanes.stored[i]
-        lanes.now[i] = end if goes else lanes.now[i]
-        lanes.contacts[i] += 1 if goes & pushes & (lanes.touches[i] == 0) else 0
-        lanes.touches[i] = (1 if end > 0.0 else 0) if goes else lanes.touches[i]
+        most, grown = max(scale, left), gained + left - stored - work
+        speed = less(lanes.free[2, i], lanes.give[2, i], lanes.give[6, i], (f0, f1)) / h
+        energy = stored + 0.5 * lanes.mass[i] * speed * speed
+        sound = (abs(f0 + f1) < math.inf) & (grown > -math.inf) & (grown <= ALLOWED * most)
+        goes = is_gentle(max(f0, f1), energy, lanes.landing[i], scale) & sound & (lanes.done[i] == 1.0)
+        push, moments = (lanes.faster[i], lanes.lightness[i]), (lanes.moments[0, i], lanes.moments[1, i])
+        place, faster = gone_on((position, v), h, push, lanes.line[RISE, i], moments)
+        last0, last1, first0, first1 = lanes.force[0, i], lanes.force[1, i], lanes.before[0, i], lanes.before[1, i]
+        pushes, touches = f0 + f1 > 0.0, 1 if end > 0.0 else 0
+        lanes.position[i], lanes.v[i] = place if goes else position, faster if goes else v
+        lanes.before[0, i], lanes.before[1, i] = last0 if goes else first0, last1 if goes else first1
+        lanes.force[0, i], lanes.force[1, i] = f0 if goes else last0, f1 if goes else last1
+        lanes.gained[i], lanes.scale[i] = max(grown, 0.0) if goes else gained, most if goes else scale
+        lanes.stored[i], lanes.now[i] = left if goes else stored, end if goes else now
+        lanes.contacts[i] += 1 if goes & pushes & (touched == 0) else 0
+        lanes.touches[i] = touches if goes else touched
         lanes.steps[i] += 1 if goes else 0
+        lanes.as_most[i] = 1 if goes else 0
+        waits += 0 if goes | (lanes.idle[i] == 1.0) else 1
+    return waits
 
 
 @kernel

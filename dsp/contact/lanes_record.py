@@ -63,8 +63,4 @@ class Lanes(Record):
     travel: Annotated[View2D[float], MOMENTS, LANES]
     moments: Annotated[View2D[float], MOMENTS, LANES]
     done: Annotated[View[float], LANES]  # 1: Newton's method has ended
-    end: Annotated[View[float], LANES]
-    left: Annotated[View[float], LANES]
-    most: Annotated[View[float], LANES]
-    grown: Annotated[View[float], LANES]
     as_most: Annotated[View[int], LANES]  # 1: the step is as most are

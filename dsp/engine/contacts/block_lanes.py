@@ -80,8 +80,8 @@ def _run(state: State, count: int) -> None:
             if lanes.ended[i] < 0:
                 _lay(state, i, first)
         for s in range(LAID):
-            step_lanes(lanes, s)
-            for i in range(count):
+            left = step_lanes(lanes, s)
+            for i in range(count if left > 0 else 0):
                 if lanes.as_most[i] == 0 and lanes.ended[i] < 0:
                     _take_alone(state, i, first, s)
         for i in range(count):
