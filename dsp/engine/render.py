@@ -21,7 +21,7 @@ from .contacts.contact_list import end_contacts
 from .contacts.contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
 from .contacts.flights import call_back
 from .contacts.rests import settle_rests
-from .contacts.rolls import add_through, ring_on
+from .contacts.rolls import add_through, is_fed, ring_on
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
 from .memory.state import QUANTUM, Object, State
 from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
@@ -137,7 +137,7 @@ def _render_group(state: State) -> None:
                 ring_strikers(state, obj, scratch.voices[g], frame, stop)
         frame = stop
     for g in range(scratch.group_size):
-        if state.objects[scratch.group[g]].rolls_head >= 0 and state.objects[scratch.group[g]].ahead == 0:
+        if is_fed(state, state.objects[scratch.group[g]]):
             add_through(state, state.objects[scratch.group[g]], scratch.voices[g])
         _mix(state, scratch.group[g], scratch.voices[g])
 

@@ -22,18 +22,8 @@ from ..native.jit import kernel, simd_kernel
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE, KEPT
 from .simd import HALF, LANES, STRETCH, add_product, dot, put_product, put_projections
-from .simd_ring import (
-    ANSWERS,
-    AT_ONCE,
-    add_totals,
-    push,
-    put_answers,
-    ring_answering,
-    ring_left_once,
-    ring_middle_once,
-    ring_moved,
-    ring_pushed,
-)
+from .simd_answers import ANSWERS, AT_ONCE, add_left_totals, put_answers, put_moments, ring_answering
+from .simd_ring import add_totals, push, ring_left_once, ring_middle_once, ring_moved, ring_pushed
 
 MOBILITY = 2 * FINE * LANES
 """First of the rows that `observe`, `receptance` and velocity.py need."""
@@ -101,7 +91,7 @@ class Drive(NamedTuple):
 _ONES = (1.0,) * LANES
 _ONE = (1.0,)
 _LINE, _ALL = (0, 1), (0, 1, 2, 3)  # moments of a force that is a line over each sample, and of any other
-_SIDES, _NEITHER = (0, 1), ()  # on which modes are heard
+_SOMEWHERE, _NOWHERE = (0,), ()  # modes are heard
 _FLAT = 1e-300  # keeps quotients of modes finite that are at rest for good
 _FASTEST = 1e30  # of a mode's turn in a sample: keeps products with modes at rest finite
 
@@ -217,43 +207,41 @@ def ring_under(
     """Ring modes over a span, from a frame to another a multiple of STRETCH later, under forces that stay at their
     points.
 
-    shape, stride: as in Point. The sound is added to out[0], out[1]: modes from number `heard` on, a multiple of LANES,
-    have none that counts, and are left out where that is less work. `work` (float64) has AT_ONCE ANSWERS values for
-    each force, and for each frame 2 LANES and KEPT for each force.
+    shape, stride: as in Point. The sound is added to out[0] and, if `out` has two rows, to out[1]: modes from number
+    `heard` on, a multiple of LANES, have none that counts, and are left out where that is less work. `work` (float64)
+    has AT_ONCE ANSWERS values for each force, and for each frame 2 LANES and KEPT for each force.
     """
-    start, frames, size, count = span[0], span[1] - span[0], len(modes.y1), drive.active
+    start, frames, size, count, sides = span[0], span[1] - span[0], len(modes.y1), drive.active, len(out)
     sounds = count * AT_ONCE * ANSWERS
-    told = sounds + 2 * frames * LANES
-    for i in range(sounds, told):
+    told, bends = sounds + 2 * frames * LANES, 0
+    for i in range(sounds, sounds + sides * frames * LANES):
         work[i] = 0.0
-    bends = 0.0
     for j in range(count):
-        moments = drive.feeds[drive.drivers[j].feed, drive.begin + start :]
-        for n in range(frames):
-            bends += abs(moments[n, 2]) + abs(moments[n, 3])
-        for n in range(frames):
-            for k in range(KEPT):
-                work[told + (j * frames + n) * KEPT + k] = moments[n, k]
+        feed = drive.drivers[j].feed
+        bends |= put_moments(work, told + j * frames * KEPT, drive.feeds, feed, drive.begin + start, frames)
     first = 0
     while first < size:
-        groups = AT_ONCE if bends == 0.0 and first < size - LANES else 1
+        groups = AT_ONCE if bends == 0 and first < size - LANES else 1
         for j in range(count):
             driver, number = drive.drivers[j], j * AT_ONCE
-            if bends == 0.0:
+            if bends == 0:
                 for g in range(groups):
                     _put_answers(modes, shape, stride, driver, work, number + g, first + g * LANES, _LINE)
             else:
                 _put_answers(modes, shape, stride, driver, work, number, first, _ALL)
         if groups == AT_ONCE and first >= heard:
-            ring_answering(modes, (first, first + LANES), work, count, frames, _LINE, _NEITHER)
+            ring_answering(modes, (first, first + LANES), work, count, frames, sides, _LINE, _NOWHERE)
         elif groups == AT_ONCE:
-            ring_answering(modes, (first, first + LANES), work, count, frames, _LINE, _SIDES)
-        elif bends == 0.0:
-            ring_answering(modes, (first,), work, count, frames, _LINE, _SIDES)
+            ring_answering(modes, (first, first + LANES), work, count, frames, sides, _LINE, _SOMEWHERE)
+        elif bends == 0:
+            ring_answering(modes, (first,), work, count, frames, sides, _LINE, _SOMEWHERE)
         else:
-            ring_answering(modes, (first,), work, count, frames, _ALL, _SIDES)
+            ring_answering(modes, (first,), work, count, frames, sides, _ALL, _SOMEWHERE)
         first += groups * LANES
-    add_totals(out, start, work, sounds, frames)
+    if sides == 1:
+        add_left_totals(out, start, work, sounds, frames)
+    else:
+        add_totals(out, start, work, sounds, frames)
 
 
 @simd_kernel

@@ -22,6 +22,8 @@ HALF = FINE // 2
 """Sums that `put_projections` takes at a time: as many as have room in the registers."""
 
 REASSOCIATE = ("contract", "reassoc", "nsz")
+CONTRACT = ("contract",)
+"""Flags without reordering, by which LLVM would have more operations wait for the last sample's result."""
 
 
 def int32(value: int) -> Any:

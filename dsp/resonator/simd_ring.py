@@ -5,15 +5,19 @@ from typing import Any
 from ..native.jit import Lowered, cgutils, intrinsic, ir, types
 from ..native.typed import View, View2D, View3D
 from ..numerics.legendre import KEPT
-from .simd import LANES, REASSOCIATE, STRETCH, int32, int64, lanes_type, pointer_to, sums_of, vector_of, vector_type
-
-ANSWERS = 3 * KEPT * LANES
-"""Values that `put_answers` writes."""
-
-AT_ONCE = 2
-"""Groups of modes that `ring_answering` rings at once, at most."""
-
-_CONTRACT = ("contract",)  # not reordered: LLVM would have more operations wait for the last sample's result
+from .simd import (
+    CONTRACT,
+    LANES,
+    REASSOCIATE,
+    STRETCH,
+    int32,
+    int64,
+    lanes_type,
+    pointer_to,
+    sums_of,
+    vector_of,
+    vector_type,
+)
 
 
 @intrinsic
@@ -140,136 +144,6 @@ def add_totals(
 
 
 @intrinsic
-def put_answers(
-    typingctx: object, work: View[float], at: int, phi: tuple[float, ...], table: View[float], row: int,
-    turns: tuple[View[float], ...], first: int, kept: tuple[int, ...],
-) -> Lowered[None]:  # fmt: skip
-    """Write what a force at one place does to LANES modes from `first` on, by as many of its moments as `kept` has
-    numbers, for `ring_answering`, into `work` from a place on.
-
-    That is, of each moment, what it adds to y in the sample that it acts in, in the next one, and to the last sample as
-    the modes keep it.
-
-    phi: the modes' shapes at the place; what moments do to them begins at table[row]. turns: the modes' a1 and a2.
-    """
-
-    def codegen(context, builder, signature, args):
-        def load(n, at):
-            return builder.load(pointer_to(context, builder, signature.args[n], args[n], at), align=8)
-
-        phi = vector_of(builder, cgutils.unpack_tuple(builder, args[2]))
-        p, q = (
-            builder.load(pointer_to(context, builder, kind, array, args[6]), align=8)
-            for kind, array in zip(signature.args[5], cgutils.unpack_tuple(builder, args[5]), strict=True)
-        )
-        for k in range(len(signature.args[7])):
-            rows = [load(3, builder.add(args[4], int64((2 * k + s) * LANES))) for s in range(2)]
-            last, before = (builder.fmul(phi, each, flags=REASSOCIATE) for each in rows)
-            later = builder.fmul(q, last, flags=REASSOCIATE)
-            here = builder.fadd(builder.fmul(p, last, flags=REASSOCIATE), builder.fmul(q, before, flags=REASSOCIATE))
-            for n, each in enumerate((here, later, last)):
-                at = builder.add(args[1], int64((n * KEPT + k) * LANES))
-                builder.store(each, pointer_to(context, builder, signature.args[0], args[0], at), align=8)
-        return context.get_dummy_value()
-
-    return types.void(work, types.intp, lanes_type(), table, types.intp, turns, types.intp, kept), codegen
-
-
-def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
-    return builder.fadd(builder.fmul(a, b, flags=_CONTRACT), c, flags=_CONTRACT)
-
-
-def _sum_of(builder: Any, total: Any, answers: list[Any], moments: list[Any]) -> Any:
-    """Add answers times moments to a total, in their order."""
-    for each, moment in zip(answers, moments, strict=True):
-        total = _fused(builder, each, moment, total)
-    return total
-
-
-def _answer(builder: Any, pushed: list[Any], answers: list[list[Any]], known: list[list[Any]]) -> None:
-    """Add what a force's moments do in each sample of a stretch, and to the last one as modes keep it."""
-    for t in range(STRETCH):
-        total = _sum_of(builder, builder.load(pushed[t]), answers[0], known[t])
-        total = _sum_of(builder, total, answers[1], known[t - 1]) if t > 0 else total
-        builder.store(total, pushed[t])
-    builder.store(_sum_of(builder, builder.load(pushed[-1]), answers[2], known[-1]), pushed[-1])
-
-
-def _go_on(builder: Any, groups: list[Any], pushes: list[Any], sides: list[Any]) -> None:
-    """Bring groups of modes to the next sample, and add its sums where they are heard."""
-    sounds = [builder.load(each, align=8) for each in sides]
-    for ((last, before), (p, q, balance), _), pushed in zip(groups, pushes, strict=True):
-        u, v = builder.load(last), builder.load(before)
-        # All else is known before the last sample is.
-        y = _fused(builder, p, u, _fused(builder, q, v, pushed))
-        builder.store(y, last)
-        builder.store(u, before)
-        if sounds:
-            sounds = [builder.fadd(sounds[0], y, flags=_CONTRACT), _fused(builder, balance, y, sounds[1])]
-    for sound, side in zip(sounds, sides, strict=True):
-        builder.store(sound, side, align=8)
-
-
-@intrinsic
-def ring_answering(
-    typingctx: object, modes: tuple[View[float], ...], firsts: tuple[int, ...], work: View[float], count: int,
-    frames: int, kept: tuple[int, ...], heard: tuple[int, ...],
-) -> Lowered[None]:  # fmt: skip
-    """Ring groups of LANES modes, from `firsts` on, for `frames` samples, a multiple of STRETCH, under so many forces.
-
-    In `work` lie the answers that `put_answers` wrote, of the first force those of AT_ONCE groups, then of the next
-    one; then, from S on, y and balance y of all modes: for each lane i they are added to work[S + 2 t LANES + i] and
-    work[S + (2 t + 1) LANES + i], unless `heard` is empty: nobody hears them. Then the forces' moments (frames, KEPT),
-    of which as many count as `kept` has numbers.
-    """
-
-    def codegen(context, builder, signature, args):
-        arrays, array = cgutils.unpack_tuple(builder, args[0]), signature.args[0][0]
-        work, count, frames = args[2:5]
-        counted, zero = len(signature.args[5]), ir.Constant(vector_type(), None)
-        data = context.make_array(signature.args[2])(context, builder, work).data
-        heard_from = builder.mul(count, int64(AT_ONCE * ANSWERS))
-        told_from = builder.add(heard_from, builder.mul(frames, int64(2 * LANES)))
-
-        def at_work(at):
-            return pointer_to(context, builder, signature.args[2], work, at)
-
-        groups = []
-        for first in cgutils.unpack_tuple(builder, args[1]):
-            places = [pointer_to(context, builder, array, each, first) for each in arrays[:5]]
-            u, v, *fixed = (builder.load(each, align=8) for each in places)
-            groups.append(([cgutils.alloca_once_value(builder, each) for each in (u, v)], fixed, places))
-        with cgutils.for_range_slice(builder, int64(0), frames, int64(STRETCH)) as (n, _):
-            pushes = [[cgutils.alloca_once(builder, vector_type()) for _ in range(STRETCH + 1)] for _ in groups]
-            for pushed in pushes:
-                for each in pushed:
-                    builder.store(zero, each)
-            with cgutils.for_range(builder, count) as force:
-                here = builder.add(builder.mul(force.index, frames), n)
-                here = builder.add(told_from, builder.mul(here, int64(KEPT)))
-                at = [[builder.add(here, int64(t * KEPT + k)) for k in range(counted)] for t in range(STRETCH)]
-                told = [[builder.load(builder.gep(data, [i])) for i in row] for row in at]
-                known = [[vector_of(builder, [each] * LANES) for each in row] for row in told]
-                begin = builder.mul(force.index, int64(AT_ONCE * ANSWERS))
-                for g, pushed in enumerate(pushes):
-                    rows = [[g * ANSWERS + (s * KEPT + k) * LANES for k in range(counted)] for s in range(3)]
-                    places = [[at_work(builder.add(begin, int64(i))) for i in row] for row in rows]
-                    _answer(builder, pushed, [[builder.load(each, align=8) for each in row] for row in places], known)
-            for t in range(STRETCH):
-                at = builder.add(heard_from, builder.add(builder.mul(n, int64(2 * LANES)), int64(2 * t * LANES)))
-                sides = [at_work(at), at_work(builder.add(at, int64(LANES)))] if len(signature.args[6]) > 0 else []
-                _go_on(builder, groups, [builder.load(pushed[t]) for pushed in pushes], sides)
-            for ((_, v), *_), pushed in zip(groups, pushes, strict=True):
-                builder.store(builder.fadd(builder.load(v), builder.load(pushed[-1]), flags=_CONTRACT), v)
-        for kept, _, places in groups:
-            for each, place in zip(kept, places, strict=False):
-                builder.store(builder.load(each), place, align=8)
-        return context.get_dummy_value()
-
-    return types.void(modes, firsts, work, types.intp, types.intp, kept, heard), codegen
-
-
-@intrinsic
 def ring_middle_once(
     typingctx: object, modes: tuple[View[float], ...], out: View2D[float], frame: int
 ) -> Lowered[None]:
@@ -348,10 +222,10 @@ def ring_moved(
             return pointer_to(context, builder, signature.args[n], args[n], at)
 
         def times(a, b):
-            return builder.fmul(a, b, flags=_CONTRACT)
+            return builder.fmul(a, b, flags=CONTRACT)
 
         def plus(a, b):
-            return builder.fadd(a, b, flags=_CONTRACT)
+            return builder.fadd(a, b, flags=CONTRACT)
 
         shape = vector_of(builder, cgutils.unpack_tuple(builder, args[5]))
         u, v, p, q = (builder.load(place(n, args[4]), align=8) for n in range(4))

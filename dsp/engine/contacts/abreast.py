@@ -3,15 +3,13 @@ objects have been brought to it."""
 
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
-from ...resonator.fed import sample_force
-from ...resonator.sizes import REACH
 from ...rolling.abreast import step_abreast
 from ...rolling.abreast_record import ABREAST
 from ...rolling.body import goes_abreast
 from ..bodies.strikers import roll_striker
 from ..memory.records import Contact
 from ..memory.state import BEHIND, LEAD, QUANTUM, State
-from .rolls import begin_of, feed_of, move_on, register_roll
+from .rolls import begin_of, feed_of, is_told_by_samples, move_on, register_roll
 from .trace import trace_roll
 
 _BEFORE = BEHIND + LEAD  # frames of a force that are known before a quantum's
@@ -56,7 +54,6 @@ def _feed(state: State, contact: Contact, k: int) -> None:
         row[0], row[1] = abreast.first[n, k], abreast.tilt[n, k]
         for i in range(2, KEPT):
             row[i] = 0.0
-    sample_force(feed, state.samples[contact.roll], 2 * REACH)
 
 
 @noinline_kernel
@@ -69,7 +66,7 @@ def hand_on(state: State, index: int, met: int) -> None:
         contact.rolled += contact.rolls
         contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
     state.stats.impacts += met
-    trace_roll(state, contact, feed, (0, QUANTUM), 1)
+    trace_roll(state, contact, feed, (0, QUANTUM), int(is_told_by_samples(state, contact)))
     for n in range(len(contact.forces)):
         contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
     if roll.ended == 0:

@@ -19,9 +19,11 @@ from ..bodies.sensing import push_sensed
 from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending, wind_up
 from ..bodies.surface import put
 from ..memory.records import Contact, Through
-from ..memory.state import BEHIND, LEAD, QUANTUM, Object, State
+from ..memory.state import BEHIND, LEAD, QUANTUM, ROLLS, Object, State
 from ..output.mix import sides_of
 from .coupled_rolls import keeps_line, put_on_line
+
+_FEW = 4 * LANES  # modes
 
 
 @noinline_kernel
@@ -32,7 +34,6 @@ def feed_on(state: State, contact: Contact) -> None:
     since = begin_of(state, contact, new)
     move_on(state, contact, new)
     fill_roll(roll, since, state.rate, feed[new:])
-    sample_force(feed, state.samples[contact.roll], 2 * REACH)
 
 
 @kernel
@@ -44,12 +45,12 @@ def begin_of(state: State, contact: Contact, new: int) -> float:
 @kernel
 def move_on(state: State, contact: Contact, new: int) -> None:
     """Keep what a quantum has to know of the force before: so many frames, none where it begins."""
-    feed, samples, begun = state.feeds[contact.roll], state.samples[contact.roll], state.rolls[contact.roll].piece >= 0
+    feed, begun = state.feeds[contact.roll], state.rolls[contact.roll].piece >= 0
     for n in range(new):
         for k in range(KEPT):
             feed[n, k] = feed[QUANTUM + n, k] if begun else 0.0
-    for n in range(2 * REACH):
-        samples[n] = samples[QUANTUM + n] if begun else 0.0
+    if not begun:
+        state.sampled[contact.roll] = -1
 
 
 @kernel
@@ -121,12 +122,49 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
             ring(modes_of(state, obj, 0, obj.live), voice, frame, end)
             frame = end
             continue
-        fed = 0 if obj.ahead == 1 else min(driven, obj.felt // LANES * LANES)
-        ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
-        _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
+        fed = min(driven, obj.felt // LANES * LANES) if is_fed(state, obj) else 0
+        _ring_others(state, obj, voice, driven, frame, end)
+        if fed > 0:
+            _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
         if driven > fed:
             _ring_driven(state, obj, voice, count, fed, driven, frame, end)
         frame = end
+
+
+@kernel
+def _ring_others(state: State, obj: Object, voice: View2D[float], first: int, start: int, stop: int) -> None:
+    """Begin a voice with an object's modes from number `first` on: they ring by themselves."""
+    if first < obj.live:
+        ring(modes_of(state, obj, first, obj.live), voice, start, stop)
+        return
+    for side in range(2):
+        for n in range(start, stop):
+            voice[side, n] = 0.0
+
+
+@kernel
+def is_fed(state: State, obj: Object) -> bool:
+    """True if an object's own modes get the rolls on it by one number a frame. It costs more to lay these for each
+    force than to ring few modes by moments, unless the forces move or are many."""
+    if obj.felt < LANES or obj.ahead == 1 or obj.rolls_head < 0:
+        return False
+    count, moves, entry = 0, False, obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        moves |= contact.trait.swarms > 0 or (entry % 2 == 0 and contact.travel > 0.0)
+        count += 1
+        entry = contact.point[entry % 2].next_roll
+    return obj.felt >= _FEW or moves or count > TOGETHER
+
+
+@kernel
+def is_told_by_samples(state: State, contact: Contact) -> bool:
+    """True if an object that a roll or slide acts on gets its force by one number a frame, with no others on it."""
+    fed = contact.travel > 0.0
+    for side in range(2):
+        slot = contact.point[side].slot
+        fed |= slot >= 0 and state.objects[slot].felt >= _FEW
+    return fed
 
 
 @kernel
@@ -168,7 +206,7 @@ def _place_blows(state: State, count: int, frame: int, end: int) -> int:
     scratch, places = state.scratch, 0
     for j in range(count):
         driver = scratch.drivers[j]
-        samples = state.samples[driver.feed]
+        samples = _samples_of(state, driver)
         k = 0
         while k < places and not _acts_alike(driver, scratch.drivers[scratch.placed[k]]):
             k += 1
@@ -180,6 +218,20 @@ def _place_blows(state: State, count: int, frame: int, end: int) -> int:
         for n in range(frame, end):
             scratch.blows[k, n] += samples[REACH - 1 + n]
     return places
+
+
+@kernel
+def _samples_of(state: State, driver: Driver) -> View[float]:
+    """Return a force's band-limited samples: a swarm has laid its own, others are laid where they are first asked
+    for."""
+    samples = state.samples[driver.feed]
+    if driver.feed < ROLLS and state.sampled[driver.feed] != state.position:
+        follows = state.sampled[driver.feed] == state.position - QUANTUM
+        for n in range(2 * REACH):
+            samples[n] = samples[QUANTUM + n] if follows else 0.0
+        sample_force(state.feeds[driver.feed], samples, 2 * REACH)
+        state.sampled[driver.feed] = state.position
+    return samples
 
 
 @kernel
@@ -231,7 +283,8 @@ def _ring_driven(
     drive = Drive(scratch.drivers, count, state.feeds, BEHIND)
     if count <= TOGETHER and _stay(state, count):
         stop = end - (end - frame) % STRETCH
-        ring_under(modes, obj.unheard - first, here, obj.size, drive, scratch.work, voice, (frame, stop))
+        heard = voice[: sides_of(state)]
+        ring_under(modes, obj.unheard - first, here, obj.size, drive, scratch.work, heard, (frame, stop))
         frame = stop
     while frame < end:
         frames = STRETCH if end - frame >= STRETCH else 1
@@ -321,7 +374,7 @@ def add_through(state: State, obj: Object, voice: View2D[float]) -> None:
             _drive(state, driver, contact, entry % 2, end * QUANTUM)
             _know_through(state, obj, point.modes, driver.row, through)
             _weigh_taps(driver, through, taps[end])
-        _hear(taps[0], taps[1 if moves else 0], state.samples[contact.roll], voice)
+        _hear(taps[0], taps[1 if moves else 0], _samples_of(state, driver), voice)
         entry = point.next_roll
 
 

@@ -395,6 +395,7 @@ class State(Record):
         View3D[float], DRIVEN, BEHIND + QUANTUM + LEAD, KEPT
     ]  # moments of their forces, also about a quantum
     samples: Annotated[View2D[float], DRIVEN, QUANTUM + 2 * REACH]  # their forces by one number a frame, likewise
+    sampled: Annotated[View[int], ROLLS]  # the quantum, by its first sample, for which these are known of a roll
     through: Annotated[View2D[Through], DRIVEN, 2]
     free_roll: Annotated[View[int], ROLLS]  # stack
     rests_placed: int  # rests and presses that have the place of a roll
