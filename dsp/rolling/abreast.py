@@ -5,6 +5,8 @@ fill that time, several in one vector where the machine has such. So the path is
 samples; then all bodies take each of these samples together. Each has the bits that it has with no other beside it.
 """
 
+import numpy as np
+
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View
 from ..numerics.legendre import AHEAD
@@ -16,6 +18,7 @@ from .roll_record import Roll
 from .sample_step import HERTZ, lines_of, pass_on, push
 
 _MOST = PIECES - BATCH  # pieces in a stretch: after them the first may be lost where others are made
+_HALVES = np.arange(1.0, 2 * STEERS + 1)  # of a sample
 
 
 @noinline_kernel
@@ -65,22 +68,15 @@ def _know(abreast: Abreast, k: int, roll: Roll) -> None:
 @kernel
 def _walk(abreast: Abreast, k: int, roll: Roll, h: float) -> None:
     """Note the path under a body over a stretch, samples of h s, and bring it there."""
-    path, way = roll.path, 0.5 * h * roll.modulated_speed
-    begin, height = roll.piece, abreast.level[k]
-    last = _mark(abreast, path, begin, roll.along, way)
-    piece = 0
-    for n in range(STEERS):
-        level = height
+    path, way, piece = roll.path, 0.5 * h * roll.modulated_speed, roll.piece
+    last = _mark(abreast, path, piece, roll.along, way)
+    for n in range(2 * STEERS):
         if last < 0:
-            roll.piece, roll.along, middle = pass_on(path, roll.piece, roll.along + way)
             roll.piece, roll.along, height = pass_on(path, roll.piece, roll.along + way)
         else:
-            piece = max(piece, abreast.mark[2 * n])
-            middle = _height(abreast, path, begin + piece, (2 * n + 1) * way)
-            piece = max(piece, abreast.mark[2 * n + 1])
-            height = _height(abreast, path, begin + piece, (2 * n + 2) * way)
-        abreast.mean[n, k], abreast.rise[n, k], abreast.bend[n, k] = lines_of(level, middle, height)
-    abreast.level[k] = height
+            piece = max(piece, abreast.mark[n])
+            height = _height(abreast, path, piece, _HALVES[n] * way)
+        abreast.height[n, k] = height
     if last >= 0:
         roll.piece, roll.along = last, 2 * STEERS * way - abreast.start[last & (PIECES - 1)]
     roll.s += STEERS * h * roll.modulated_speed
@@ -89,8 +85,8 @@ def _walk(abreast: Abreast, k: int, roll: Roll, h: float) -> None:
 
 @kernel
 def _mark(abreast: Abreast, path: Path, first: int, along: float, way: float) -> int:
-    """Note where the pieces of a stretch begin (m from its own beginning), and after each half of a sample, a way (m),
-    how many have begun; return the last, or -1 where there are more than are kept.
+    """Note where the pieces of a stretch begin (m from its own beginning), and the last that begins in each half of a
+    sample, a way (m); return the last of all, or -1 where there are more than are kept.
 
     Where a body is in each half of a sample needs no decision then, which could not be foreseen.
     """
@@ -106,7 +102,7 @@ def _mark(abreast: Abreast, path: Path, first: int, along: float, way: float) ->
         if piece >= path.made:
             make_pieces(path)
         abreast.start[piece & (PIECES - 1)] = begin
-        abreast.mark[min(max(int(begin * per), 0), 2 * STEERS - 1)] = piece - first
+        abreast.mark[max(int(begin * per), 0)] = piece  # rounded, it may be that after the last
     return -1
 
 
@@ -128,8 +124,10 @@ def _push(abreast: Abreast, begin: int, h: float, rate: float) -> None:
                 abreast.stiffness[k], abreast.mu[k], HERTZ, abreast.mobility[k],
                 abreast.weight[k], abreast.lightness[k], abreast.gravity[k], abreast.fade[k],
             )  # fmt: skip
-            lines, before = (abreast.mean[n, k], abreast.rise[n, k], abreast.bend[n, k]), abreast.force[k]
+            middle, end, before = abreast.height[2 * n, k], abreast.height[2 * n + 1, k], abreast.force[k]
+            lines = lines_of(abreast.level[k], middle, end)
             body, first, tilt = push(law, lines, (abreast.y[k], abreast.w[k], before), h, rate)
+            abreast.level[k] = end
             abreast.y[k], abreast.w[k], abreast.force[k] = body
             abreast.met[k] += 1 if before == 0.0 < body[2] else 0
             abreast.first[begin + n, k], abreast.tilt[begin + n, k] = first, tilt

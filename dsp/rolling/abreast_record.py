@@ -22,14 +22,12 @@ class Abreast(Record):
     origin: Annotated[View[float], ABREAST]  # s: at which the first sample begins
     even: Annotated[View[int], ABREAST]  # 1: nothing steers it
     met: Annotated[View[int], ABREAST]  # times that it met the path
-    # The path over samples of a stretch, as Lines, and its height at the end of that.
-    mean: Annotated[View2D[float], STEERS, ABREAST]
-    rise: Annotated[View2D[float], STEERS, ABREAST]
-    bend: Annotated[View2D[float], STEERS, ABREAST]
+    # The path's height at each half of a sample of a stretch, and where a body is.
+    height: Annotated[View2D[float], 2 * STEERS, ABREAST]
     level: Annotated[View[float], ABREAST]
-    # Of the body that is walked: where pieces begin, and how many have begun at each half of a sample.
+    # Of the body that is walked: where pieces begin, and the last that has begun in each half of a sample, if one has.
     start: Annotated[View[float], PIECES]
-    mark: Annotated[View[int], 2 * STEERS]
+    mark: Annotated[View[int], 2 * STEERS + 1]
     # The body, and its contact as a Law.
     y: Annotated[View[float], ABREAST]
     w: Annotated[View[float], ABREAST]

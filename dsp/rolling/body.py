@@ -314,7 +314,7 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
         roll.given = max(roll.given, min(stop, end))
         if stop >= end or roll.ended == 1:
             break
-        if roll.samples == 0 and _goes_by_samples(roll, 1.0 / rate, _BUSY):
+        if roll.samples == 0 and _begins_by_samples(roll, 1.0 / rate):
             roll.samples = 1
         if roll.samples > 0:
             _fill_by_samples(roll, origin, rate, moments)
@@ -323,10 +323,24 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
 
 
 @kernel
-def _goes_by_samples(roll: Roll, period: float, longest: float) -> bool:
-    """True if a step a sample, of a period (s), does, and the path's pieces are no longer than so many samples."""
-    ahead = longest * AHEAD * period
+def _begins_by_samples(roll: Roll, period: float) -> bool:
+    """True if a step a sample, of a period (s), does, and the path's pieces are short."""
+    ahead = _BUSY * AHEAD * period
     return follows(roll, period) and look_ahead(roll, ahead) < ahead
+
+
+@kernel
+def _goes_by_samples(roll: Roll, period: float) -> bool:
+    """True if a body that goes by samples, of a period (s), may go on so, and the next pieces are not long."""
+    if not follows(roll, period):
+        return False
+    path, first, way = roll.path, roll.piece, -roll.along
+    while path.made < first + AHEAD:
+        make_pieces(path)
+    for n in range(first, first + AHEAD, 4):  # four that do not wait for one another
+        a, b, c, d = n & (PIECES - 1), n + 1 & (PIECES - 1), n + 2 & (PIECES - 1), n + 3 & (PIECES - 1)
+        way += (path.length[a] + path.length[b]) + (path.length[c] + path.length[d])
+    return way < _IDLE * AHEAD * period * roll.modulated_speed
 
 
 @kernel
@@ -350,7 +364,7 @@ def goes_abreast(roll: Roll, origin: float, rate: float) -> bool:
     """True if a body goes on by whole samples from an origin (s) on, under a law of exponent 3/2, and will not end
     soon: it may go beside others (abreast.py)."""
     runs = roll.samples > 0 and roll.fade == 1.0 and roll.target.speed > 0.0 and roll.a == HERTZ
-    return runs and first_sample(roll, origin, rate) == 0.0 and _goes_by_samples(roll, 1.0 / rate, _IDLE)
+    return runs and first_sample(roll, origin, rate) == 0.0 and _goes_by_samples(roll, 1.0 / rate)
 
 
 @noinline_kernel
@@ -364,7 +378,7 @@ def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[flo
     state = path_at(roll)[0], roll.y, roll.w, roll.step.f[0] if roll.touching == 1 else 0.0
     h, pace = share / rate, rate / share
     while frame < frames:
-        if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate, _IDLE):
+        if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate):
             roll.samples = 0
             break
         if not even and roll.samples % STEERS == 0:
