@@ -144,26 +144,24 @@ def _ring_others(state: State, obj: Object, voice: View2D[float], first: int, st
 
 @kernel
 def is_fed(state: State, obj: Object) -> bool:
-    """True if an object's own modes get the rolls on it by one number a frame. It costs more to lay these for each
-    force than to ring few modes by moments, unless the forces move or are many."""
-    if obj.felt < LANES or obj.ahead == 1 or obj.rolls_head < 0:
-        return False
-    count, moves, entry = 0, False, obj.rolls_head
-    while entry >= 0:
-        contact = state.contacts[entry // 2]
-        moves |= contact.trait.swarms > 0 or (entry % 2 == 0 and contact.travel > 0.0)
-        count += 1
-        entry = contact.point[entry % 2].next_roll
-    return obj.felt >= _FEW or moves or count > TOGETHER
+    """True if an object's own modes get the rolls on it by one number a frame."""
+    return goes_by_samples(obj) and obj.ahead == 0 and obj.rolls_head >= 0
+
+
+@kernel
+def goes_by_samples(obj: Object) -> bool:
+    """True if an object has modes enough to get forces by one number a frame, which costs more to lay for each force
+    than to ring few modes by moments. The truth asks this too, so it depends on the object alone."""
+    return obj.felt >= _FEW
 
 
 @kernel
 def is_told_by_samples(state: State, contact: Contact) -> bool:
-    """True if an object that a roll or slide acts on gets its force by one number a frame, with no others on it."""
-    fed = contact.travel > 0.0
+    """True if an object that a roll or slide acts on gets its force by one number a frame."""
+    fed = False
     for side in range(2):
         slot = contact.point[side].slot
-        fed |= slot >= 0 and state.objects[slot].felt >= _FEW
+        fed |= slot >= 0 and goes_by_samples(state.objects[slot])
     return fed
 
 

@@ -149,10 +149,24 @@ def test_what_passes_more_than_a_row_of_shapes_in_a_line_is_rebuilt(tmp_path, ge
 
 def test_a_slide_that_travels_is_rebuilt_when_it_is_put_elsewhere(tmp_path):
     """The quantum before ends where the slide would have gone on to."""
-    slide = "0 /object/cup/slide 0.2 0.5 striker chair-leg surface wood travel 0.3 id leg seed 5"
-    lines = "0 /object/new cup wine-glass", slide, "0.05 /gesture/leg/position 0.65"
+    slide = "0 /object/lid/slide 0.2 0.5 striker chair-leg surface wood travel 0.3 id leg seed 5"
+    lines = "0 /object/new lid tin-lid", slide, "0.05 /gesture/leg/position 0.65"
     row = followed(tmp_path, *lines, rate=16_000)
     assert row["contacts"][0]["fed"]
+    assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
+
+
+@pytest.mark.parametrize(("preset", "fed"), [("wine-glass", False), ("tin-lid", True)])
+@pytest.mark.parametrize("travels", [(0.0, 0.1), (0.0,) * 6], ids=["one travels", "many"])
+def test_slides_beside_each_other_are_rebuilt(tmp_path, preset, fed, travels):
+    """An object's modes are few or many, whatever else acts on it: so the truth says of each slide how it drives
+    them."""
+    lines = [
+        f"0.001 /object/o/slide 0.2 0.{n + 1} striker chair-leg surface wood travel {travel} id leg{n} seed {n}"
+        for n, travel in enumerate(travels)
+    ]
+    row = followed(tmp_path, *lines, rate=16_000, preset=preset)
+    assert [contact["fed"] for contact in row["contacts"]] == [fed] * len(travels)
     assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
 
 
