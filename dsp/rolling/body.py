@@ -25,7 +25,7 @@ from ..schema import SPEED
 from .abreast_record import STEERS
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, PIECES, make_pieces, place_at, restart_path
+from .path import AHEAD, PIECES, make_pieces, renew_path, restart_path
 from .roll_record import Roll
 from .sample_step import HERTZ, Body, follows, step_sample
 
@@ -158,16 +158,20 @@ def look_ahead(roll: Roll, seconds: float) -> float:
     anew = not begun or roll.target.radius != path.radius
     level = incline = 0.0
     if anew:
-        place = path.begin
+        path.radius = roll.target.radius
         if begun:
             level, incline = path_at(roll)
-            place = place_at(path, roll.piece, roll.along)
-        path.radius = roll.target.radius
-        restart_path(path, place)
+            roll.along = renew_path(path, roll.piece, roll.along)
+        else:
+            restart_path(path, path.begin)
         roll.piece = 0
-        roll.along = 0.0
     while path.made < roll.piece + AHEAD:
         make_pieces(path)
+    while anew and roll.along > path.length[roll.piece & (PIECES - 1)]:
+        roll.along -= path.length[roll.piece & (PIECES - 1)]
+        roll.piece += 1
+        while path.made < roll.piece + AHEAD:
+            make_pieces(path)
     if anew:
         # On another path the body keeps its distance and its rate, or begins at rest.
         if not begun:

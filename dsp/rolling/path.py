@@ -261,16 +261,34 @@ def _is_settled_at(path: Path, first: int) -> bool:
 
 @kernel
 def restart_path(path: Path, place: int) -> None:
-    """Begin the path anew at a place: piece 0 begins in the middle of the arc there."""
+    """Begin the path at a place: piece 0 begins in the middle of the arc there."""
     _refresh(path)
-    path.bend = -1.0 / path.radius
-    path.settled = 0
     for j in range(OCTAVES):
         path.surface.gain[j] = path.wanted[j]
     path.surface.ripple_gain = path.roughness
+    _begin_hull(path, place, 0)
+
+
+@kernel
+def renew_path(path: Path, piece: int, along: float) -> float:
+    """Begin the path anew, for another radius, in the middle of the arc before the one under a body that is so far (m)
+    along a piece; return how far the body is from there."""
+    unit, first, offset = path.surface.unit, path.place[path.first], path.left + along
+    for i in range(piece, path.made):
+        offset -= path.length[i & (PIECES - 1)]
+    _refresh(path)
+    _begin_hull(path, first + math.floor(offset / unit) & -path.stride, 1)
+    return max(offset - path.left - (path.place[path.first] - first) * unit, 0.0)
+
+
+@kernel
+def _begin_hull(path: Path, place: int, arcs: int) -> None:
+    """Read the hull about a place, and begin in the middle of the arc there, or of the one before: arcs, 1."""
+    path.bend = -1.0 / path.radius
+    path.settled = 0
     path.surface.made_for = 0
-    behind = max(math.sqrt(4.0 * path.radius * path.highest), path.side)
-    path.front = place - path.stride * (int(behind / (path.stride * path.surface.unit)) + 2)
+    behind = (1 + arcs) * max(math.sqrt(4.0 * path.radius * path.highest), path.side)
+    path.front = place - path.stride * (int(behind / (path.stride * path.surface.unit)) + 2 + 2 * arcs)
     path.first = 0
     path.count = 0
     path.made = 0
@@ -279,7 +297,8 @@ def restart_path(path: Path, place: int) -> None:
         _settle(path)
         second = (path.first + 1) & (POINTS - 1)
         edge, distance = path.edge[second], path.distance[second]
-        if edge >= (place - path.place[path.first]) * path.surface.unit:
+        reached = edge if arcs == 0 else distance + path.edge[(second + 1) & (POINTS - 1)]
+        if reached >= (place - path.place[path.first]) * path.surface.unit:
             break
         path.entered = edge - distance
         path.before = distance
@@ -289,15 +308,6 @@ def restart_path(path: Path, place: int) -> None:
         path.entered = edge - distance
         path.before = distance
     path.left = path.entered + (edge - path.entered) * path.before / (path.before + distance)
-
-
-@kernel
-def place_at(path: Path, piece: int, along: float) -> int:
-    """Return the place under a body that is so far (m) along a piece."""
-    back = -along
-    for i in range(piece, path.made):
-        back += path.length[i & (PIECES - 1)]
-    return path.place[path.first] + int((path.left - back) / path.surface.unit)
 
 
 @noinline_kernel

@@ -5,7 +5,7 @@ import pytest
 
 from carom.dsp.lab import roll
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
-from tests.dsp.rolling.support import MARBLE, flat, ground
+from tests.dsp.rolling.support import CLOTH, MARBLE, SOFT_BALL, flat, ground
 
 pytestmark = pytest.mark.slow
 
@@ -42,6 +42,19 @@ def test_steering_makes_no_click(changes):
 def test_steering_on_a_flat_surface_is_silent(changes):
     force, _ = steered(flat(), MARBLE, changes)
     assert np.abs(force).max() < 1e-9 * 5e-3 * STANDARD_GRAVITY
+
+
+@pytest.mark.parametrize("rate", [48_000, 96_000, 192_000])
+def test_a_path_that_is_renewed_goes_on_where_the_body_is(rate):
+    """A radius that changes every 64 samples by next to nothing changes next to nothing."""
+    forces = []
+    for change in (0.0, 1e-10):
+        body, force = roll.make_roll(ground(3, **CLOTH), **SOFT_BALL), []
+        for n in range(rate // 640):
+            body["target"]["radius"] = SOFT_BALL["radius"] * (1.0 + change * (n % 2))
+            force.append(roll.roll_moments(body, 64 * n / rate, 64 / rate, rate)[:, 0])
+        forces.append(np.concatenate(force))
+    assert np.abs(forces[1] - forces[0]).max() < 1e-7 * np.abs(forces[0]).max()
 
 
 def test_roughness_can_come_to_a_smooth_surface():

@@ -126,3 +126,22 @@ def test_scenes_objects_and_scores_say_the_same():
         heard = scene.render(0.6).samples
     assert heard.any()
     np.testing.assert_array_equal(carom.render(SCORE, seconds=0.6).samples, heard)
+
+
+def ramped(rate, speed, roughness, radius):
+    """Return the sound of a ball on a board from when its radius begins to go from 20 mm to another (m)."""
+    score = f"""
+    0 /object/new board wood-board
+    0 /object/board/roll {speed} radius 0.02 roughness {roughness} seed 3 id ball
+    0.1 /gesture/ball/radius {radius} over 0.3
+    """
+    sound = render_lines(parse(score.encode(), "score"), rate=rate, limiter=False, seconds=0.4)
+    return sound[rate // 10 :, 0].astype(float)
+
+
+@pytest.mark.parametrize("rate", [48_000, 96_000, 192_000])
+def test_a_ramp_of_the_radius_neither_moves_nor_throws_what_rolls(rate):
+    """One by next to nothing is hardly heard, and none throws a ball up that falls back later."""
+    even = ramped(rate, 0.1, 1.0, 0.02)
+    assert np.abs(ramped(rate, 0.1, 1.0, 0.02000001) - even).max() < 0.01 * np.abs(even).max()
+    assert np.abs(ramped(rate, 0.5, 2.0, 0.032)).max() < 2.0 * np.abs(ramped(rate, 0.5, 2.0, 0.02)).max()
