@@ -15,7 +15,7 @@ from ...dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ...dsp.kept import Kept
 from ...dsp.resonator.bank import top_of
 from ...dsp.resonator.simd import LANES
-from ...dsp.resonator.sizes import CLICK_MODES
+from ...dsp.resonator.sizes import CLICK_MODES, LEAST_FED
 from ...dsp.schema import GESTURES
 from ..contacts import Contact, Drive
 from ..modes import Click, Heard, Places, Settings, heard_as, places_of
@@ -168,8 +168,8 @@ def told_of(performer: Performer, rate: int, name: str) -> Told | None:
 
 
 def _by_moments(modes: Modes, tune: float, rate: int) -> list[int]:
-    """Return which of the modes in its table even a contact that is fed drives by moments: those beyond whole lanes, as
-    the engine lays them out by their decays."""
+    """Return which of the modes in its table even a contact that is fed drives by moments: all where they are few, else
+    those beyond whole lanes, as the engine lays them out by their decays."""
     key = id(modes), tune, rate
     known = _kept.get(key)
     if known is None:
@@ -183,10 +183,9 @@ def _beyond_lanes(modes: Modes, tune: float, rate: int) -> list[int]:
     top = top_of.py_func(rate)
     order = np.argsort(modes.decay, kind="stable")
     order = order[modes.frequency[order] <= top]
-    if len(order) % LANES == 0:
-        return []
+    fed = len(order) // LANES * LANES if len(order) >= LEAST_FED else 0
     beyond = np.zeros(len(modes.frequency), np.bool_)
-    beyond[order[len(order) // LANES * LANES :]] = True
+    beyond[order[fed:]] = True
     found: list[int] = np.flatnonzero(beyond[(modes.frequency <= top) & (modes.frequency * tune <= top)]).tolist()
     return found
 

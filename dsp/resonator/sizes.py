@@ -14,6 +14,10 @@ stay in registers (`fed.py`)."""
 REACH = 2
 """Samples ahead and behind whose forces are heard in a sample: taps 0 to REACH on either side (`fed.py`)."""
 
+LEAST_FED = 4 * LANES
+"""Modes of an object's own from which on it gets the rolls on it by one number a frame: that costs more to lay for each
+force than to ring fewer modes by moments."""
+
 SENSED = 4
 """Velocities (m/s) that `sense` finds: after a third of the sample, at its end; its mean, and int v t dt
 (`velocity.py`)."""

@@ -9,7 +9,7 @@ from ...rolling.body import goes_abreast
 from ..bodies.strikers import roll_striker
 from ..memory.records import Contact
 from ..memory.state import BEHIND, LEAD, QUANTUM, State
-from .rolls import begin_of, feed_of, is_told_by_samples, move_on, register_roll
+from .rolls import begin_of, feed_of, move_on, register_roll
 from .trace import trace_roll
 
 _BEFORE = BEHIND + LEAD  # frames of a force that are known before a quantum's
@@ -66,7 +66,7 @@ def hand_on(state: State, index: int, met: int) -> None:
         contact.rolled += contact.rolls
         contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
     state.stats.impacts += met
-    trace_roll(state, contact, feed, (0, QUANTUM), int(is_told_by_samples(state, contact)))
+    trace_roll(state, contact, feed, (0, QUANTUM), 1)
     for n in range(len(contact.forces)):
         contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
     if roll.ended == 0:

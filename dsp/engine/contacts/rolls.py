@@ -12,7 +12,7 @@ from ...numerics.legendre import KEPT
 from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_left, ring_middle, ring_under
 from ...resonator.fed import LINE, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
-from ...resonator.sizes import REACH
+from ...resonator.sizes import LEAST_FED, REACH
 from ...rolling.body import fill_roll
 from ..bodies.objects import modes_of, shapes_of
 from ..bodies.sensing import push_sensed
@@ -22,8 +22,6 @@ from ..memory.records import Contact, Through
 from ..memory.state import BEHIND, LEAD, QUANTUM, ROLLS, Object, State
 from ..output.mix import sides_of
 from .coupled_rolls import keeps_line, put_on_line
-
-_FEW = 4 * LANES  # modes
 
 
 @noinline_kernel
@@ -145,24 +143,7 @@ def _ring_others(state: State, obj: Object, voice: View2D[float], first: int, st
 @kernel
 def is_fed(state: State, obj: Object) -> bool:
     """True if an object's own modes get the rolls on it by one number a frame."""
-    return goes_by_samples(obj) and obj.ahead == 0 and obj.rolls_head >= 0
-
-
-@kernel
-def goes_by_samples(obj: Object) -> bool:
-    """True if an object has modes enough to get forces by one number a frame, which costs more to lay for each force
-    than to ring few modes by moments. The truth asks this too, so it depends on the object alone."""
-    return obj.felt >= _FEW
-
-
-@kernel
-def is_told_by_samples(state: State, contact: Contact) -> bool:
-    """True if an object that a roll or slide acts on gets its force by one number a frame."""
-    fed = False
-    for side in range(2):
-        slot = contact.point[side].slot
-        fed |= slot >= 0 and goes_by_samples(state.objects[slot])
-    return fed
+    return obj.felt >= LEAST_FED and obj.ahead == 0 and obj.rolls_head >= 0
 
 
 @kernel
