@@ -6,7 +6,7 @@ from ..memory.state import QUANTUM, State
 from .fade import fade_length
 from .late import hear_late
 from .space_lines import pose_at
-from .space_paths import hear_path
+from .space_paths import feed_late, hear_path
 
 
 @noinline_kernel
@@ -74,12 +74,13 @@ def _hear_line(state: State, line: Line, end: int) -> None:
         if space.knots[before, line.number, i] != line.pose.now[i]:
             line.moved_at = end
         space.knots[knot, line.number, i] = line.pose.now[i]
+    straight = line.paths[0]
+    known, begin = straight.known, straight.place
     heard = False
     for p in range(1 + space.walls):
         heard |= hear_path(state, line, line.paths[p], p, end)
     if space.late.on == 1:
-        for n in range(QUANTUM):
-            space.late.fed[n] += sound[n]
+        feed_late(state, line, begin if known == 1 else straight.place - QUANTUM, straight.place)
     if heard:
         state.stats.sounding += 1
     elif line.left == 1:

@@ -74,6 +74,22 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
 
 
 @kernel
+def feed_late(state: State, line: Line, begin: float, end: float) -> None:
+    """Add what arrives straight in this quantum, and left from `begin` to `end`, to what the room's late part is fed:
+    nothing comes by walls before that. Where the way changes, by a fade from whole samples to whole samples."""
+    space = state.surroundings
+    fed, window = space.late.fed, space.window
+    first, second = math.floor(begin + 0.5), math.floor(end + 0.5) - QUANTUM
+    _copy(space, line, second, QUANTUM, state.position + QUANTUM)
+    for n in range(QUANTUM):
+        fed[n] += window[n] * ((n + 1) / QUANTUM if first != second else 1.0)
+    if first != second:
+        _copy(space, line, first, QUANTUM, state.position + QUANTUM)
+        for n in range(QUANTUM):
+            fed[n] += window[n] * (1.0 - (n + 1) / QUANTUM)
+
+
+@kernel
 def _stays(space: Space, line: Line) -> bool:
     """True if neither an object nor the listener has moved for as long as a line holds."""
     return space.stays == 1 and line.moved_at + FRAMES <= space.now

@@ -241,6 +241,27 @@ def test_the_late_part_is_as_loud_in_each_channel():
     assert np.ptp(level) < 1.0
 
 
+def _late_alone(place) -> np.ndarray:
+    """Return what is heard of a click in a room of 10 by 8 by 3 m whose walls reflect nothing straight."""
+    engine = Engine(RATE, 2)
+    handle = engine.add(click())
+    room = furnish(6.0, -5, -4, -1.5, 5, 4, 1.5, 0.0, 0.5, 0.5, 1.0, 4 * 240 / 268 / C)
+    engine.send([listen(), room, put(handle, place)])
+    strike(engine, handle)
+    return engine.process(9_600).astype(float)
+
+
+@pytest.mark.parametrize("far", [0.5, 3.0, 4.9])
+def test_the_late_part_comes_after_the_straight_sound(far):
+    """The late part begins as long after that wherever the object is, with the same sound."""
+    begun = [int(np.argmax(np.abs(_late_alone((each, 0.0, 0.0))).max(axis=1) > 0.0)) for each in (0.4, far)]
+    assert begun[1] - begun[0] == pytest.approx((far - 0.4) / C * RATE, abs=2)
+    near, there = (_late_alone((each, 0.0, 0.0))[2_400:] for each in (0.4, far))
+    late = round(far / C * RATE) - round(0.4 / C * RATE)
+    shifted = near[: len(near) - late]
+    assert np.abs(there[late:] - shifted).max() < 0.02 * np.abs(shifted).max()
+
+
 def test_what_a_room_holds_comes_to_rest_and_goes_with_a_panic():
     engine = Engine(RATE, 1)
     handle = engine.add(bell(t60=0.1))
