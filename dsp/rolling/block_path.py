@@ -13,9 +13,8 @@ from ..contact.block_sizes import LAID, NODES_PER_PART
 from ..contact.coupled_records import Coupled
 from ..native.jit import kernel, noinline_kernel
 from .body import is_even
-from .contact_step import path_at
-from .coupled_roll import lead_coupled_roll
-from .path import AHEAD, BATCH, PIECES, Path, make_pieces
+from .coupled_roll import lead_coupled_roll, slope_at
+from .path import AHEAD, BATCH, PIECES, extend_path
 from .roll_record import Roll
 
 _TILT = math.sqrt(3.0)  # of 3 (2 t - 1) at the second Gauss node of [0, 1]; at the first it is the negative
@@ -94,12 +93,12 @@ def _lay_evenly(roll: Roll, block: Block, period: float, left: int) -> None:
     """Write the lines over the coming samples, of which so many are left."""
     block.piece, block.along, block.t, block.s = roll.piece, roll.along, roll.t, roll.s
     block.at, samples = 0, min(left, LAID)
-    _extend(roll.path, roll.piece + AHEAD)
+    extend_path(roll.path, roll.piece + AHEAD)
     for i in range(NODES_PER_PART * block.parts * samples):
         block.height[i] = block.slope[i] = 0.0
     for i in range(block.parts * samples + 1):
         block.steeper[i] = block.rounder[i] = 0.0
-    block.steeper[0], block.rounder[0] = _slope_at(roll, block.pace)
+    block.steeper[0], block.rounder[0] = slope_at(roll, block.pace)
     block.laid = _pass_kinks(roll, block, samples)
     _go_on(roll, block, period, block.laid)
     _add_parabolas(block)
@@ -126,13 +125,6 @@ def _go_on(roll: Roll, block: Block, period: float, samples: int) -> None:
 
 
 @kernel
-def _extend(path: Path, pieces: int) -> None:
-    """Make a path's pieces up to a number."""
-    while path.made < pieces:
-        make_pieces(path)
-
-
-@kernel
 def _pass_kinks(roll: Roll, block: Block, samples: int) -> int:
     """Add what the path's kinks in so many samples change, each to the part that it is in and to the next one's
     beginning; return how many samples the pieces reach over."""
@@ -148,7 +140,7 @@ def _pass_kinks(roll: Roll, block: Block, samples: int) -> int:
             samples = max(int(end) // block.parts, 1)
             break
         piece += 1
-        _extend(path, piece + 1)
+        extend_path(path, piece + 1)
         j = piece & (PIECES - 1)
         b = pace * (path.incline[j] - (path.incline[i] + path.curvature[i] * path.length[i]))
         c = 0.5 * pace * pace * (path.curvature[j] - path.curvature[i])
@@ -185,10 +177,3 @@ def _add_parabolas(block: Block) -> None:
             level += rise + bend + 0.5 * (slope0 + slope1)
             rise += 2.0 * bend
         block.rise[n] = level
-
-
-@kernel
-def _slope_at(roll: Roll, pace: float) -> tuple[float, float]:
-    """Return the slope (m per `pace`) of the path under a body, and half of what it changes by."""
-    incline = path_at(roll)[1]
-    return pace * incline, 0.5 * pace * pace * roll.path.curvature[roll.piece & (PIECES - 1)]

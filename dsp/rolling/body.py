@@ -25,9 +25,9 @@ from ..schema import SPEED
 from .abreast_record import STEERS
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, PIECES, make_pieces, renew_path, restart_path
+from .path import AHEAD, PIECES, extend_path, renew_path, restart_path
 from .roll_record import Roll
-from .sample_step import HERTZ, Body, follows, step_sample
+from .sample_step import HERTZ, Body, follows, pass_on, step_sample
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -164,14 +164,9 @@ def look_ahead(roll: Roll, seconds: float) -> float:
             roll.along = renew_path(path, roll.piece, roll.along)
         else:
             restart_path(path, path.begin)
-        roll.piece = 0
-    while path.made < roll.piece + AHEAD:
-        make_pieces(path)
-    while anew and roll.along > path.length[roll.piece & (PIECES - 1)]:
-        roll.along -= path.length[roll.piece & (PIECES - 1)]
-        roll.piece += 1
-        while path.made < roll.piece + AHEAD:
-            make_pieces(path)
+        extend_path(path, 1)
+        roll.piece, roll.along, _ = pass_on(path, 0, roll.along)
+    extend_path(path, roll.piece + AHEAD)
     if anew:
         # On another path the body keeps its distance and its rate, or begins at rest.
         if not begun:
@@ -339,8 +334,7 @@ def _goes_by_samples(roll: Roll, period: float) -> bool:
     if not follows(roll, period):
         return False
     path, first, way = roll.path, roll.piece, -roll.along
-    while path.made < first + AHEAD:
-        make_pieces(path)
+    extend_path(path, first + AHEAD)
     for n in range(first, first + AHEAD, 4):  # four that do not wait for one another
         a, b, c, d = n & (PIECES - 1), n + 1 & (PIECES - 1), n + 2 & (PIECES - 1), n + 3 & (PIECES - 1)
         way += (path.length[a] + path.length[b]) + (path.length[c] + path.length[d])

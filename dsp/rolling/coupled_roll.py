@@ -14,7 +14,7 @@ from ..contact.coupled_records import KINKS, Coupled
 from ..native.jit import kernel
 from .body import look_ahead, modulate, steer
 from .contact_step import path_at
-from .path import AHEAD, PIECES, make_pieces
+from .path import AHEAD, PIECES, extend_path
 from .roll_record import Roll
 
 _FIRST = 0.2  # of a radian of its swing: the first step to try
@@ -69,7 +69,7 @@ def _lay_path(roll: Roll, contact: Coupled, begin: float) -> None:
     """Lay the path from `begin` to the sample's end under a contact, and a line before it. The body ends there."""
     path = roll.path
     pace = roll.modulated_speed * contact.period
-    rise, bend = _slope_at(roll, pace)
+    rise, bend = slope_at(roll, pace)
     contact.rise, contact.bend = rise, bend
     if begin > 0.0:
         contact.bend = 0.0
@@ -84,16 +84,15 @@ def _lay_path(roll: Roll, contact: Coupled, begin: float) -> None:
         old_rise, old_bend = rise + 2.0 * bend * left, bend
         roll.piece += 1
         roll.along = 0.0
-        while path.made < roll.piece + AHEAD:
-            make_pieces(path)
-        rise, bend = _slope_at(roll, pace)
+        extend_path(path, roll.piece + AHEAD)
+        rise, bend = slope_at(roll, pace)
         _lay_kink(contact, at, rise - old_rise, bend - old_bend)
     roll.along += (1.0 - at) * pace
 
 
 @kernel
-def _slope_at(roll: Roll, pace: float) -> tuple[float, float]:
-    """Return the slope (m per sample) and the curvature of the path under a body."""
+def slope_at(roll: Roll, pace: float) -> tuple[float, float]:
+    """Return the slope (m per `pace`) of the path under a body, and half of what it changes by."""
     incline = path_at(roll)[1]
     return pace * incline, 0.5 * pace * pace * roll.path.curvature[roll.piece & (PIECES - 1)]
 

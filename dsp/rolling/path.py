@@ -340,6 +340,13 @@ def make_pieces(path: Path) -> None:
 
 
 @kernel
+def extend_path(path: Path, pieces: int) -> None:
+    """Make a path's pieces up to a number."""
+    while path.made < pieces:
+        make_pieces(path)
+
+
+@kernel
 def _settled_points(path: Path) -> int:
     """Return the number of points of the hull, from the first on, before the last of whose second edges nothing ahead
     can change the path: at least 1, by halves."""
