@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from ..dsp.bodies.heard import Best
 from ..dsp.bodies.material import CONTACT_RADIUS, HERTZ_EXPONENT, Material, contact_between, hertz
-from ..dsp.bodies.modes import Modes
+from ..dsp.bodies.modes import Modes, Silent
 from ..dsp.bodies.striker import StrikerSound
 from ..dsp.wording import expected
 from .gestures import Usual
@@ -273,7 +273,8 @@ class ObjectPreset:
             best = Best(self.stereo_width, self.most_modes)
             modes = made(make, top, arguments, best, spares=spares, on_disk=not self._replaced)
         except ValueError as error:
-            raise PresetError(f"{self.where}{error}") from None
+            where = self.where or (f"{self.name}: " if isinstance(error, Silent) else "")
+            raise PresetError(f"{where}{error}") from None
         return modes if self.glide is None else replace(modes, glide=self.glide)
 
     def struck_by(

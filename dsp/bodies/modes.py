@@ -27,7 +27,10 @@ class Silent(CaromError, ValueError):
     its series ends before that."""
 
     def __init__(self, top: float) -> None:
-        super().__init__(f"no mode lies between {LOWEST_FREQUENCY:g} Hz and {top:g} Hz")
+        super().__init__(
+            f"no mode lies between {LOWEST_FREQUENCY:g} Hz and {top:g} Hz: expected a body that rings there; a larger "
+            "or thinner one rings lower"
+        )
         self.top = top
 
 

@@ -163,9 +163,10 @@ class BodyMaker:
         try:
             return keys, self._sound(shape.ringing.preset, keys), ""
         except ValueError as error:
-            if not isinstance(error.__context__, Silent):
+            silent = error.__context__
+            if not isinstance(silent, Silent):
                 raise
-            return keys, None, f"it is held, and {error}"  # what moves clicks all the same
+            return keys, None, f"it is held, and {silent}"  # what moves clicks all the same
 
     def _surface(self, name: str, size: Any, material: Material | None, wall: float | None) -> Shape:
         """Return the shape of a mesh, its vertices and faces in the axes of the body; with the object that rings as it

@@ -268,7 +268,7 @@ def test_a_geometry_that_contradicts_itself_is_named_when_modes_are_made(folder)
     text = BAR.replace("width = 0.03\nthickness = 0.01", "diameter = 0.02\nwall = 0.015")
     with pytest.raises(PresetError, match=r"mine.toml: \[geometry\] wall = 0.015: expected at most half"):
         with_object(folder, text).object("mine").modes(20000)
-    with pytest.raises(PresetError, match=r"mine.toml: \[geometry\] no mode lies between 1 Hz and 20 Hz"):
+    with pytest.raises(PresetError, match=r"mine.toml: \[geometry\] no mode lies between 1 Hz and 20 Hz: expected"):
         with_object(folder, BAR.replace("width", 'ends = "cantilever"\nwidth', 1)).object("mine").modes(20)
 
 
@@ -290,3 +290,9 @@ def test_listed_objects_need_no_material_and_take_no_damping(folder):
         assert message in str(caught.value)
     with pytest.raises(PresetError, match=r"3 of t60.*expected 2"):
         with_object(folder, LISTED.replace("t60 = 2", "t60 = [1, 2, 3]")).object("mine").modes(20000)
+
+
+def test_a_preset_in_a_size_that_does_not_ring_is_named():
+    glass = Presets().object("wine-glass").replace(size=0.048)
+    with pytest.raises(PresetError, match=r"^wine-glass: no mode lies between 1 Hz and 10000 Hz: expected a body that"):
+        glass.modes(10_000.0)
