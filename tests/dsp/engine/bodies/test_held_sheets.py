@@ -41,7 +41,7 @@ def test_what_rings_under_a_hand_dies_away(rate, force, position, striker, left)
     """The splash sounded on, 0 to 26 dB under the most that there was: stretching pulled at nothing now and then, and
     modes that exchange energy took half of a kick, which a bent mode gets at every sample, for its motion."""
     with carom.Scene(rate, calibrated=True) as scene:
-        cymbal = scene.new("a", "splash-cymbal")
+        cymbal = scene.new("a", "splash-cymbal", stand=1.0)
         cymbal.impact(1.0, position=0.7)
         cymbal.press(force, position=position, striker=striker, at=0.1)
         sound = scene.render(3.0).samples.sum(axis=1, dtype=float)
