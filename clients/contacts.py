@@ -104,50 +104,54 @@ def assemble(
     if not len(trace):
         return ()
     numbers, samples = trace["contact"], trace["sample"]
-    if (numbers[1:] < numbers[:-1]).any() or (samples[1:] < samples[:-1]).any():  # a swarm's are place by place
-        trace = trace[np.lexsort((samples, numbers))]
-        numbers = trace["contact"]
+    if np.count_nonzero(numbers[1:] < numbers[:-1]) or np.count_nonzero(samples[1:] < samples[:-1]):
+        trace = trace[np.lexsort((samples, numbers))]  # a swarm's are place by place
     table = _Table(trace, rate)
-    begins = [0, *(np.flatnonzero(numbers[1:] != numbers[:-1]) + 1).tolist(), len(trace)]
-    contacts = [_contact(table, begin, end, start, striking) for begin, end in pairwise(begins)]
+    contacts = [_contact(table, begin, end, start, striking) for begin, end in pairwise(table.borders)]
     return tuple(sorted(contacts, key=lambda contact: contact.start))
 
 
 _AT = {name: TRACE.fields[name][1] // 8 for name in TRACE.names or ()}  # type: ignore[index]
 """The columns of TRACE by its names: of 8 bytes each, numbers or whole numbers."""
 
-_WHOLE = tuple(TRACE[name] == np.int64 for name in _AT)
-_SAMPLE, _GAIN, _POSITION, _IMPULSE = (_AT[name] for name in ("sample", "gain", "position", "impulse"))
+_SAMPLE, _GAIN, _POSITION, _IMPULSE, _KIND = (_AT[name] for name in ("sample", "gain", "position", "impulse", "kind"))
 _MOMENTS = slice(_IMPULSE, _IMPULSE + TRACED_MOMENTS)
 _PULSE = [_AT["begin"], _IMPULSE]
 
 
 class _Table:
-    """The entries of a trace as a table: a field of records, or one of them, takes as long as many columns."""
+    """The entries of a trace as a table: a field of records takes as long as many columns."""
 
     def __init__(self, trace: NDArray[np.void], rate: float) -> None:
+        self._trace = trace
         self.numbers: NDArray[np.float64] = trace.view(np.float64).reshape(len(trace), -1)
         self.whole: NDArray[np.int64] = self.numbers.view(np.int64)
         self.rate = rate
-        self.others = self.whole[:, _AT["kind"]] != PUSHED
         self.forces = self.numbers[:, _MOMENTS] * rate + 0.0  # N: as is added to zeros, no -0
         self.gain, self.position = self.numbers[:, _GAIN].copy(), self.numbers[:, _POSITION].copy()
+        contact, sample = self.whole[:, _AT["contact"]], self.whole[:, _SAMPLE]
+        begins = contact[1:] != contact[:-1]
+        self.borders = [0, *(np.flatnonzero(begins) + 1).tolist(), len(trace)]
+        """Places between contacts."""
+        self.is_plain = bool(
+            _is_steady(self.position)
+            and _is_steady(self.whole[:, _GAIN:])  # what follows the force: its gain, and what it does
+            and self.whole[0, _KIND] == PUSHED
+            and np.count_nonzero(begins | (sample[1:] - sample[:-1] == 1)) == len(begins)
+        )
+        """True if all of it presses alike at one place, sample by sample."""
 
     def entry(self, place: int) -> dict[str, Any]:
         """Return an entry by its names."""
-        numbers, whole = self.numbers[place].tolist(), self.whole[place].tolist()
-        return {
-            name: (whole if is_whole else numbers)[at] for (name, at), is_whole in zip(_AT.items(), _WHOLE, strict=True)
-        }
+        return dict(zip(_AT, self._trace[place].item(), strict=True))
 
 
 def _contact(table: _Table, begin: int, end: int, start: int, striking: Callable[[int], Striking]) -> Contact:
     """Return the contact of a table's entries from one up to another."""
     pressing: _Places = slice(begin, end)
     others, first, last = _NONE, begin, end - 1
-    if np.count_nonzero(table.others[pressing]):  # in a third of the time of `any`
-        pushed = table.others[pressing]
-        pressing, others = begin + np.flatnonzero(~pushed), begin + np.flatnonzero(pushed)
+    if not table.is_plain and np.count_nonzero(pushed := table.whole[pressing, _KIND] == PUSHED) < end - begin:
+        pressing, others = begin + np.flatnonzero(pushed), begin + np.flatnonzero(~pushed)
         if len(pressing):  # else friction alone, or a second pulse
             first, last = int(pressing[0]), int(pressing[-1])
     begun = table.entry(first)
@@ -179,6 +183,12 @@ def _drive(
     """Return the force of a contact, by the places of its entries that press and of all others, the entry with which it
     begins, and the place of the last that presses; entries that lack are samples without one, where nothing else
     changes."""
+    if table.is_plain:
+        sounding = begun if begun["sound"] >= 0 else _SILENT
+        return Drive(
+            table.forces[pressing], table.gain[pressing], table.position[pressing], _NO_FRICTION, bool(begun["fed"]),
+            sound=sounding["sound"], share=sounding["share"], ratio=sounding["ratio"], left=sounding["left"],
+        )  # fmt: skip
     whole, first, end = table.whole, begun["sample"], table.whole[last, _SAMPLE].item()
     rubbed = snapped = _NONE
     if len(others):
@@ -230,7 +240,7 @@ def _friction(table: _Table, rubbed: NDArray[np.intp], first: int, size: int) ->
     return friction
 
 
-def _is_steady(known: NDArray[np.float64]) -> bool:
+def _is_steady(known: NDArray[np.float64] | NDArray[np.int64]) -> bool:
     """True if values are all the same."""
     return not np.count_nonzero(known != known[:1])
 
