@@ -202,10 +202,10 @@ class Performer:
             elif self.contacts and each.serial and each.message.address != SENSOR:
                 striker = self._names.get(each.by, "") if each.by else ""
                 keys = _keys(each.message.args[1:] if begun and begun.what else each.message.args)
-                by_position = self.scene.objects[striker].preset.position if striker in self.scene.objects else 0.0
+                its = self.scene.objects.get(striker) if striker else None
                 self._striking[number] = Striking(
                     self._names[each.serial], striker, str(keys.get("id", "")), gesture, each.mass,
-                    float(keys.get("by_position", by_position)),  # type: ignore[arg-type]
+                    float(keys.get("by_position", its.preset.position if its else 0.0)),  # type: ignore[arg-type]
                 )  # fmt: skip
             if each.off_path or (begun and begun.swarms):
                 self.off_path |= {self._names[serial] for serial in (each.serial, each.by) if serial in self._names}
@@ -271,7 +271,7 @@ def chosen(presets: Folders) -> Presets:
     return presets if isinstance(presets, Presets) else Presets(presets)
 
 
-def _keys(args: tuple[Argument, ...]) -> dict[str, Argument]:
+def _keys(args: tuple[Argument, ...]) -> dict[Argument, Argument]:
     """Return the keys of a message and their values."""
     first = next((n for n, arg in enumerate(args) if isinstance(arg, str)), len(args))
-    return {str(key): value for key, value in zip(args[first::2], args[first + 1 :: 2], strict=True)}
+    return dict(zip(args[first::2], args[first + 1 :: 2], strict=True))

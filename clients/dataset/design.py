@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .recipe import GESTURE, SCORE, Recipe
 from .scores import FILE
-from .spread import Spread, Value
+from .spread import Value
 
 _BITS = 30  # of a Sobol point
 _MOST_AHEAD = 32  # items that nobody may ask for
@@ -76,14 +76,11 @@ def _item(recipe: Recipe, number: int, shares: NDArray[np.float64] | None) -> It
 
 
 def _made(recipe: Recipe, number: int, seed: int, shares: NDArray[np.float64]) -> Item:
-    drawn = {each.name: each.spread.at(float(u)) for each, u in zip(recipe.factors, shares, strict=True)}
+    drawn = {each.name: each.spread.at(u) for each, u in zip(recipe.factors, shares.tolist(), strict=True)}
     gesture = str(drawn.get(GESTURE, recipe.gestures[0]))
     used = [section for section in recipe.sections if section == gesture or section not in recipe.gestures]
     values = {
-        section: {
-            key: drawn[f"{section}.{key}"] if isinstance(value, Spread) else value
-            for key, value in recipe.sections[section].items()
-        }
+        section: {key: drawn.get(f"{section}.{key}", value) for key, value in recipe.sections[section].items()}
         for section in used
     }
     factors = {name: value for name, value in drawn.items() if name == GESTURE or name.partition(".")[0] in used}

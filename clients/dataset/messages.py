@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import chain
 
 from ...dsp.schema import GESTURES
 from ...server.osc import sensor_verbs
@@ -69,4 +70,4 @@ def number(values: Mapping[str, Value], key: str, default: float = 0.0) -> float
 
 
 def _pairs(values: Mapping[str, Value]) -> tuple[Argument, ...]:
-    return tuple(part for pair in values.items() for part in pair)
+    return tuple(chain.from_iterable(values.items()))

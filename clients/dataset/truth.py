@@ -109,7 +109,7 @@ class Followed:
 
     def all_in(self, serials: Iterable[int]) -> bool:
         """True if no object was there but these."""
-        return self._seen.keys() <= set(serials)
+        return not self._seen or self._seen.keys() <= set(serials)
 
 
 class Told:
@@ -257,11 +257,11 @@ class _Sound(NamedTuple):
     def about(self, drive: Drive, rate: float) -> Truth:
         """Describe the sound in a contact: of clicks and ringing that the force moves, and of second pulses, by their
         times (s) and impulses (N s)."""
-        ringing = sines(*self.ringing)
+        ringing, none = sines(*self.ringing), {"frequency": [], "decay": [], "gain": []}
         return {
             "clicks": [_click(self.click)] * self.clicks,
-            "ringing": sines(*_NONE) if self.is_second else ringing,
-            "second": ringing if self.is_second else sines(*_NONE),
+            "ringing": none if self.is_second else ringing,
+            "second": ringing if self.is_second else none,
             "snaps": [[frame / rate, impulse] for frame, impulse in drive.snaps],
         }
 
@@ -272,7 +272,8 @@ def _sound_of(performer: Performer, drive: Drive, told: Told | None) -> _Sound:
     if drive.sound < 0 or told is None:
         return _SILENT
     key = performer.engine.striker_at(drive.sound), drive.share, drive.ratio, drive.left
-    if key not in told.strikers:
+    known = told.strikers.get(key)
+    if known is None:
         if len(told.strikers) >= _MOST_STRIKERS:
             told.strikers.clear()
         kind, share = performer.engine.state[0]["strikers"][drive.sound], drive.share / AMPLIFIED
@@ -284,8 +285,9 @@ def _sound_of(performer: Performer, drive: Drive, told: Told | None) -> _Sound:
         rings = np.flatnonzero((np.arange(len(kind["frequency"])) >= kind["clicks"]) & (kind["frequency"] > 0.0))
         loud = np.outer(kind["weight"][rings] * share * drive.left, told.gains)
         ringing = kind["frequency"][rings], kind["sigma"][rings], loud
-        told.strikers[key] = _Sound(click, int(kind["clicks"]) // CLICK_MODES, ringing, bool(kind["momentum"] > 0.0))
-    return told.strikers[key]
+        known = _Sound(click, int(kind["clicks"]) // CLICK_MODES, ringing, bool(kind["momentum"] > 0.0))
+        told.strikers[key] = known
+    return known
 
 
 _SILENT = _Sound(Click(0.0, 0.0, np.zeros(0)), 0, _NONE, False)

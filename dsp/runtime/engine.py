@@ -99,7 +99,7 @@ class Engine:
     def rewind(self, mark: Mark) -> None:
         """Bring it back to a mark that was made before any striker sounded. OSError as `mark`: then it is of no use."""
         mark.restore()
-        self._strikers = Strikers(self._record, self.top_frequency)
+        self._strikers.forget()
         self._ends_read = 0
 
     @property

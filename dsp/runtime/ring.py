@@ -27,8 +27,9 @@ class Ring:
 
     def __init__(self, record: Any) -> None:
         self._record = record
-        self._ring = record["ring"]
-        self.entries: NDArray[np.void] = self._ring["entries"]
+        ring = record["ring"]
+        self._written, self._read = ring["written"], ring["read"]
+        self.entries: NDArray[np.void] = ring["entries"]
         """The commands, by their numbers modulo RING. Whoever writes them has asked for room, sets their numbers, and
         publishes."""
         self.bytes = as_bytes(self.entries)
@@ -36,11 +37,11 @@ class Ring:
     @property
     def sent(self) -> int:
         """Commands sent so far: the number of the next."""
-        return int(self._ring["written"][0])
+        return int(self._written[0])
 
     def room(self) -> int:
         """Return how many commands can be sent now."""
-        return RING - int(self._ring["written"][0]) + int(observe(self._ring["read"]))
+        return RING - self.sent + observe(self._read)
 
     def send(self, commands: Sequence[Command]) -> None:
         """Send commands all at once, or EngineFull and none of them."""
@@ -48,11 +49,11 @@ class Ring:
         written = self.sent
         for number, command in enumerate(commands, written):
             write(self.entries[number % RING], number, command)
-        publish(self._ring["written"], written + len(commands))
+        publish(self._written, written + len(commands))
 
     def publish(self, number: int) -> None:
         """Publish to the engine what was written into `entries` before a number."""
-        publish(self._ring["written"], number)
+        publish(self._written, number)
 
     def require_room(self, count: int, latest: float) -> None:
         """Raise EngineFull unless there is room for so many commands, the last for a time (samples)."""

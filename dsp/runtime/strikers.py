@@ -25,25 +25,31 @@ class Strikers:
         self._places = record["strikers"]
         self._bytes = as_bytes(self._places)
         self._top = top
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew, as in memory that is as it was at first."""
         self._known: OrderedDict[StrikerSound, dict[str, float]] = OrderedDict()
+        self._sounds: dict[int, StrikerSound] = {}
         self._serial = 0
 
     def lay_out(self, sound: StrikerSound) -> dict[str, float]:
         """Lay a striker's sound out; return its place and serial."""
-        if sound in self._known:
+        if laid := self._known.get(sound):
             self._known.move_to_end(sound)
-            return self._known[sound]
+            return laid
         place = len(self._known)
         if place == STRIKERS:
             place = int(self._known.popitem(last=False)[1]["sound"])
         self._serial += 1
         self._write(place, sound)
-        self._known[sound] = {"sound": place, "sound_serial": self._serial}
-        return self._known[sound]
+        self._sounds[place] = sound
+        laid = self._known[sound] = {"sound": place, "sound_serial": self._serial}
+        return laid
 
     def at(self, place: int) -> StrikerSound | None:
         """Return the sound that is laid out at a place; None where there is none."""
-        return next((sound for sound, laid in self._known.items() if laid["sound"] == place), None)
+        return self._sounds.get(place)
 
     def _write(self, place: int, sound: StrikerSound) -> None:
         self._places["serial"][place] = 0  # nobody takes what is half written
