@@ -178,7 +178,7 @@ def _played(
     width, channels = performer.engine.width, performer.engine.channels
     whole = _joined(pieces, frames, width)
     contacts = assemble(trace, recipe.rate, 0, performer.striking)
-    pressure = whole[:, :channels]
+    pressure = np.ascontiguousarray(whole[:, :channels])
     pressure *= np.float32(1.0 / AMPLIFIED)  # a power of two
     return pressure, whole[:, channels:], contacts
 

@@ -30,12 +30,13 @@ def quantized(
     pressure: NDArray[np.float32], peak: float, full_scale: float, samples: str
 ) -> NDArray[np.float32] | NDArray[np.float64]:
     """Return a pressure, of which nothing is above a peak, as samples: floats, or the nearest whole numbers of steps,
-    in floats as well."""
+    in floats as well; in the pressure's own memory where that holds them."""
     if samples not in QUANTIZED:
         return pressure / np.float32(full_scale)
     most = 2 ** (QUANTIZED[samples] - 1)
     factor = most / full_scale
-    steps: NDArray[np.float32] | NDArray[np.float64] = np.multiply(pressure, factor, dtype=_exact(factor))
+    steps: NDArray[np.float32] | NDArray[np.float64] = pressure.astype(_exact(factor), copy=False)
+    steps *= factor
     np.rint(steps, out=steps)
     if round(peak * factor) >= most:  # there is no such number above 0
         np.clip(steps, -most, most - 1, out=steps)
@@ -44,12 +45,14 @@ def quantized(
 
 
 def pascals(samples: NDArray[Any], full_scale: float, form: str) -> NDArray[np.float32]:
-    """Return samples of a form as a pressure: what a reader of their file multiplies by the full scale."""
+    """Return samples of a form as a pressure: what a reader of their file multiplies by the full scale; in the samples'
+    own memory where that holds it."""
     if form not in QUANTIZED:
         return (samples.astype(np.float64) * full_scale).astype(np.float32)
     step = step_of(full_scale, form)
-    found: NDArray[np.float32] = np.multiply(samples, step, dtype=_exact(step)).astype(np.float32, copy=False)
-    return found
+    found: NDArray[Any] = samples.astype(_exact(step), copy=False)
+    found *= step
+    return found.astype(np.float32, copy=False)
 
 
 def _exact(factor: float) -> np.dtype[np.float32] | np.dtype[np.float64]:

@@ -29,7 +29,7 @@ def test_samples_are_the_nearest_steps(tmp_path, samples):
     bits = int(samples)
     pressure = np.random.default_rng(1).uniform(-3, 3, (1_000, 1)).astype(np.float32)
     recipe = recipe_of(tmp_path, f'samples = "{samples}"\n' + SMALL)
-    steps = quantized(pressure, float(abs(pressure).max()), 4.0, samples)
+    steps = quantized(pressure.copy(), float(abs(pressure).max()), 4.0, samples)
     back = soundfile.read(io.BytesIO(sound_file(steps, recipe)), always_2d=True)[0]
     assert np.abs(4.0 * back - pressure).max() <= 2.0 ** (2 - bits) * 1.001
 
@@ -38,7 +38,7 @@ def test_samples_are_the_nearest_steps(tmp_path, samples):
 def test_steps_and_pressures_are_those_of_double_precision(full_scale):
     """Single precision, which is used for powers of two, loses nothing."""
     pressure = (full_scale * np.random.default_rng(2).uniform(-1, 1, (1_000, 1))).astype(np.float32)
-    steps = quantized(pressure, float(abs(pressure).max()), full_scale, "24")
+    steps = quantized(pressure.copy(), float(abs(pressure).max()), full_scale, "24")
     exact = np.rint(pressure.astype(np.float64) * (2**23 / full_scale))
     np.testing.assert_array_equal(steps, np.minimum(exact, 2**23 - 1))
     np.testing.assert_array_equal(pascals(steps, full_scale, "24"), (exact * (full_scale / 2**23)).astype(np.float32))
