@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +80,7 @@ def _made(recipe: Recipe, number: int, seed: int, shares: NDArray[np.float64]) -
     drawn = {each.name: each.spread.at(u) for each, u in zip(recipe.factors, shares.tolist(), strict=True)}
     gesture = str(drawn.get(GESTURE, recipe.gestures[0]))
     used = [section for section in recipe.sections if section == gesture or section not in recipe.gestures]
-    values = {
+    values: dict[str, dict[str, Any]] = {
         section: {key: drawn.get(f"{section}.{key}", value) for key, value in recipe.sections[section].items()}
         for section in used
     }

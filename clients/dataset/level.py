@@ -35,7 +35,7 @@ def quantized(
         return pressure / np.float32(full_scale)
     most = 2 ** (QUANTIZED[samples] - 1)
     factor = most / full_scale
-    steps: NDArray[np.float32] | NDArray[np.float64] = pressure.astype(_exact(factor), copy=False)
+    steps: NDArray[Any] = pressure.astype(_exact(factor), copy=False)
     steps *= factor
     np.rint(steps, out=steps)
     if round(peak * factor) >= most:  # there is no such number above 0

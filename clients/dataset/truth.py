@@ -257,7 +257,7 @@ class _Sound(NamedTuple):
     def about(self, drive: Drive, rate: float) -> Truth:
         """Describe the sound in a contact: of clicks and ringing that the force moves, and of second pulses, by their
         times (s) and impulses (N s)."""
-        ringing, none = sines(*self.ringing), {"frequency": [], "decay": [], "gain": []}
+        ringing, none = sines(*self.ringing), dict[str, Any](frequency=[], decay=[], gain=[])
         return {
             "clicks": [_click(self.click)] * self.clicks,
             "ringing": none if self.is_second else ringing,
