@@ -115,7 +115,7 @@ def _step(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, n:
     for i in range(size):
         _predict(contacts[net.contact[i]].coupled, blocks[net.block[i]], i, n, times)
     if net.lasts == 1:
-        _keep_at_rest(blocks, net)
+        _keep_at_rest(blocks, net, size, times)
     find_forces(contacts, blocks, net, size, times)
     if not _conserve(contacts, blocks, net, size, times):
         for i in range(size):
@@ -139,9 +139,9 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
                 _rate(contacts, blocks, net, i, times)
             excess = _account(contacts, blocks, net, size, i, times)
             block = blocks[net.block[i]]
-            if block.solved == 0 or not math.isfinite(excess) or (block.leaves == 1 and not _pushes(block)):
+            if block.solved == 0 or not math.isfinite(excess) or (block.leaves == 1 and not _pushes(block, times)):
                 return False
-            if not _is_gentle(contacts[net.contact[i]].coupled, block):
+            if not _is_gentle(contacts[net.contact[i]].coupled, block, times):
                 return False
             if excess > 0.0:
                 grows = True
@@ -153,20 +153,20 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
 
 
 @kernel
-def _is_gentle(contact: Coupled, block: Block) -> bool:
+def _is_gentle(contact: Coupled, block: Block, times: tuple[float, ...]) -> bool:
     """True if a contact pushes with no more energy than its parts of a sample follow."""
     most = 0.0
-    for k in range(forces_of(block)):
+    for k in range(len(times)):
         most = max(most, block.force[k])
     speed = block.v[0] / contact.period
     return is_gentle(most, block.stored + 0.5 * contact.mass * speed * speed, block.landing, block.scale)
 
 
 @kernel
-def _pushes(block: Block) -> bool:
+def _pushes(block: Block, times: tuple[float, ...]) -> bool:
     """True if a contact pushes at all nodes of a sample, and touches at its end."""
     least = block.end
-    for k in range(forces_of(block)):
+    for k in range(len(times)):
         least = min(least, block.force[k])
     return least > 0.0
 
@@ -215,8 +215,7 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
         point = rows[first + k], parts * (after - before), rows[first + forces + part]
         x, v = free_at(at, 1.0 if k % NODES_PER_PART == 1 else -1.0, body, path, point)
         tilted += SHARES[parts, k] * (2.0 * at - 1.0) * v
-        block.free[k] = block.seen[k] = x
-        block.free[FORCES + k] = block.seen[FORCES + k] = v + rest * held[FORCES + k]
+        block.free[k], block.free[FORCES + k] = x, v + rest * held[FORCES + k]
         block.last[k] = block.force[k]
         block.force[k] = max(2.0 * block.force[k] - block.before[k], 0.0)
     block.travel[0] = moved + 0.5 * pushed + block.rise[block.at] + (begin - rows[end])
@@ -229,31 +228,29 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
 def _bend(block: Block, rows: View[float], times: tuple[float, ...]) -> None:
     """Set the means of higher P_l times the compression's rate, by the rows of it and by the path's slope."""
     parts = len(times) // NODES_PER_PART
-    for moment in range(2, MOMENTS_AHEAD):
-        total = 0.0
-        if moment <= parts:
-            total = -rows[moment - 2]
-            for k in range(len(times)):
-                s = 2.0 * AT[parts, k] - 1.0
-                value = 1.5 * s * s - 0.5 if moment == 2 else (2.5 * s * s - 1.5) * s
-                total += SHARES[parts, k] * value * block.slope[len(times) * block.at + k]
+    for moment in range(2, parts + 1):
+        total = -rows[moment - 2]
+        for k in range(len(times)):
+            s = 2.0 * AT[parts, k] - 1.0
+            value = 1.5 * s * s - 0.5 if moment == 2 else (2.5 * s * s - 1.5) * s
+            total += SHARES[parts, k] * value * block.slope[len(times) * block.at + k]
         block.travel[moment] = total
 
 
 @kernel
-def _keep_at_rest(blocks: Items[Block], net: Net) -> None:
+def _keep_at_rest(blocks: Items[Block], net: Net, size: int, times: tuple[float, ...]) -> None:
     """Add what series miss of forces that last, as they were at the end of the sample before."""
-    for i in range(net.size):
+    for i in range(size):
         block = blocks[net.block[i]]
-        for j in range(net.size):
+        for j in range(size):
             tables, other = block.tables[j], blocks[net.block[j]]
             if other.leaves == 1:
-                force = (net.ratio[i, j] if i != j else 1.0) * other.last[forces_of(other) - 1]
-                for k in range(MOTIONS):
+                force = (net.ratio[i, j] if i != j else 1.0) * other.last[len(times) - 1]
+                for k in range(len(times)):
                     block.free[k] += force * tables.missed[k]
-                    block.seen[k] += force * tables.missed[k]
-                for k in range(MOMENTS_AHEAD):
-                    block.travel[k] += force * tables.missed_travel[k]
+                    block.free[FORCES + k] += force * tables.missed[FORCES + k]
+                for moment in range(len(times) // NODES_PER_PART + 1):
+                    block.travel[moment] += force * tables.missed_travel[moment]
 
 
 @kernel

@@ -139,8 +139,8 @@ def _solve_alone(contact: Coupled, block: Block, own: Tables, times: tuple[float
     for part in range(len(times) // NODES_PER_PART):
         first = NODES_PER_PART * part
         second = first + 1
-        x0, x1 = block.seen[first], block.seen[second]
-        v0, v1 = block.seen[FORCES + first], block.seen[FORCES + second]
+        x0, x1 = block.free[first], block.free[second]
+        v0, v1 = block.free[FORCES + first], block.free[FORCES + second]
         for p in range(first):
             give = own.give[p * MOTIONS :]
             x0 -= give[first] * block.force[p]
@@ -159,9 +159,11 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
     here, there = own.give[i * MOTIONS :], own.give[j * MOTIONS :]
     a = here[i], here[j], there[i], there[j]
     w = here[FORCES + i], here[FORCES + j], there[FORCES + i], there[FORCES + j]
-    forces = block.force[i], block.force[j]
     if x0 <= 0.0 and x1 <= 0.0:
-        forces = 0.0, 0.0
+        block.force[i] = block.force[j] = 0.0
+        block.v[i], block.v[j] = v0, v1
+        return True
+    forces = block.force[i], block.force[j]
     rate, changed = 1.0 / contact.period, CHANGED[block.parts]
     solved = False
     for _ in range(NEWTON_STEPS):

@@ -39,7 +39,6 @@ class Tables(Record):
 
     settled: int  # number of the receptance of the contact whose force it is, 0: none is known
     # m/(N s): what each moment adds to rows of later samples, from a line of the cache on, as `add_tables` reads it.
-    # Of one part, whose rows fill half a line, once more half a line behind.
     # Of what moves, for a block amid the quantum, and at its ends (block_tables.py).
     later: Annotated[View[float], MOMENTS_AHEAD * AHEAD * ROWS + AT_ONCE]
     ends: Annotated[View[float], 2 * FINE]  # m/(N sample): the answers within a sample at these

@@ -14,7 +14,6 @@ _BEHIND = 1.0 / 2160.0
 that gives s^2/2160 less than the part itself takes that off, and leaves s^7/54000, the other way."""
 
 _OF_ONE = 4  # rows of a block of one part: half a line of the cache
-_ODD = 2 * (AHEAD + 2) * _OF_ONE  # where its answers lie once more, half a line behind
 AT_BEGIN, AT_END = 1024, 2048
 """Places in `later` of tables for a quarter of AHEAD samples at a quantum's ends."""
 
@@ -114,23 +113,12 @@ def take_rows(block: Block, laid: View[float], scale: float, samples: int) -> No
 def take_answers(block: Block, tables: Tables, moment: int, laid: View[float], samples: int, begin: int) -> None:
     """Take the rows of the motion over so many samples that follow on a moment of a force that is 1; begin: 0, or
     AT_BEGIN or AT_END."""
-    count, first = rows_of(block), line_of(tables.later) + begin
-    _take_answers(block, tables.later[first:], moment, laid, samples, 0)
-    if count == _OF_ONE:
-        _take_answers(block, tables.later[first + _ODD :], moment, laid, samples, _OF_ONE)
-
-
-@kernel
-def _take_answers(block: Block, later: View[float], moment: int, laid: View[float], samples: int, behind: int) -> None:
-    """Take them so many values behind the first, before which they are 0."""
-    count, moments = rows_of(block), moments_of(block)
-    for i in range(behind):
-        later[moment * AT_ONCE + i] = 0.0
+    count, moments, first = rows_of(block), moments_of(block), line_of(tables.later) + begin
     for r in range(count):
         for n in range(samples):
-            i = n * count + r + behind
+            i = n * count + r
             within = i % AT_ONCE
-            later[(i - within) * moments + moment * AT_ONCE + within] = laid[r * AHEAD + n]
+            tables.later[first + (i - within) * moments + moment * AT_ONCE + within] = laid[r * AHEAD + n]
 
 
 @kernel
@@ -149,7 +137,7 @@ def mix_tables(block: Block, tables: Tables, share: float, samples: int, answer:
     for n in range(FINE):
         answer[n] = ends[n] + share * (ends[FINE + n] - ends[n])
     settle_tables(tables, answer, block.parts, stiffness)
-    for i in range(_values_for(block, samples)):
+    for i in range(samples * rows_of(block) * moments_of(block)):
         early = later[first + AT_BEGIN + i]
         later[first + i] = early + share * (later[first + AT_END + i] - early)
 
@@ -160,16 +148,8 @@ def go_on_from_end(block: Block, tables: Tables, samples: int) -> None:
     later, first = tables.later, line_of(tables.later)
     for n in range(FINE):
         tables.ends[n] = tables.ends[FINE + n]
-    for i in range(_values_for(block, samples)):
+    for i in range(samples * rows_of(block) * moments_of(block)):
         later[first + AT_BEGIN + i] = later[first + AT_END + i]
-
-
-@kernel
-def _values_for(block: Block, samples: int) -> int:
-    """Return how many values of a block's tables reach over so many samples."""
-    if block.parts == 1:
-        return _ODD + 2 * (samples + 2) * _OF_ONE
-    return samples * rows_of(block) * moments_of(block)
 
 
 @kernel
@@ -212,10 +192,8 @@ def _feel(block: Block, tables: Tables, moments: View[float], n: int, left: int,
 @kernel
 def _feel_next(block: Block, tables: Tables, moments: View[float], n: int, near: int, share: float) -> None:
     """Add it to the rows of so many samples of one part."""
-    odd = (n + 1) & 1  # then it begins amid a line
-    first, begin = line_of(tables.later) + odd * _ODD, (n + 2 - odd) * _OF_ONE
-    factors = share * moments[0], share * moments[1]
-    add_few(motion_of(block), begin, tables.later, first, factors, (near + odd) * _OF_ONE)
+    first, begin, factors = line_of(tables.later), (n + 2) * _OF_ONE, (share * moments[0], share * moments[1])
+    add_few(motion_of(block), begin, tables.later, first, factors, near * _OF_ONE)
 
 
 @noinline_kernel
