@@ -219,7 +219,9 @@ def _begin(friction: Friction, bank: _Bank, tangential: float) -> None:
     begin_friction(friction, 1.0 / friction.period)
     stiffen(friction, tangential)
     n = len(bank.modes.y1)
-    set_rows(bank.modes, bank.rows, n)
+    for i in range(n):
+        bank.work[i] = 1.0
+    set_rows(bank.modes, bank.work, bank.rows, n)
     set_shapes(n, bank.point, 1.0, bank.rows, n)
     velocity_response(bank.modes, bank.rows, n, bank.work, bank.moments[0])
     respond_along(friction, bank.moments[0])

@@ -81,3 +81,14 @@ def set_unfelt(modes: Modes, i: int, frequency: float, decay: float, rate: float
     set_mode(modes, i, frequency, decay, rate, complex(weight, 0.0))
     base = (i // LANES) * RESPONSES + i % LANES
     modes.response[base + MOBILITY] = modes.response[base + MOBILITY + LANES] = 0.0
+
+
+@kernel
+def yield_less(modes: Modes, i: int, share: float) -> None:
+    """Scale the shape of mode i, that has just got its coefficients, by a share wherever forces act."""
+    base = (i // LANES) * RESPONSES + i % LANES
+    for k in range(2 * FINE):
+        modes.response[base + k * LANES] *= share
+    modes.response[base + MOBILITY + LANES] *= share
+    for k in range(REACH + 2):
+        modes.response[base + FED + k * LANES] *= share

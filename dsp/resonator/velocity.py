@@ -31,8 +31,11 @@ _AT_THIRD, _AT_END = (np.array([Legendre.basis(k, domain=[0, 1])(t) for k in ran
 
 
 @kernel
-def set_rows(modes: Modes, rows: View[float], stride: int) -> None:
-    """Set the rows of as many modes, but for their shapes: rows[j stride + i]. To be called when modes are retuned."""
+def set_rows(modes: Modes, weights: View[float], rows: View[float], stride: int) -> None:
+    """Set the rows of as many modes, but for their shapes: rows[j stride + i]. To be called when modes are retuned.
+
+    weights: those that scale their samples.
+    """
     response = modes.response
     for i in range(len(modes.a1)):
         base = i // LANES * RESPONSES + i % LANES
@@ -48,13 +51,14 @@ def set_rows(modes: Modes, rows: View[float], stride: int) -> None:
         # a displacement.
         u1, u2 = 0.5 * a1 / sine - lag, a2 / sine
         v1, v2 = 1.0 / sine, -0.5 * a1 / sine - lag
-        c = sine * (mobility / size) ** 2
+        square = weights[i] * weights[i] * sine
+        c = 1.0 / square
         after1, after2 = a1 * u1 + a2 * v1, a1 * u2 + a2 * v2
         here1, here2 = c * (a1 * after1 + a2 * u1), c * (a1 * after2 + a2 * u2)
         before1, before2 = c * a2 * after1, c * a2 * after2
         _set_row(rows, _SUMS, stride, i, here1, here2)
         _set_row(rows, _SUMS + 2, stride, i, before1, before2)
-        d = mobility / size
+        d = size / (mobility * sine * square)
         after = 0.5 * a1 - lag * sine
         _set_row(rows, _ANSWER, stride, i, d * (a1 * after + a2), d * a2 * after)
         third1 = third2 = end1 = end2 = 0.0

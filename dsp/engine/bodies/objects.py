@@ -20,6 +20,8 @@ _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
 _STILL = 1e-5  # of silence, of what is sensed
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
+_MUTED = 2.0**-200  # of a mode's weight while it is only felt: a power of two, so that it comes back to the bit
+_FAINTEST = 1e-30  # no mode has a weight below (runtime/plan.py) that is not muted
 _HEAVIEST = 10.0  # of a mode's decay a sample, in nepers: it is gone in one, and more only costs digits
 _RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
 
@@ -132,16 +134,51 @@ def relief_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
 def ringing_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     """Return frequency (Hz), decay (1/s) and weight of the answer to forces of mode i of an object, as it rings now.
 
-    Nothing excites a mode that is tuned above `highest_of`, and its ringing fades there; but those that are felt alone
-    are as high as they like (runtime/unheard.py).
+    A mode that is tuned above `highest_of` is felt and not heard: its weight is next to nothing as long as it is there.
+    It rings as high as the bank can have it, as do those that are felt alone (runtime/unheard.py), but fades, as the
+    spectral bank drops it. Nothing excites such a mode of a plate whose modes can be coupled.
     """
     frequency, sigma = frequency_of(state, obj, i), sigma_of(state, obj, i)
-    highest = highest_of(state)
+    highest, weight = highest_of(state), _weight_of(state, obj, i)
     if i >= obj.unheard:
-        return recurring(frequency, 0.5 * state.rate), sigma, state.bank.weight[obj.first + i]
-    if frequency > highest:
+        return recurring(frequency, 0.5 * state.rate), sigma, weight
+    if frequency > highest and obj.sheet >= 0:
         return highest, sigma + _FADE, 0.0
-    return frequency, sigma, state.bank.weight[obj.first + i]
+    if frequency > highest:
+        return recurring(frequency, 0.5 * state.rate), sigma + _FADE, _MUTED * weight
+    return frequency, sigma, weight
+
+
+@kernel
+def _weight_of(state: State, obj: Object, i: int) -> float:
+    """Return the weight of an object's mode i where it is heard."""
+    weight = state.bank.weight[obj.first + i]
+    return weight / _MUTED if is_muted(state, obj, i) else weight
+
+
+@kernel
+def is_muted(state: State, obj: Object, i: int) -> bool:
+    """True if an object's mode i, of those that are heard, is only felt as it is tuned now."""
+    return abs(state.bank.weight[obj.first + i]) < _FAINTEST
+
+
+@kernel
+def weigh_anew(state: State, obj: Object, i: int, weight: float) -> None:
+    """Scale the samples of an object's mode i to a weight that `ringing_of` says: it keeps its energy."""
+    at, bank = obj.first + i, state.bank
+    if weight == 0.0 or weight == bank.weight[at]:
+        return
+    factor = _MUTED if abs(weight) < abs(bank.weight[at]) else 1.0 / _MUTED
+    bank.weight[at] = weight
+    bank.y1[at] *= factor
+    bank.y2[at] *= factor
+
+
+@kernel
+def share_felt(state: State, obj: Object, i: int, frequency: float) -> float:
+    """Return the share of its shape by which an object's mode i is felt that rings at a frequency (Hz): at a lower one
+    than its own, it yields as far as there."""
+    return frequency / frequency_of(state, obj, i) if frequency > highest_of(state) else 1.0
 
 
 @kernel

@@ -2,9 +2,9 @@
 
 from ...native.jit import noinline_kernel
 from ...resonator.click import set_click
-from ...resonator.coefficients import set_mode, set_unfelt
+from ...resonator.coefficients import set_mode, set_unfelt, yield_less
 from ..memory.state import Object, State
-from .objects import is_felt, modes_of, relief_of, ringing_of
+from .objects import is_felt, modes_of, relief_of, ringing_of, share_felt, weigh_anew
 
 
 @noinline_kernel
@@ -15,7 +15,11 @@ def retune(state: State, obj: Object, count: int) -> None:
         i = obj.retuning
         if is_felt(obj, i):
             frequency, sigma, weight = ringing_of(state, obj, i)
+            share = share_felt(state, obj, i, frequency)
+            weigh_anew(state, obj, i, weight)
             set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
+            if share != 1.0:
+                yield_less(modes, i, share)
         elif i < obj.bent:
             frequency, sigma, weight = relief_of(state, obj, i)
             set_unfelt(modes, i, frequency, sigma, state.rate, weight)

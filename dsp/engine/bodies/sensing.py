@@ -10,7 +10,7 @@ from ..memory.commands import Event
 from ..memory.mounted import SENSORS
 from ..memory.sensor_record import SensorState
 from ..memory.state import QUANTUM, Object, State
-from .objects import place, shape_at
+from .objects import is_muted, place, shape_at
 from .surface import put_at
 
 
@@ -87,7 +87,7 @@ def _know(state: State, obj: Object, sensor: SensorState) -> None:
     sensor.retuned, sensor.count = obj.retuned, obj.felt
     for i in range(obj.felt):
         at = obj.first + i
-        shape = _shape_of(state, obj, sensor, i)
+        shape = 0.0 if is_muted(state, obj, i) else _shape_of(state, obj, sensor, i)
         set_sensed(
             sensor.rows, i, bank.a1[at], bank.a2[at], shape, bank.weight[at], state.rate,
             sensor.mounted.acceleration == 1,

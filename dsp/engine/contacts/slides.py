@@ -186,7 +186,7 @@ def _settle(state: State, contact: Contact) -> None:
         modes = modes_of(state, obj, 0, slide.modes[side])
         where = point_of(state, obj, point)
         if slide.stale == 1:
-            set_rows(modes, slide.rows[side], SLID)
+            set_rows(modes, state.bank.weight[obj.first : obj.first + obj.size], slide.rows[side], SLID)
         set_shapes(slide.modes[side], where, slide.along, slide.rows[side], SLID)
         velocity_response(modes, slide.rows[side], SLID, scratch.work, scratch.fine)
         for n in range(FINE):

@@ -43,7 +43,7 @@ def test_modes_above_the_nyquist_share_are_left_out():
     engine.send([setting(handle, "tune", 1.01)])
     engine.process(QUANTUM)
     lane = obj["first"] + 1
-    assert bank["response"][0] != 0 and bank["response"][1] == 0  # of moment 0: it is not excited
+    assert 0 < abs(bank["response"][1]) < 1e-30 * abs(bank["response"][0])  # of moment 0: nobody hears it
     engine.process(22_050 // 4)
     assert abs(bank["y1"][lane]) < 1e-9  # and what it rang has faded
 

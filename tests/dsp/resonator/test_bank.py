@@ -10,10 +10,12 @@ from scipy.integrate import solve_ivp
 from carom.dsp import contact
 from carom.dsp.contact import closed_form
 from carom.dsp.contact.pulse_record import PULSE
-from carom.dsp.numerics.legendre import KEPT
+from carom.dsp.numerics.legendre import FINE, KEPT
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.resonator.mode import ring_from
+from carom.dsp.resonator.sizes import ROWS
+from carom.dsp.resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 from tests import accuracy
 
 LANES = bank.LANES
@@ -314,3 +316,33 @@ def test_fine_moments_are_those_of_the_coarse_and_more():
     coarse.strike(moments)
     bank.inject_fine(fine.modes, fine.point, moments)
     np.testing.assert_array_equal(coarse.y1, fine.y1)
+
+
+def test_modes_that_yield_less_are_modes_of_smaller_shapes():
+    """All that is seen of a point and done there: displacements, velocities, answers to forces, one number a frame."""
+    rate, share = 48_000.0, 0.3
+    frequency, decay = np.linspace(300.0, 50_000.0, LANES), np.linspace(1.0, 3_000.0, LANES)
+    random = np.random.default_rng(4)
+    weights, moments = random.uniform(0.2, 2.0, LANES), random.uniform(-1, 1, FINE)
+
+    def seen(shrunk):
+        modes = Bank(frequency, decay, rate)
+        for i in range(LANES):
+            coefficients.set_mode(modes.modes, i, frequency[i], decay[i], rate, complex(weights[i], 0.0))
+            if shrunk:
+                coefficients.yield_less(modes.modes, i, share)
+        shape = np.full(4 * LANES, 1.0 if shrunk else share)
+        point = bank.Point(shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]))
+        work, rows, found = np.zeros(3 * LANES), np.zeros(ROWS * LANES), np.zeros((4, FINE))
+        bank.inject_fine(modes.modes, point, moments)
+        bank.observe(modes.modes, point, work, found[0])
+        bank.receptance(modes.modes, point, work, found[1])
+        set_rows(modes.modes, weights, rows, LANES)
+        set_shapes(LANES, point, 1.0, rows, LANES)
+        velocity_response(modes.modes, rows, LANES, work, found[2])
+        observe_velocity(modes.modes, rows, LANES, work, found[3])
+        fed = modes.response[bank.FED : bank.FED + 4 * LANES] * shape[0]
+        return modes.y1, modes.y2, *found, fed, np.array(sense(modes.modes, rows, LANES))
+
+    for one, other in zip(seen(False), seen(True), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-15 * np.abs(other).max())
