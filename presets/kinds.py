@@ -42,7 +42,7 @@ from .schema import (
 )
 from .sounding import sound_of
 from .stored import STORE
-from .values import Many, Row, shown
+from .values import Computed, Many, Row, shown
 
 if TYPE_CHECKING:
     from ..dsp.bodies.added import Added
@@ -352,11 +352,15 @@ class ObjectPreset:
         factor = check("", {"size": size}, SIZED, ())["size"]
         scaled = {key: factor * self.geometry[key] for key in lengths if key not in given}
         where = f"size = {shown(size)}: "
-        geometry = {**self.geometry, **check(where, scaled, shape.fields, ())}
+        checked = check(where, {key: Computed(value) for key, value in scaled.items()}, shape.fields, ())
+        geometry = {**self.geometry, **checked}
         data = {**self._data, "geometry": {**self._data["geometry"], **scaled}}
         added = self.added
         if "cavity" in data:
-            data["cavity"] = {key: value * factor ** POWERS.get(key, 0) for key, value in data["cavity"].items()}
+            data["cavity"] = {
+                key: Computed(value * factor ** POWERS[key]) if key in POWERS else value
+                for key, value in data["cavity"].items()
+            }
             added = tuple(
                 _added(key, f"{where}[{key}] ", data[key]) if key == "cavity" else each
                 for key, each in zip((key for key in ADDED if key in data), added, strict=True)

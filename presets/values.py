@@ -36,6 +36,13 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
 
 
+class Computed(float):
+    """A number that follows from a user's: an error names it by six digits."""
+
+    def __repr__(self) -> str:
+        return f"{self:.6g}"
+
+
 class Quantity(NamedTuple):
     """A number in a range, bounds included, and its unit."""
 

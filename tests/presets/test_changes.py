@@ -142,6 +142,21 @@ def test_wrong_changes_name_the_key_and_no_file(changes, message):
     assert str(caught.value).startswith(message)
 
 
+@pytest.mark.parametrize(
+    ("name", "size", "message"),
+    [
+        ("ceramic-bowl", 0.012, "size = 0.012: radius = 0.00084: expected a number from 0.001 to 20 m"),
+        ("kalimba-tine", 0.0072, "size = 0.0072: length = 0.000358056: expected a number from 0.001 to 20 m"),
+        ("drinks-can", 77.7, "size = 77.7: [cavity] volume = 166.53: expected a number from 1e-08 to 10 m3"),
+        ("xylophone-bar", 900.0000001, "size = 900.0000001: length = 328.14: expected a number from 0.001 to 20 m"),
+    ],
+)
+def test_a_length_that_follows_from_a_size_is_named_by_six_digits(name, size, message):
+    with pytest.raises(PresetError) as caught:
+        PRESETS.object(name).replace(size=size)
+    assert str(caught.value) == message
+
+
 @pytest.mark.parametrize(("name", "fixed"), [("mug", "a table's"), ("church-bell", "listed")])
 def test_a_size_is_refused_where_modes_are_given(name, fixed):
     with pytest.raises(PresetError, match=f"size = 2: expected none, as the modes of {name} are {fixed}"):
