@@ -40,8 +40,6 @@ EXCEPTIONS = {
     "resonator/simd_answers.py:put_answers": "an intrinsic: its typing context, and arrays one by one",
     "karman/simd.py:put_products": "an intrinsic: its typing context, and arrays one by one",
     "contact/coupled_reference.py:_integrate": "a reference: plain numbers and arrays, to be read beside the equations",
-    "contact/pressed.py:begin_pressed": "a reference: the contact law as plain numbers",
-    "contact/pressed.py:_begin_pressed": "the same, compiled",
     "resonator/test_bank.py:driven_mode": "a reference: the contact law as plain numbers",
     "rolling/test_body.py:brute_force": "a reference: the contact law as plain numbers",
 }

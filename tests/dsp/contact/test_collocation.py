@@ -1,4 +1,4 @@
-"""The scalar contact step, and a mass under a constant force, against DOP853."""
+"""The scalar contact step; and the coupled solver on a wall, under a constant force, against DOP853."""
 
 import math
 
@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from carom.dsp import contact
 from carom.dsp.contact import collocation
-from tests.dsp.contact import pressed
+from carom.dsp.lab.coupled import CONVERGED, Case, simulate
 
 pytestmark = pytest.mark.slow
 
@@ -72,19 +72,25 @@ def test_discrete_gradient_against_a_root_finder():
 LAWS = [(a, w) for a in (1.0, 1.3, 1.5, 2.5, 4.0, 6.0) for w in (0.0, 0.5, 5.0, 40.0)]
 
 
+def wall(law, rate, samples, push=0.0):
+    """Return the case of a mass on a wall: an object whose one mode stands still where it is touched."""
+    return Case(np.array([0.1 * rate]), np.zeros(1), np.zeros(1), *law, rate, samples, push)
+
+
 @pytest.mark.parametrize(("a", "w"), LAWS)
 def test_a_free_mass_leaves_as_the_closed_form_says(a, w):
-    v_in, m, k, mu = 2.0, 0.01, 1e6, w / 2
-    path = pressed.pressed(v_in, m, k, mu, a, 0.0, 1e3)
-    assert path[-1, 1] == 0.0
-    assert path[-1, 2] == pytest.approx(contact.release_velocity(v_in, mu), rel=1e-6)
-    assert path[-1, 0] == pytest.approx(contact.contact_time(v_in, m, k, mu, a), rel=1e-6)
-    assert path[:, 1].max() <= contact.max_compression(v_in, m, k, mu, a) * (1 + 1e-6)
-    assert len(path) < 150
+    law = (2.0, 0.01, 1e6, w / 2, a)
+    for within in (0.05, 0.5, 0.95):
+        run = simulate(wall(law, (30 + within) / float(contact.contact_time(*law)), 40), CONVERGED)
+        assert np.flatnonzero(run.compression).tolist() == list(range(30))
+        assert run.striker[-1] == pytest.approx(contact.release_velocity(law[0], law[3]), rel=1e-6)
+        assert run.compression.max() <= contact.max_compression(*law) * (1 + 1e-6)
+        assert run.steps < 200
 
 
-def moved(v_in, m, k, mu, a, push, seconds):
-    """Return the time, compression and rate at the release or the end, by DOP853 in natural units."""
+def moved(case):
+    """Return compressions and rates at the samples, over their natural units, by DOP853; and these units."""
+    v_in, m, k, mu, a, push = case.v_in, case.m, case.k, case.mu, case.a, case.push
     length = (m * v_in**2 / k) ** (1 / (a + 1))
     unit = length / v_in
     w, p = mu * v_in, push * unit / (m * v_in)
@@ -92,14 +98,11 @@ def moved(v_in, m, k, mu, a, push, seconds):
     def motion(t, y):
         return [y[1], p - max(y[0], 0.0) ** a * max(0.0, 1 + w * y[1])]
 
-    def released(t, y):
-        return y[0] if t > 1e-6 else 1.0
-
-    released.terminal, released.direction = True, -1
+    times = np.arange(1, case.samples + 1) / (case.rate * unit)
     run = solve_ivp(
-        motion, (0, seconds / unit), (0, 1), "DOP853", events=released, rtol=1e-12, atol=1e-15, first_step=1e-4
+        motion, (0, times[-1]), (0, 1), "DOP853", times, rtol=1e-12, atol=1e-15, first_step=1e-4, max_step=0.5
     )
-    return run.t[-1] * unit, run.y[0, -1], run.y[1, -1], length
+    return run.y[0], run.y[1], length
 
 
 def test_pressed_masses_move_as_by_dop853():
@@ -111,28 +114,26 @@ def test_pressed_masses_move_as_by_dop853():
         push = m * 9.81 * 10 ** random.uniform(-1, 2)
         slow = math.sqrt(push / m * (push / k) ** (1 / a))  # where weight and elasticity meet
         v_in = slow * 10 ** random.uniform(-0.5, 2.5)
-        seconds = 30 * (m * v_in**2 / k) ** (1 / (a + 1)) / v_in
-        path = pressed.pressed(v_in, m, k, mu, a, push, seconds)
-        time, x, v, length = moved(v_in, m, k, mu, a, push, seconds)
-        assert path[-1, 0] == pytest.approx(time, rel=1e-6)
-        assert path[-1, 1] == pytest.approx(x * length, abs=1e-6 * length)
-        assert path[-1, 2] == pytest.approx(v * v_in, abs=1e-6 * v_in)
-        energy = 0.5 * m * path[:, 2] ** 2 + k * path[:, 1] ** (a + 1) / (a + 1) - push * path[:, 1]
-        most = 0.5 * m * v_in**2 + push * path[:, 1].max()
-        assert (energy - np.minimum.accumulate(energy)).max() < 2e-8 * most
-        captured = [collocation.captured(x, v, m, k, a, push) for _, x, v in path]
-        left += path[-1, 1] == 0.0
+        unit = (m * v_in**2 / k) ** (1 / (a + 1)) / v_in
+        case = wall((v_in, m, k, mu, a), 4 / unit, 120, push)
+        run = simulate(case, CONVERGED)
+        x, v, length = moved(case)
+        np.testing.assert_allclose(run.compression, np.maximum(x, 0.0) * length, rtol=0, atol=1e-6 * length)
+        np.testing.assert_allclose(run.striker, v * v_in, rtol=0, atol=1e-6 * v_in)
+        assert run.growth(case) < 2e-8
+        rows = zip(run.compression, run.striker, strict=True)
+        captured = np.array([collocation.captured(x, v, m, k, a, push) for x, v in rows])
+        left += run.compression.min() == 0.0
         stayed += captured[-1]
-        assert not (path[-1, 1] == 0.0 and any(captured))  # what is captured never leaves
+        assert (run.compression[np.logical_or.accumulate(captured)] > 0.0).all()  # what is captured never leaves
     assert left > 10 and stayed > 3
 
 
 def test_a_pressed_mass_comes_to_rest_where_the_forces_are_equal():
-    m, k, mu, a, push = 0.01, 1e6, 50.0, 1.5, 2.0
-    path = pressed.pressed(0.1, m, k, mu, a, push, 5.0)
-    assert path[-1, 0] == pytest.approx(5.0)
-    assert path[-1, 1] == pytest.approx((push / k) ** (1 / a), rel=1e-6)
-    assert abs(path[-1, 2]) < 1e-7
+    k, a, push = 1e6, 1.5, 2.0
+    run = simulate(wall((0.1, 0.01, k, 50.0, a), 8_000.0, 40_000, push), CONVERGED)
+    assert run.compression[-1] == pytest.approx((push / k) ** (1 / a), rel=1e-6)
+    assert abs(run.striker[-1]) < 1e-7
 
 
 def test_extreme_laws_end_and_stay_passive():
@@ -140,24 +141,16 @@ def test_extreme_laws_end_and_stay_passive():
     for _ in range(300):
         a, m = random.uniform(1, 4), 10 ** random.uniform(-6, 3)
         k, mu = 10 ** random.uniform(0, 16), 10 ** random.uniform(-4, 6)
-        v_in = 10 ** random.uniform(-3, 2)
-        path = pressed.pressed(v_in, m, k, mu, a, 0.0, 1e9, tolerance=1e-3)
-        assert np.isfinite(path).all() and len(path) < 1000
-        assert path[-1, 1] == 0.0
-        assert path[-1, 2] == pytest.approx(contact.release_velocity(v_in, mu), rel=1e-3)
+        law = (10 ** random.uniform(-3, 2), m, k, mu, a)
+        case = wall(law, 10 ** random.uniform(-1, 2) / float(contact.contact_time(*law)), 120)
+        run = simulate(case, 1e-3)
+        assert np.isfinite(run.energy).all() and run.steps < 1000
+        assert run.compression[-1] == 0.0 and run.growth(case) < 1e-8
+        assert run.striker[-1] == pytest.approx(contact.release_velocity(law[0], mu), rel=1e-3)
 
 
 def test_a_pulled_mass_leaves_and_one_at_rest_is_pressed_in():
-    pulled = pressed.pressed(0.0, 0.01, 1e6, 0.5, 1.5, -1.0, 1.0)
-    assert pulled[-1, 1] == 0.0 and len(pulled) == 2
-    pressed_in = pressed.pressed(0.0, 0.01, 1e6, 5.0, 1.5, 1.0, 1e-3)
-    assert (pressed_in[1:, 1] > 0).all()
-
-
-def test_bad_values_are_named():
-    with pytest.raises(ValueError, match="m = 0"):
-        pressed.pressed(1.0, 0.0, 1e6, 0.5, 1.5, 0.0, 1.0)
-    with pytest.raises(ValueError, match="push = nan"):
-        pressed.pressed(1.0, 0.01, 1e6, 0.5, 1.5, math.nan, 1.0)
-    with pytest.raises(ValueError, match="tolerance = 2"):
-        pressed.pressed(1.0, 0.01, 1e6, 0.5, 1.5, 0.0, 1.0, tolerance=2.0)
+    pulled = simulate(wall((0.0, 0.01, 1e6, 0.5, 1.5), 48_000.0, 48, -1.0))
+    assert pulled.compression.max() == 0.0 and pulled.striker[-1] == pytest.approx(-0.1)
+    pressed = simulate(wall((0.0, 0.01, 1e6, 5.0, 1.5), 48_000.0, 48, 1.0))
+    assert (pressed.compression > 0.0).all()

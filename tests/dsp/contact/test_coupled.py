@@ -20,7 +20,6 @@ from carom.dsp.lab.coupled import MEMBER, Case, error, extreme_case, random_case
 from carom.dsp.numerics.sums import add_powers
 from carom.dsp.resonator import bank, coefficients
 from tests import accuracy
-from tests.dsp.contact import pressed
 from tests.dsp.contact.coupled_reference import reference
 from tests.dsp.runtime.test_realtime_safety import forbidden
 
@@ -324,7 +323,6 @@ PLACE = np.dtype(
     [
         ("contacts", MEMBER, (1,)),
         ("group", COUPLED_GROUP),
-        ("pressed", pressed.PRESSED),
         ("modes", np.float64, (5, bank.LANES)),
         ("response", np.float64, bank.RESPONSES),
         ("shape", np.float32, 4 * bank.LANES),
@@ -354,8 +352,6 @@ def every_kernel(data):
     distance, speed, change = bank.reach(modes, point, work)
     apart = coupled_flight.apart_for(contact, distance, speed, change, 0.0)
     coupled_flight.fly_on(contact, apart)
-    pressed.begin_pressed(place.pressed, 0.0, 1.0, 0.01, 1e8, 0.5, 1.5, 0.1, 1e-5)
-    pressed.press(place.pressed, 1e-3)
     return closed_form_will_do(1, distance, speed, apart, 1.0)
 
 
