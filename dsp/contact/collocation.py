@@ -229,28 +229,16 @@ def discrete_gradient(
     Without the force x would change by `free` (m); a held one takes off `give` (m/N) > 0. The change that the law
     allows is the root of an increasing convex function: Newton's method comes down to it from above.
     """
-    stored = elastic(x, k, a)
-    high = free
-    low = free
-    if x > 0.0:
-        low = min(free, -x) - give * stored / x
+    stored, change = elastic(x, k, a), free
     if x >= 0.0 and free > 0.0:
         # f is at least k x1^a/(a+1) where x1 > x, and takes off no more than `free`.
-        high = min(high, max(((a + 1.0) * free / (give * k)) ** (1.0 / a) - x, 0.0))
-    low = min(low, -abs(x))
-    change = high
+        change = min(change, max(((a + 1.0) * free / (give * k)) ** (1.0 / a) - x, 0.0))
     for _ in range(_GRADIENT_STEPS):
         f, slope = _held(x, stored, change, h, k, mu, a)
         residual = change - free + give * f
         step = residual / (1.0 + give * slope)
         if abs(step) <= _ROUNDED * (abs(change) + (abs(free) + give * f) / (1.0 + give * slope)):
             break  # at what rounding makes of it
-        if residual > 0.0:
-            high = change
-        else:
-            low = change
-        if not low < change - step < high:
-            step = change - 0.5 * (low + high)
         change -= step
     return change, max(free - change, 0.0) / give
 

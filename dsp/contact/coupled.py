@@ -147,8 +147,6 @@ def settle(contact: Coupled, at: float, meets: bool, released: bool) -> None:
         contact.motion[0] = 0.0
     if meets and contact.motion[1] > 0.0:
         _touch(contact, at)
-    elif contact.motion[0] > 0.0 and contact.touching == 0:
-        begin_touch(contact, at)
     elif contact.motion[0] < 0.0 or released:
         end_touch(contact, at)
         for j in range(NODES):
