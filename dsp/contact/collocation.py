@@ -103,50 +103,6 @@ def captured(x: float, v: float, m: float, k: float, a: float, push: float) -> b
 
 
 @kernel
-def solve(step: Step, k: float, mu: float, a: float, negligible: float) -> bool:
-    """Solve for the forces at the nodes by Newton's method from `step.f`, then from 0, where the law's convexity helps
-    it.
-
-    Leaves the nodes' f in the step, and their x and v before the last change of f. Changes of a force below
-    `negligible` (N) don't matter; that is needed where 1 + mu v is down to rounding. False if it doesn't converge: the
-    step is too long.
-    """
-    for _ in range(2):
-        for _ in range(NEWTON_STEPS):
-            change = 0.0
-            size = 0.0
-            for i in range(NODES):
-                x = step.free_x[i]
-                v = step.free_v[i]
-                for j in range(NODES):
-                    x -= step.give_x[i, j] * step.f[j]
-                    v -= step.give_v[i, j] * step.f[j]
-                step.x[i] = x
-                step.v[i] = v
-                stiffness = damping = force = 0.0
-                slack = 1.0 + mu * v
-                if x > 0.0 and slack > 0.0:
-                    rate = k * raised(x, a - 1.0)
-                    force = rate * x * slack
-                    stiffness = a * rate * slack
-                    damping = mu * rate * x
-                for j in range(NODES):
-                    step.linear[i, j] = stiffness * step.give_x[i, j] + damping * step.give_v[i, j]
-                step.linear[i, i] += 1.0
-                step.linear[i, NODES] = force - step.f[i]
-            eliminate_three(step.linear)
-            for i in range(NODES):
-                step.f[i] += step.linear[i, NODES]
-                change = max(change, abs(step.linear[i, NODES]))
-                size = max(size, abs(step.f[i]))
-            if change <= SOLVED * size + negligible:
-                return True
-        for i in range(NODES):
-            step.f[i] = 0.0
-    return False
-
-
-@kernel
 def eliminate_three(m: View2D[float]) -> None:
     """Do what `eliminate` does for three equations, by determinants: one quotient, and few products wait for others."""
     r0, r1, r2 = m[0, 3], m[1, 3], m[2, 3]

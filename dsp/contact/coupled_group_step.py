@@ -18,6 +18,7 @@ from .collocation import (
     allowance,
     elastic,
     eliminate,
+    eliminate_three,
     force_at,
     raised,
     until_release,
@@ -30,7 +31,6 @@ from .coupled_step import (
     RETRY,
     ROUNDING,
     TRIALS,
-    collocate,
     keep_at_rest,
     lasting_force,
     may_lose,
@@ -89,21 +89,15 @@ def find_step(contacts: Items[Member], group: CoupledGroup, eta: float, longest:
 def _try(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
     """Try a step: true if it is solved; all forces are then in the contacts' steps, and `end_x`, `end_v` filled."""
     _set_given(contacts, group, eta)
+    # Most contacts are alone, most groups pairs: the loops for one and for two are unrolled.
     if group.touching == 1:
-        i = group.touches[0]
-        contact = contacts[group.member[i]].coupled
-        _start(contact, eta, 0)
-        solved, group.end_x[i], group.end_v[i] = collocate(contact, group.give[i, i], eta)
+        solved = _solve(contacts, group, eta, 1)
+    elif group.touching == 2:
+        solved = _solve(contacts, group, eta, 2)
     else:
-        _set_equations(contacts, group, eta)
-        # Most groups are pairs: the loops for two are unrolled.
-        solved = (
-            _solve(contacts, group, eta, 2) if group.touching == 2 else _solve(contacts, group, eta, group.touching)
-        )
+        solved = _solve(contacts, group, eta, group.touching)
     for i in range(group.size):
-        contact = contacts[group.member[i]].coupled
-        if contact.touching == 0 or group.touching > 1:
-            _find_end_of(contacts, group, i, eta)
+        _find_end_of(contacts, group, i, eta)
     return solved
 
 
@@ -149,14 +143,14 @@ def _take_whole(contact: Coupled, give: View[float]) -> None:
 
 
 @kernel
-def _set_equations(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
+def _set_equations(contacts: Items[Member], group: CoupledGroup, eta: float, touching: int) -> None:
     """Write down the equations of all nodes."""
-    for a in range(group.touching):
+    for a in range(touching):
         contact = contacts[group.member[group.touches[a]]].coupled
         take_free(contact, eta)
         speed = speed_of(contact, contact.motion[0], contact.motion[1] / contact.period)
         group.negligible[a] = ROUNDING * contact.mass * speed / (eta * contact.period)
-        for b in range(group.touching):
+        for b in range(touching):
             _fill_give(group, a, b, eta, contact.period)
             j = group.touches[b]
             lasts = lasting_force(contacts[group.member[j]].coupled)
@@ -166,22 +160,28 @@ def _set_equations(contacts: Items[Member], group: CoupledGroup, eta: float) -> 
 @kernel
 def _fill_give(group: CoupledGroup, a: int, b: int, eta: float, period: float) -> None:
     """Fill in how far the nodes' forces of touching contact b move the nodes of touching contact a."""
-    give = group.give[group.touches[a], group.touches[b]]
+    give, rate, time = group.give[group.touches[a], group.touches[b]], 1.0 / period, eta * period
     for r in range(NODES):
         for s in range(NODES):
-            group.give_v[a * NODES + r, b * NODES + s] = give[NODES * r + s] / period
+            group.give_v[a * NODES + r, b * NODES + s] = rate * give[NODES * r + s]
+    # By the Gauss method's own integral of the velocity: so stiff contacts at rest don't need short steps.
     for r in range(NODES):
         for s in range(NODES):
             x = 0.0
             for n in range(NODES):
                 x += INTEGRAL[r, n] * group.give_v[a * NODES + n, b * NODES + s]
-            group.give_x[a * NODES + r, b * NODES + s] = x * eta * period
+            group.give_x[a * NODES + r, b * NODES + s] = x * time
 
 
 @kernel
 def _solve(contacts: Items[Member], group: CoupledGroup, eta: float, touching: int) -> bool:
-    """Solve for the forces at all nodes by Newton's method, from where the last ones lead, then from 0. False if it
-    fails."""
+    """Solve for the forces at all nodes by Newton's method, from where the last ones lead, then from 0, where the law's
+    convexity helps it. False if it fails: the step is too long.
+
+    Leaves each node's x and v before the last change of f. Changes of a force below `negligible` don't matter; that is
+    needed where 1 + mu v is down to rounding.
+    """
+    _set_equations(contacts, group, eta, touching)
     size = touching * NODES
     for start in range(2):
         for a in range(touching):
@@ -192,7 +192,10 @@ def _solve(contacts: Items[Member], group: CoupledGroup, eta: float, touching: i
         for _ in range(NEWTON_STEPS):
             for a in range(touching):
                 _linearise(contacts[group.member[group.touches[a]]].coupled, group, a, size)
-            eliminate(group.linear, size)
+            if touching == 1:
+                eliminate_three(group.linear)
+            else:
+                eliminate(group.linear, size)
             converged = True
             for a in range(touching):
                 contact = contacts[group.member[group.touches[a]]].coupled

@@ -5,9 +5,9 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
-from .collocation import INTEGRAL, discrete_gradient, elastic, end_of, law, solve, step_within
+from .collocation import discrete_gradient, elastic, end_of, law, step_within
 from .coupled_records import Coupled
-from .power_series import END, MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, value_at
+from .power_series import MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, value_at
 from .step_record import NODES, Step
 
 HELD = math.inf
@@ -22,19 +22,6 @@ LEAST = 1e-12  # samples: the force is held no shorter, or steps that fail one a
 RETRY = 0.25  # of a step whose equations are not solved
 REFINE = 0.5  # of a step whose energy is not right
 ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
-
-
-@kernel
-def collocate(contact: Coupled, give: View[float], eta: float) -> tuple[bool, float, float]:
-    """Try a step, by the products of the point's answer: whether it is solved, and x and v at its end."""
-    step, h = contact.step, contact.period
-    take_free(contact, eta)
-    _take_give(step, give, eta * h, 1.0 / h)
-    keep_at_rest(step, give, eta * lasting_force(contact))
-    speed = speed_of(contact, contact.motion[0], contact.motion[1] / h)
-    solved = solve(step, contact.k, contact.mu, contact.a, ROUNDING * contact.mass * speed / (eta * h))
-    taken_x, taken_v = taken_at_end(give, step.f, eta)
-    return solved, contact.free[END] - taken_x, (contact.free[END + 1] - taken_v) / (eta * h)
 
 
 @kernel
@@ -56,21 +43,6 @@ def take_free(contact: Coupled, eta: float) -> None:
     step.free_x[0], step.free_x[1], step.free_x[2] = free[0], free[1], free[2]
     for i in range(NODES):
         step.free_v[i] = rate * free[NODE_RATES + i]
-
-
-@kernel
-def _take_give(step: Step, g: View[float], time: float, rate: float) -> None:
-    """Set how far the nodes' forces move the nodes over a step of `time` seconds; rate: samples per s."""
-    for i in range(NODES):
-        for j in range(NODES):
-            step.give_v[i, j] = rate * g[NODES * i + j]
-    # By the Gauss method's own integral of the velocity: so stiff contacts at rest don't need short steps.
-    for i in range(NODES):
-        for j in range(NODES):
-            give = 0.0
-            for n in range(NODES):
-                give += INTEGRAL[i, n] * step.give_v[n, j]
-            step.give_x[i, j] = give * time
 
 
 @kernel

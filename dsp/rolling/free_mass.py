@@ -6,13 +6,12 @@ each node's own slopes, and three equations are solved by their determinants. Wh
 curvature over its change: where that is bounded well enough, as mostly after the first, another one is spared.
 """
 
-from ..contact.collocation import INTEGRAL, raised, solve
-from ..contact.step_record import NODES, Step
+from ..contact.collocation import INTEGRAL, raised
+from ..contact.step_record import Step
 from ..native.jit import kernel, noinline_kernel
 
-_ITERATIONS = 10
+_ITERATIONS = 16
 _SOLVED = 1e-11  # share of the forces by which they may err
-_SLOW = 0.3  # of the change before: where a change is more, they are sought from 0, too
 _NEAR = 10.0  # a node is deeper by this factor than it moves, where the law is bounded over its change
 
 Three = tuple[float, float, float]
@@ -97,8 +96,8 @@ def _change(stiffness: Three, damping: Three, r: Three, h: float, lightness: flo
 def solve_free_mass(
     step: Step, h: float, lightness: float, mobility: float, law: tuple[float, float, float], negligible: float
 ) -> bool:
-    """Solve for the forces at the nodes, from `step.f` on, within `negligible` (N); return False if the step is too
-    long to find them.
+    """Solve for the forces at the nodes, from `step.f` on, then from 0, where the law's convexity helps, within
+    `negligible` (N); return False if the step is too long to find them.
 
     lightness: h over the mass, s/kg; law: k, mu, a. step.free_x, step.free_v: compressions and rates without the force.
     """
@@ -106,38 +105,24 @@ def solve_free_mass(
     f = step.f[0], step.f[1], step.f[2]
     moved = h * (lightness * _MOST_TWICE + mobility * _MOST_ONCE)  # m: the most by which 1 N moves a node
     sped = lightness * _MOST_ONCE + mobility
-    before = 0.0
-    for n in range(_ITERATIONS):
-        x, v = _compressions(step, f, h, lightness, mobility)
-        r0, s0, d0 = _law(x[0], v[0], k, mu, a)
-        r1, s1, d1 = _law(x[1], v[1], k, mu, a)
-        r2, s2, d2 = _law(x[2], v[2], k, mu, a)
-        d = _change((s0, s1, s2), (d0, d1, d2), (r0 - f[0], r1 - f[1], r2 - f[2]), h, lightness, mobility)
-        f = f[0] + d[0], f[1] + d[1], f[2] + d[2]
-        change = max(abs(d[0]), abs(d[1]), abs(d[2]))
-        enough = _SOLVED * max(abs(f[0]), abs(f[1]), abs(f[2])) + negligible
-        # The law's second derivatives: f''/f' are (a - 1)/x, and a/x over both x and v.
-        least, by = min(x[0], x[1], x[2]), moved * change
-        curved = by * (0.5 * (a - 1.0) * max(s0, s1, s2) * by + a * max(d0, d1, d2) * sped * change)
-        bounded = min(s0, s1, s2) > 0.0 and _NEAR * by <= least and curved <= enough * least
-        if bounded or change <= enough or (n > 0 and change * change <= enough * before):
-            step.f[0], step.f[1], step.f[2] = f
-            return True
-        if n > 0 and not change <= _SLOW * before:
-            break
-        before = change
-    return _solve_anew(step, h, lightness, mobility, law, negligible)
-
-
-@noinline_kernel
-def _solve_anew(
-    step: Step, h: float, lightness: float, mobility: float, law: tuple[float, float, float], negligible: float
-) -> bool:
-    """Solve for the same from `step.f`, then from 0."""
-    k, mu, a = law
-    for i in range(NODES):
-        for j in range(NODES):
-            step.give_v[i, j] = lightness * INTEGRAL[i, j]
-            step.give_x[i, j] = h * (lightness * _TWICE[i, j] + mobility * INTEGRAL[i, j])
-        step.give_v[i, i] += mobility
-    return solve(step, k, mu, a, negligible)
+    for _ in range(2):
+        before = 0.0
+        for n in range(_ITERATIONS):
+            x, v = _compressions(step, f, h, lightness, mobility)
+            r0, s0, d0 = _law(x[0], v[0], k, mu, a)
+            r1, s1, d1 = _law(x[1], v[1], k, mu, a)
+            r2, s2, d2 = _law(x[2], v[2], k, mu, a)
+            d = _change((s0, s1, s2), (d0, d1, d2), (r0 - f[0], r1 - f[1], r2 - f[2]), h, lightness, mobility)
+            f = f[0] + d[0], f[1] + d[1], f[2] + d[2]
+            change = max(abs(d[0]), abs(d[1]), abs(d[2]))
+            enough = _SOLVED * max(abs(f[0]), abs(f[1]), abs(f[2])) + negligible
+            # The law's second derivatives: f''/f' are (a - 1)/x, and a/x over both x and v.
+            least, by = min(x[0], x[1], x[2]), moved * change
+            curved = by * (0.5 * (a - 1.0) * max(s0, s1, s2) * by + a * max(d0, d1, d2) * sped * change)
+            bounded = min(s0, s1, s2) > 0.0 and _NEAR * by <= least and curved <= enough * least
+            if bounded or change <= enough or (n > 0 and change * change <= enough * before):
+                step.f[0], step.f[1], step.f[2] = f
+                return True
+            before = change
+        f = 0.0, 0.0, 0.0
+    return False
