@@ -40,7 +40,7 @@ class Computed(float):
     """A number that follows from a user's: an error names it by six digits."""
 
     def __repr__(self) -> str:
-        return f"{self:.6g}"
+        return repr(float(f"{self:.6g}"))
 
 
 class Quantity(NamedTuple):
