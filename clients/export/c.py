@@ -12,6 +12,7 @@ from pathlib import Path
 from ...dsp.native.targets import PORTABLE, Target, system
 from ...dsp.native.whole import Whole
 from ...dsp.runtime import callback
+from .mapping import layout
 from .scene import ExportError, Scene
 
 PREFIX = "carom_engine_"
@@ -55,7 +56,7 @@ def write_static(folder: Path) -> list[str]:
         engine = Path(made) / "engine.o"
         engine.write_bytes(engine_file().content())
         rest = Path(made) / "library.o"
-        run(*compiler, *_FLAGS, "-c", _FILES / "library.c", "-o", rest)
+        run(*compiler, *_FLAGS, f'-DLAYOUT="{layout()}"', "-c", _FILES / "library.c", "-o", rest)
         static = folder / "libcarom.a"
         static.unlink(missing_ok=True)
         run("ar", "rcs", static, engine, rest)

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...dsp.runtime.series import terms
 from .baking import MAKES, Baked, Patch, maker_of
-from .mapping import Strikers, scene_map
+from .mapping import Strikers, layout, scene_map
 from .tables import Laid, coded, taken_out
 
 MAGIC = b"carom 1\n"
@@ -33,7 +33,7 @@ def packed(
     """Return a baked scene's file.
 
     places: of its objects on a table, from 0 to 1. data_end: for a page, whose tables of mode shapes are coded, the
-    first address after the engine's own data.
+    first address after the engine's own data; without it the map names the layout of the memory, for a library.
     """
     data = bytearray()
 
@@ -51,6 +51,8 @@ def packed(
         tables, rest = taken_out(baked)
         said["data_end"], said["coded"] = data_end, put(coded([each.values for each in tables]))
         said["tables"] = [(each.first, *each.values.shape, terms(len(each.values))) for each in tables]
+    else:
+        said["layout"] = layout()
     said["start"] = put(_runs(baked.start))
     firsts = []
     brought = np.searchsorted([each.batch for each in tables], np.arange(len(rest) + 1)).tolist()

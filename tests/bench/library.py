@@ -15,12 +15,11 @@ import time
 from pathlib import Path
 
 from carom.server.osc.score import format_line
+from tests.clients.export.asking import asking
 from tests.clients.export.make_scene import OBJECTS, messages
 from tests.clients.export.pages import ENGINE
 
 SANE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"]
-ASK = Path(__file__).parents[1] / "clients" / "export" / "ask.c"
-SOURCES = Path(__file__).parents[2] / "clients" / "export" / "c"
 WORDS = [
     "id",
     "[",
@@ -77,9 +76,7 @@ def main() -> int:
         made = [sys.executable, "-m", "tests.clients.export.make_scene", folder, str(args.seed), *args.engine]
         subprocess.run(made, env=ENGINE, check=True)
         program = [f"{folder}/ask", f"{folder}/scene.carom", str(args.frames)]
-        subprocess.run(
-            ["cc", *SANE, "-I", str(SOURCES), str(ASK), f"{folder}/libcarom.a", "-lm", "-o", program[0]], check=True
-        )
+        subprocess.run(["cc", *SANE, *asking(Path(folder)), "-o", program[0]], check=True)
         sent = lines(args.count, args.seed)
         begun = time.monotonic()
         done = subprocess.run(program, input="\n".join(sent), capture_output=True, text=True)

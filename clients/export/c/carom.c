@@ -7,6 +7,9 @@
 
 #define MAGIC "carom 1\n"
 #define GRID 256.0 /* to a sample */
+#ifndef LAYOUT
+#error "expected -DLAYOUT, which names how the engine lays its memory out, as carom export gives it"
+#endif
 
 enum { HEAD = 12, LINE = 64, BLOCK = 4096 };
 
@@ -254,7 +257,8 @@ static int opened(carom *scene, const uint8_t *baked, size_t size) {
     scene->text[length] = 0;
     memcpy(scene->data, baked + HEAD + length, (size_t)scene->data_size);
     scene->map = json_read(scene->text, length);
-    if (!scene->map || !find_places(scene) || !find_fields(scene) || !find_batches(scene)) return 0;
+    if (!scene->map || strcmp(text_of(scene->map, "layout"), LAYOUT)) return 0;
+    if (!find_places(scene) || !find_fields(scene) || !find_batches(scene)) return 0;
     scene->memory = calloc(1, (size_t)(scene->state_size + scene->command_size + LINE));
     if (!scene->memory) return 0;
     scene->state = (uint8_t *)scene->memory + (LINE - (uintptr_t)scene->memory % LINE) % LINE;
