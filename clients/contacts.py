@@ -131,7 +131,7 @@ class _Table:
         self.gain, self.position = self.numbers[:, _GAIN].copy(), self.numbers[:, _POSITION].copy()
         contact, sample = self.whole[:, _AT["contact"]], self.whole[:, _SAMPLE]
         begins = contact[1:] != contact[:-1]
-        self.borders = [0, *(np.flatnonzero(begins) + 1).tolist(), len(trace)]
+        self.borders = [0, *(place + 1 for place in begins.nonzero()[0].tolist()), len(trace)]
         """Places between contacts."""
         self.is_plain = bool(
             _is_steady(self.position)

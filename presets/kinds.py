@@ -295,7 +295,7 @@ class ObjectPreset:
     def _contact_material(self) -> Material:
         return self.material or self._library.material(STAND_IN)
 
-    @property
+    @cached_property
     def _sections(self) -> dict[str, tuple[str, Fields]]:
         """Section of the file and its fields, by each key that `replace` takes ("": no section)."""
         shape = SHAPES[self.shape]
@@ -304,7 +304,7 @@ class ObjectPreset:
         given = ("material", "level", "stereo_width", "most_modes", "glide")
         return {**own, **dict.fromkeys(given, ("", OBJECT))}
 
-    @property
+    @cached_property
     def keys(self) -> tuple[str, ...]:
         """The keys that `replace` takes."""
         return (*self._sections, "size", *(("rest",) if "rest" in self._data else ()))
@@ -341,7 +341,6 @@ class ObjectPreset:
 
     def in_size(self, size: object, given: Collection[str]) -> ObjectPreset:
         """Return the preset with all lengths times a size, but for those that were given. PresetError as `replace`."""
-        from ..dsp.bodies.cavity import POWERS
         from ..dsp.bodies.similar import has_similar  # with all shapes
 
         shape = SHAPES[self.shape]
@@ -357,6 +356,8 @@ class ObjectPreset:
         data = {**self._data, "geometry": {**self._data["geometry"], **scaled}}
         added = self.added
         if "cavity" in data:
+            from ..dsp.bodies.cavity import POWERS
+
             data["cavity"] = {
                 key: Computed(value * factor ** POWERS[key]) if key in POWERS else value
                 for key, value in data["cavity"].items()

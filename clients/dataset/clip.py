@@ -112,11 +112,14 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
 
 def _moves(name: str, position: float | None, contacts: tuple[Contact, ...]) -> bool:
     """True if an object is touched elsewhere than at a position."""
-    own = [each for each in contacts if each.object == name]
-    others = [each.by_position for each in contacts if each.striker == name]
-    return any(at != position for at in [each.position for each in own] + others) or not all(
-        each.drive.stays or (each.drive.position == each.position).all() for each in own
-    )
+    for each in contacts:
+        if each.striker == name and each.by_position != position:
+            return True
+        if each.object == name and each.position != position:
+            return True
+        if each.object == name and not each.drive.stays and (each.drive.position != each.position).any():
+            return True
+    return False
 
 
 def _quiet(recipe: Recipe, full_scale: float, exposure: list[float]) -> list[str]:

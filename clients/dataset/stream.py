@@ -110,7 +110,9 @@ def rows(recipe: Recipe, folders: tuple[str, ...], numbers: Iterable[int]) -> It
     for item in one_by_one(recipe, numbers):
         with on_one_thread():
             clip = render(recipe, item, presets)
-        yield {**row_of(clip), "sound": sound_of(recipe, clip)}
+        row = row_of(clip)
+        row["sound"] = sound_of(recipe, clip)
+        yield row
 
 
 def sound_of(recipe: Recipe, clip: Clip) -> np.ndarray[Any, np.dtype[np.float32]]:

@@ -3,6 +3,7 @@
 import ctypes
 import mmap
 import os
+from collections.abc import Mapping
 from functools import cache
 from itertools import count, pairwise
 from threading import local
@@ -25,7 +26,7 @@ _seen = local()
 
 _numbers = count()
 _Spans = list[tuple[int, int]]
-_kept: list[tuple[mmap.mmap, _Spans]] = []  # with the pages of each that are its own, but those of what is filled
+_kept: list[tuple[mmap.mmap, "_Own"]] = []  # with the pages of each that are its own, but those of what is filled
 
 
 def _place(record: str, name: str) -> tuple[int, int]:
@@ -52,10 +53,11 @@ def fresh_state(rate: float, channels: int, shapes: Arena) -> NDArray[np.void]:
     file = -1 if next(_numbers) == 0 else _filled_in()
     if file < 0:
         return new_state(rate, channels)
+    known: _Own | None
     try:
         memory, known = _kept.pop()
     except IndexError:
-        memory, known = mmap.mmap(file, STATE.itemsize, access=mmap.ACCESS_COPY), []
+        memory, known = mmap.mmap(file, STATE.itemsize, access=mmap.ACCESS_COPY), None
     state: NDArray[np.void] = np.frombuffer(memory, STATE)
     kept = finalize(state, _keep, memory, state.ctypes.data, known, _faults(), shapes)  # every view of a state holds it
     kept.atexit = False
@@ -72,21 +74,23 @@ def _faults() -> tuple[int, int, int]:
     return os.getpid(), usage.ru_minflt, usage.ru_majflt
 
 
-def _keep(memory: mmap.mmap, first: int, known: _Spans, faults: tuple[int, int, int], shapes: Arena) -> None:
+def _keep(memory: mmap.mmap, first: int, known: "_Own | None", faults: tuple[int, int, int], shapes: Arena) -> None:
     """Restore the state at an address for another engine, unless it was written all over, or the system does not tell
     where. known: the pages that were its own after so many faults."""
     if len(_kept) >= _MOST_KEPT:
         return
     try:
-        own = known if faults == _faults() else _own(first)
+        if known is None or faults != _faults():
+            spans = _own(first)
+            known = known if known and spans == known.spans else _Own(np.frombuffer(memory, np.uint8), spans, {})
     except OSError:
         return
     filled = first + _SHAPES[0], first + _SHAPES[0] + 4 * shapes.reached
     if filled[1] - filled[0] > _MOST_WRITTEN:
         return
     _set_to_zero([filled, _traced(np.frombuffer(memory, STATE), first)])
-    _clean_up(own, first)
-    _kept.append((memory, own))
+    known.restore()
+    _kept.append((memory, known))
 
 
 class Mark:
@@ -97,10 +101,9 @@ class Mark:
         if _filled_in() < 0:
             raise OSError("no state shares its pages with a fresh one")
         self._state, self._first = state, state.ctypes.data
-        self._pages = _pages(state.view(np.uint8))
-        self._own = _own(self._first)
-        self._held = {begin: ctypes.string_at(begin, end - begin) for begin, end in _pieces(self._own)}
-        self._plan()
+        spans = _own(self._first)
+        self._held = {begin: ctypes.string_at(begin, end - begin) for begin, end in _pieces(spans)}
+        self._own = _Own(state.view(np.uint8), spans, self._held)
 
     def restore(self) -> None:
         """Bring back what the state held. OSError as when it was marked; then it holds anything.
@@ -109,31 +112,40 @@ class Mark:
         first was got since then.
         """
         before, _seen.faults = getattr(_seen, "faults", None), _faults()
-        if before != _seen.faults and (own := _own(self._first)) != self._own:
-            self._own = own
-            self._plan()
-        self._pages[self._empty] = np.void(_ZEROS)
-        self._pages[self._filled] = self._contents
-        for begin, held in self._parts:
-            ctypes.memmove(begin, held, len(held))
+        if before != _seen.faults and (spans := _own(self._first)) != self._own.spans:
+            self._own = _Own(self._state.view(np.uint8), spans, self._held)
+        self._own.restore()
         _set_to_zero([_traced(self._state, self._first)])
 
-    def _plan(self) -> None:
-        """Plan how what is its own is restored: all pages of zeros at once, all others at once, then parts of pages.
-        What was not its own when it was marked holds what a fresh state does."""
-        clean = _clean().ctypes.data - self._first
+
+class _Own:
+    """Spans of a state that are its own, and what they hold once they are restored: all pages of zeros at once, all
+    others at once, then parts of pages."""
+
+    def __init__(self, memory: NDArray[np.uint8], spans: _Spans, known: Mapping[int, bytes]) -> None:
+        """Take the memory of a state, spans of it by address, and by address what pieces of these hold; others hold
+        what a fresh state does."""
+        self.spans = spans
+        self._pages, first = _pages(memory), memory.ctypes.data
+        clean = _clean().ctypes.data - first
         held = {
-            begin: self._held.get(begin) or ctypes.string_at(clean + begin, end - begin)
-            for begin, end in _pieces(self._own)
+            begin: known.get(begin) or ctypes.string_at(clean + begin, end - begin) for begin, end in _pieces(spans)
         }
         whole = {begin: what for begin, what in held.items() if len(what) == mmap.PAGESIZE}
         zeros = [begin for begin, what in whole.items() if what == _ZEROS]
         others = [begin for begin, what in whole.items() if what != _ZEROS]
         self._parts = [(begin, what) for begin, what in held.items() if begin not in whole]
         self._empty, self._filled = (
-            np.array([(begin - self._first) // mmap.PAGESIZE for begin in each], np.intp) for each in (zeros, others)
+            np.array([(begin - first) // mmap.PAGESIZE for begin in each], np.intp) for each in (zeros, others)
         )
         self._contents = _pages(np.frombuffer(b"".join(whole[begin] for begin in others), np.uint8))
+
+    def restore(self) -> None:
+        """Bring back what they held."""
+        self._pages[self._empty] = np.void(_ZEROS)
+        self._pages[self._filled] = self._contents
+        for begin, held in self._parts:
+            ctypes.memmove(begin, held, len(held))
 
 
 def _pages(data: NDArray[np.uint8]) -> NDArray[np.void]:
@@ -149,13 +161,6 @@ def _pieces(spans: _Spans) -> _Spans:
         for begin, end, pages in borders
         for piece in pairwise((begin, *(page * mmap.PAGESIZE for page in pages), end))
     ]
-
-
-def _clean_up(spans: _Spans, first: int) -> None:
-    """Give spans of a state at an address the bytes of a fresh one."""
-    clean = _clean().ctypes.data - first
-    for begin, end in spans:
-        ctypes.memmove(begin, clean + begin, end - begin)
 
 
 def _set_to_zero(spans: _Spans) -> None:

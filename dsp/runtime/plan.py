@@ -125,7 +125,7 @@ def _faces(faces: Faces | None) -> NDArray[np.float32]:
 
 def _fill(plan: Plan, first: int, frequency: Array | float, *others: Array | float) -> None:
     """Write the columns of modes from number `first` on: as many as there are frequencies; of a click, all of its."""
-    count = np.size(frequency) if np.ndim(frequency) else CLICK_MODES
+    count = len(frequency) if isinstance(frequency, np.ndarray) else CLICK_MODES
     for column, values in zip(plan.columns, (frequency, *others), strict=True):
         column[first : first + count] = values
 

@@ -36,7 +36,7 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
     order = np.argsort(band, kind="stable")
     band, omega, decay, sides = band[order], 2 * np.pi * frequency[order], decay[order], sides[:, order]
     shapes = strike[:, order]
-    first = np.flatnonzero(np.append(True, band[1:] != band[:-1]))
+    first = np.array([0, *(np.flatnonzero(band[1:] != band[:-1]) + 1)])
     weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
     size = np.sqrt(_mean_square(shapes[:rows]) * _mean_square(weight)) + 1e-300
     middle = np.exp(np.add.reduceat(np.log(omega) * size, first) / np.add.reduceat(size, first))

@@ -52,8 +52,8 @@ class Session:
     def rewind(self) -> None:
         """Return to where its objects were just made, as its engine did. None of them rested then."""
         self.gestures = GestureIds(self.engine)
-        for obj in self.objects.values():
-            obj.warned_of_stand_in = False
+        for name in self.objects:
+            self.objects[name].warned_of_stand_in = False
 
     def _told_world(self) -> "TellsWorld":
         """Return the simulation that messages tell, which few sessions have."""
