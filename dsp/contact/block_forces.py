@@ -169,9 +169,9 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
     for _ in range(NEWTON_STEPS):
         f, s, d = law_at(contact, less(x0, a[0], a[2], forces), rate * less(v0, w[0], w[2], forces))
         g, t, e = law_at(contact, less(x1, a[1], a[3], forces), rate * less(v1, w[1], w[3], forces))
-        f0, f1, left = correct(forces, (f, s, rate * d), (g, t, rate * e), a, w)
-        forces = f0, f1
-        if left <= changed * (abs(f0) + abs(f1)):
+        c0, c1, left = correct(forces, (f, s, rate * d), (g, t, rate * e), a, w)
+        forces = forces[0] + c0, forces[1] + c1
+        if left <= changed * (abs(forces[0]) + abs(forces[1])):
             solved = True
             break
     block.force[i], block.force[j] = forces

@@ -5,6 +5,8 @@ Each quantity is a row with a number for each contact. Loops over these have no 
 vectors. Paths and the points' free motion come for a tile of LAID samples: what the forces in a tile do within it is
 added by lanes, and at its end contact by contact what they do to the samples after it. Where a step is not as most are,
 because Newton's method fails, energy grows or a body lands hard, block.py takes it.
+
+Forces are stored for all lanes, also those that are done: after a store to some, a load waits for the cache.
 """
 
 import math
@@ -64,9 +66,9 @@ def resume_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
     """Bring a lane to where its contact is."""
     lanes.position[i], lanes.v[i], lanes.now[i] = contact.position, contact.v, contact.motion[0]
     lanes.gained[i], lanes.scale[i], lanes.stored[i] = block.gained, block.scale, block.stored
-    lanes.touches[i], lanes.contacts[i] = contact.touching, contact.contacts
+    lanes.touches[i], lanes.contacts[i], lanes.as_most[i] = contact.touching, contact.contacts, 1
     for j in range(NODES_PER_PART):
-        lanes.force[j, i], lanes.before[j, i] = block.force[j], block.before[j]
+        lanes.found[j, i], lanes.force[j, i] = block.force[j], block.before[j]
 
 
 @noinline_kernel
@@ -75,9 +77,10 @@ def leave_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
     contact.position, contact.v, contact.motion[0] = lanes.position[i], lanes.v[i], lanes.now[i]
     contact.touching, contact.contacts = lanes.touches[i], lanes.contacts[i]
     block.gained, block.scale, block.stored = lanes.gained[i], lanes.scale[i], lanes.stored[i]
+    force, before = (lanes.found, lanes.force) if lanes.as_most[i] == 1 else (lanes.force, lanes.before)
     for j in range(NODES_PER_PART):
-        block.force[j], block.before[j] = lanes.force[j, i], lanes.before[j, i]
-        block.last[j] = lanes.before[j, i]
+        block.force[j], block.before[j] = force[j, i], before[j, i]
+        block.last[j] = before[j, i]
     contact.steps += lanes.steps[i]
     lanes.steps[i] = 0
 
@@ -164,10 +167,11 @@ def _predict(lanes: Lanes) -> None:
             lanes.free[NODES_PER_PART + k, i] = v + rest * lanes.held[NODES_PER_PART + k, i]
         lanes.travel[0, i] = moved + 0.5 * pushed + lanes.line[RISE, i] + (begin - end)
         lanes.travel[1, i] = tilted
-        opens = (lanes.free[0, i] <= 0.0) & (lanes.free[1, i] <= 0.0)
+        share = 0.0 if (lanes.free[0, i] <= 0.0) & (lanes.free[1, i] <= 0.0) else 1.0
         for k in range(NODES_PER_PART):
-            guess = max(2.0 * lanes.force[k, i] - lanes.before[k, i], 0.0)
-            lanes.found[k, i] = 0.0 if opens else guess
+            force, before = lanes.found[k, i], lanes.force[k, i]
+            lanes.force[k, i], lanes.before[k, i] = force, before
+            lanes.found[k, i] = share * max(2.0 * force - before, 0.0)
         lanes.done[i] = lanes.idle[i]
 
 
@@ -184,12 +188,12 @@ def _solve(lanes: Lanes) -> None:
             x1, v1 = less(lanes.free[1, i], a[1], a[3], forces), less(lanes.free[3, i], w[1], w[3], forces)
             f, s, d = _law(k, mu, x0, rate * v0)
             g, t, e = _law(k, mu, x1, rate * v1)
-            f0, f1, left = correct(forces, (f, s, rate * d), (g, t, rate * e), a, w)
-            ended = left <= CHANGED[1] * (abs(f0) + abs(f1))
+            c0, c1, left = correct(forces, (f, s, rate * d), (g, t, rate * e), a, w)
+            ended = left <= CHANGED[1] * (abs(forces[0] + c0) + abs(forces[1] + c1))
             going = lanes.done[i] == 0.0
-            lanes.found[0, i] = f0 if going else forces[0]
-            lanes.found[1, i] = f1 if going else forces[1]
-            lanes.done[i] = 1.0 if ended else lanes.done[i]
+            lanes.found[0, i] = forces[0] + (c0 if going else 0.0)
+            lanes.found[1, i] = forces[1] + (c1 if going else 0.0)
+            lanes.done[i] += 1.0 if ended else 0.0
             waiting += 1 if going & (not ended) else 0
         if waiting == 0:
             break
@@ -233,14 +237,11 @@ def _go_on(lanes: Lanes) -> int:
         speed = less(lanes.free[2, i], lanes.give[2, i], lanes.give[6, i], (f0, f1)) / h
         energy = stored + 0.5 * lanes.mass[i] * speed * speed
         sound = (abs(f0 + f1) < math.inf) & (grown > -math.inf) & (grown <= ALLOWED * most)
-        goes = is_gentle(max(f0, f1), energy, lanes.landing[i], scale) & sound & (lanes.done[i] == 1.0)
+        goes = is_gentle(max(f0, f1), energy, lanes.landing[i], scale) & sound & (lanes.done[i] > 0.0)
         push, moments = (lanes.faster[i], lanes.lightness[i]), (lanes.moments[0, i], lanes.moments[1, i])
         place, faster = gone_on((position, v), h, push, lanes.line[RISE, i], moments)
-        last0, last1, first0, first1 = lanes.force[0, i], lanes.force[1, i], lanes.before[0, i], lanes.before[1, i]
         pushes, touches = f0 + f1 > 0.0, 1 if end > 0.0 else 0
         lanes.position[i], lanes.v[i] = place if goes else position, faster if goes else v
-        lanes.before[0, i], lanes.before[1, i] = last0 if goes else first0, last1 if goes else first1
-        lanes.force[0, i], lanes.force[1, i] = f0 if goes else last0, f1 if goes else last1
         lanes.gained[i], lanes.scale[i] = max(grown, 0.0) if goes else gained, most if goes else scale
         lanes.stored[i], lanes.now[i] = left if goes else stored, end if goes else now
         lanes.contacts[i] += 1 if goes & pushes & (touched == 0) else 0

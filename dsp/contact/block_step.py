@@ -38,7 +38,7 @@ def correct(
     give: tuple[float, float, float, float],
     rates: tuple[float, float, float, float],
 ) -> tuple[float, float, float]:
-    """Return the two forces of a part after a step of Newton's method, and how much of them is left to find.
+    """Return by how much a step of Newton's method changes the two forces of a part, and how much is left to find.
 
     first, second: the law's force at both nodes, its derivatives over compression and over the rate per sample. give,
     rates: what each force takes off both compressions, then off both rates.
@@ -52,7 +52,7 @@ def correct(
     c0, c1 = (r0 * m11 - r1 * m01) * whole, (r1 * m00 - r0 * m10) * whole
     # What the law changes by, as it is linear, where both nodes touch: what is left is about its square.
     near, far = abs(r0 - c0) + abs(r1 - c1), abs(c0) + abs(c1)
-    return forces[0] + c0, forces[1] + c1, near if min(f, g) > 0.0 else far
+    return c0, c1, near if min(f, g) > 0.0 else far
 
 
 @kernel

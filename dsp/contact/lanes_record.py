@@ -47,8 +47,6 @@ class Lanes(Record):
     gained: Annotated[View[float], LANES]
     scale: Annotated[View[float], LANES]
     stored: Annotated[View[float], LANES]
-    force: Annotated[View2D[float], NODES_PER_PART, LANES]
-    before: Annotated[View2D[float], NODES_PER_PART, LANES]
     touches: Annotated[View[int], LANES]  # 1: they touch, as in Coupled
     contacts: Annotated[View[int], LANES]
     steps: Annotated[View[int], LANES]
@@ -59,8 +57,10 @@ class Lanes(Record):
     # Of a sample:
     line: Annotated[View2D[float], LINES, LANES]
     free: Annotated[View2D[float], 2 * NODES_PER_PART, LANES]
-    found: Annotated[View2D[float], NODES_PER_PART, LANES]  # N: the forces
+    found: Annotated[View2D[float], NODES_PER_PART, LANES]  # N: the forces,
+    force: Annotated[View2D[float], NODES_PER_PART, LANES]  # those a sample before,
+    before: Annotated[View2D[float], NODES_PER_PART, LANES]  # and another one before that
     travel: Annotated[View2D[float], MOMENTS, LANES]
     moments: Annotated[View2D[float], MOMENTS, LANES]
-    done: Annotated[View[float], LANES]  # 1: Newton's method has ended
+    done: Annotated[View[float], LANES]  # above 0: Newton's method has ended
     as_most: Annotated[View[int], LANES]  # 1: the step is as most are

@@ -415,6 +415,7 @@ def _hand_on(state: State, contact: Contact, frame: int) -> None:
         trace_roll(state, contact, fed, (frame, contact.ahead), 0)
     for n in range(max(frame, contact.ahead - len(contact.forces)), contact.ahead):
         note_force(contact.forces, fed[n, 0] * state.rate)
-    for n in range(frame, contact.ahead):
-        for k in range(KEPT):
-            fed[n, k] *= contact.now.gain
+    if contact.now.gain != 1.0:
+        for n in range(frame, contact.ahead):
+            for k in range(KEPT):
+                fed[n, k] *= contact.now.gain
