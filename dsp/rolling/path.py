@@ -266,19 +266,33 @@ def restart_path(path: Path, place: int) -> None:
     for j in range(OCTAVES):
         path.surface.gain[j] = path.wanted[j]
     path.surface.ripple_gain = path.roughness
-    _begin_hull(path, place, 0)
+    _begin_hull(path, place & -path.stride, 0)
 
 
 @kernel
 def renew_path(path: Path, piece: int, along: float) -> float:
     """Begin the path anew, for another radius, in the middle of the arc before the one under a body that is so far (m)
     along a piece; return how far the body is from there."""
-    unit, first, offset = path.surface.unit, path.place[path.first], path.left + along
+    unit, first, offset = path.surface.unit, path.place[path.first], _offset_of(path, piece, along)
+    place = place_of(path, piece, along)
+    _refresh(path)
+    _begin_hull(path, place & -path.stride, 1)
+    return max(offset - path.left - (path.place[path.first] - first) * unit, 0.0)
+
+
+@kernel
+def place_of(path: Path, piece: int, along: float) -> int:
+    """Return the place of the surface under a body that is so far (m) along a piece."""
+    return path.place[path.first] + math.floor(_offset_of(path, piece, along) / path.surface.unit)
+
+
+@kernel
+def _offset_of(path: Path, piece: int, along: float) -> float:
+    """Return how far (m) such a body is from the first place of the hull."""
+    offset = path.left + along
     for i in range(piece, path.made):
         offset -= path.length[i & (PIECES - 1)]
-    _refresh(path)
-    _begin_hull(path, first + math.floor(offset / unit) & -path.stride, 1)
-    return max(offset - path.left - (path.place[path.first] - first) * unit, 0.0)
+    return offset
 
 
 @kernel

@@ -35,8 +35,8 @@ from .contact_list import (
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .presses import add_static, glide_push, lay_on
 from .rests import begin_rest, keep_resting
-from .rolls import feed_on
-from .slides import lead_slide, rub, rubs
+from .rolls import feed_on, feed_out
+from .slides import choose_again, lead_slide, leaves_dashpot, rub, rubs
 from .solver_choice import is_moved
 from .swarms import delay_swarm, has_run_out, swarm_on
 
@@ -183,16 +183,22 @@ def _roll_on(state: State, index: int) -> bool:
     """Compute a rolling or sliding body's force for a quantum; true if it has come to its end."""
     contact = state.contacts[index]
     roll = state.rolls[contact.roll]
+    if contact.trait.slips == 1:
+        choose_again(state, contact)
     changed = update_mode_count(state, contact)
     if contact.trait.slips == 1:
         lead_slide(state, contact, changed)
     if contact.solver == COUPLING:
         return _roll_on_coupled(state, contact, changed)
     roll.path.coarseness = coarseness_of(state)
-    if waits_for_others(state, index):
+    ends = leaves_dashpot(state, contact)
+    if not ends and waits_for_others(state, index):
         return False
     met = roll.impacts
-    feed_on(state, contact)
+    if ends:
+        feed_out(state, contact)
+    else:
+        feed_on(state, contact)
     hand_on(state, index, roll.impacts - met)
     return roll.ended == 1
 

@@ -5,8 +5,9 @@ solved a quantum at a time where it can be (blocks.py). Where it can't, and the 
 are held, where `/budget` has no room or too few steps, and under a bow the object is a dashpot, which costs as much for
 any number of modes (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is
 off by -15 to -40 dB.
-It is one, too, beside as many coupled contacts as a block takes, if steps have a bound: those that are solved together
-by samples take more steps than the sum of each, and a force that is held among them gains energy.
+It is one, too, under a slide whose friction comes too late for the swings on its contact; friction that is steered
+chooses anew. And it is one beside as many coupled contacts as a block takes, if steps have a bound: those that are
+solved together by samples take more steps than the sum of each, and a force that is held among them gains energy.
 
 All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
 fits in none touches its object.
@@ -49,6 +50,9 @@ _SHARE = 1.0 / 7.0  # of the room for coupled modes, which rolls take at most: t
 _TURNED = 0.25  # rad^2 of a swing on the contact in a sample, times friction: beyond, that comes too late for it
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _FALLS_SHORT = 1e-6  # share of its way by which a body falls short that has turned
+NEVER, LEAVING = -1, 2
+"""A slide's answers, whether it may feel the modes: it would not, whatever its friction is; it will from the next
+quantum on."""
 PASSED = 1e-3
 """Rows of shapes that a body passes in a quantum, within which the object's answer stays."""
 
@@ -68,15 +72,19 @@ def couple_roll(state: State, contact: Contact) -> None:
     turn, loss = omega_c * math.sqrt(lightness) / state.rate, roll.mu * gravity * lightness / state.rate
     rolls = contact.trait.slips == 0
     follows = gives > _RIGID and parts_along(turn, loss, 1.0 / state.rate, PARTS[level], rolls) > 0
-    if not (gives_way or follows) or holds_steps(state) or not _is_moved(state, contact):
+    feels = (gives_way or follows) and not holds_steps(state)
+    if not rolls:
+        slide = state.slides[contact.roll]
+        slide.turned = turn * turn
+        slide.feels = int(may_feel(state, contact)) if feels else NEVER
+        feels &= slide.feels == 1
+    if not feels:
         return
     modes = BY_ITSELF
     for side in range(2):
         if contact.point[side].slot >= 0:
             modes += state.objects[contact.point[side].slot].size
     room, steps = room_for_coupling(state), state.choices.budget.steps
-    if contact.trait.slips == 1 and _friction_of(contact) * turn * turn > _TURNED:
-        return
     crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
     if crowded or (steps > 0 and _needed(state, contact, turn, follows) > steps):
         state.stats.over_budget += 1
@@ -133,25 +141,17 @@ def _count_beside(state: State, contact: Contact) -> int:
 
 
 @kernel
-def _is_moved(state: State, contact: Contact) -> bool:
-    """True for a roll, and for a slide whose normal motion is that of the modes: those move under a bow, whose contact
-    stays (sweep 0), along the slip. Not where friction has a direction of its own, feels a part of the modes alone, or
-    follows a press, which feels them."""
-    if contact.trait.slips == 0:
-        return True
-    way, asked = contact.direction[0], contact.target
+def may_feel(state: State, contact: Contact) -> bool:
+    """True for a slide whose normal motion is that of the modes: those move under a bow, whose contact stays (sweep 0),
+    along the slip. Not where friction has a direction of its own, feels a part of the modes alone, or follows a press,
+    which feels them; nor where it comes too late for the swings on the contact, which it would drive."""
+    way, asked, slide = contact.direction[0], contact.target, state.slides[contact.roll]
     apart = way[0] != 0.0 or way[1] != 0.0 or way[2] != 0.0
     for side in range(2):
         slot = contact.point[side].slot
         apart |= slot >= 0 and state.objects[slot].size > SLID
-    return asked.sweep != 0.0 and state.slides[contact.roll].press == 0 and not (apart and asked.along > 0.0)
-
-
-@kernel
-def _friction_of(contact: Contact) -> float:
-    """Return friction against the normal force, as far as it moves modes."""
-    asked = contact.target
-    return asked.along * max(asked.static, asked.dynamic)
+    late = asked.along * max(asked.static, asked.dynamic) * slide.turned > _TURNED
+    return asked.sweep != 0.0 and slide.press == 0 and not (apart and asked.along > 0.0) and not late
 
 
 @kernel

@@ -35,6 +35,16 @@ def feed_on(state: State, contact: Contact) -> None:
 
 
 @kernel
+def feed_out(state: State, contact: Contact) -> None:
+    """End a body's force with the frames that are computed."""
+    feed = state.feeds[contact.roll]
+    move_on(state, contact, BEHIND + LEAD)
+    for n in range(BEHIND + LEAD, len(feed)):
+        for k in range(KEPT):
+            feed[n, k] = 0.0
+
+
+@kernel
 def begin_of(state: State, contact: Contact, new: int) -> float:
     """Return the time (s) since a gesture began at the first of the frames to be fed, which has a number of `new`."""
     return (state.position - 1 - contact.origin + new - BEHIND) / state.rate

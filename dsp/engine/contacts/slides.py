@@ -17,11 +17,12 @@ from ...friction.elastic import step_elastic, stiffen
 from ...friction.held import step_held
 from ...friction.located import step_located
 from ...friction.stick_slip import begin_friction, move_beside, respond_along, step_whole
-from ...native.jit import kernel
+from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import FINE
 from ...resonator.bank import inject_fine, inject_line
 from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
-from ...rolling.body import share_of
+from ...rolling.body import begin_roll, share_of
+from ...rolling.path import place_of
 from ...schema import SPEED
 from ..bodies.bends import find_static
 from ..bodies.objects import modes_of, point_of, shapes_at
@@ -29,8 +30,9 @@ from ..bodies.sensing import push_sensed
 from ..bodies.surface import direct, has_moved, keep_spot, put
 from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact, Slide
-from ..memory.state import COUPLING, QUANTUM, State
-from .coupled_rolls import position_of
+from ..memory.state import COUPLING, LEAD, QUANTUM, ROLLING, State
+from .contact_list import give_room_back
+from .coupled_rolls import LEAVING, NEVER, couple_roll, may_feel, position_of
 from .rolls import feed_of
 from .trace import trace_friction
 
@@ -53,6 +55,41 @@ def begin_slide(state: State, contact: Contact) -> None:
     contact.rolls = 0.0
     slide.stale = 1
     _lead_roll(state, contact)
+
+
+@noinline_kernel
+def choose_again(state: State, contact: Contact) -> None:
+    """Begin a slide's normal motion anew, at rest where it is, if its friction was steered so that it is to feel the
+    modes, or is not to: so it sounds as one that begins with this friction."""
+    slide, roll = state.slides[contact.roll], state.rolls[contact.roll]
+    may, begun = may_feel(state, contact), roll.t > 0.0
+    if slide.feels == NEVER or roll.fade < 1.0 or slide.feels == int(may):
+        return
+    if contact.solver != COUPLING and slide.feels != LEAVING and begun:
+        slide.feels = LEAVING if slide.feels == 0 else 0  # 0: there was no room
+        return
+    place = place_of(roll.path, roll.piece, roll.along) if begun else roll.path.begin
+    if contact.solver == COUPLING:
+        give_room_back(state, contact)
+    contact.solver, contact.aside = ROLLING, 0
+    contact.origin = max(contact.origin, state.position - 1.0)
+    if begun:
+        state.contact_count += 1
+        contact.number = state.contact_count  # its force drives modes in another way: it is another contact
+        if not may:  # a beginning is in one number a frame from LEAD frames before
+            contact.start, contact.fraction = state.position - 1 + LEAD, 0.0
+            contact.origin = float(contact.start)
+    contact.led = contact.ahead = 0
+    slide.friction.beside[0] = slide.friction.beside[1] = 0.0
+    slide.stale = 1
+    begin_roll(roll, place, contact.k, contact.mu, contact.a, roll.path.corners, roll.path.coarseness)
+    couple_roll(state, contact)
+
+
+@kernel
+def leaves_dashpot(state: State, contact: Contact) -> bool:
+    """True if what slides on a dashpot is to feel the modes from the next quantum on: its force ends."""
+    return contact.trait.slips == 1 and state.slides[contact.roll].feels == LEAVING
 
 
 @kernel

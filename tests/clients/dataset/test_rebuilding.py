@@ -156,6 +156,17 @@ def test_a_slide_that_travels_is_rebuilt_when_it_is_put_elsewhere(tmp_path):
     assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("travel", [0.0, 0.1])
+def test_a_slide_whose_friction_is_steered_to_and_fro_is_rebuilt(tmp_path, travel):
+    """Such a slide feels the modes, then not, then again: each is a contact, whose force drives them in its way."""
+    slide = f"slide 0.3 0.4 striker wood surface slate seed 3 id g static 0.9 dynamic 0.9 along 0 travel {travel}"
+    steers = "0.03 /gesture/g/along 0.9", "0.07 /gesture/g/along 0"
+    row = followed(tmp_path, f"0 /object/o/{slide}", *steers, preset="drinks-can")
+    assert [each["fed"] for each in row["contacts"]] == [False, True, False]
+    assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
+
+
 @pytest.mark.parametrize("preset", ["wine-glass", "tin-lid"])
 @pytest.mark.parametrize("travels", [(0.0, 0.1), (0.0,) * 6], ids=["one travels", "many"])
 def test_slides_beside_each_other_are_rebuilt(tmp_path, preset, travels):

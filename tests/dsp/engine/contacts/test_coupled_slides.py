@@ -7,13 +7,13 @@ from scipy.integrate import solve_ivp
 import carom
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.commands import Command, Kind
-from carom.dsp.engine.memory.state import QUANTUM
+from carom.dsp.engine.memory.state import COUPLING, QUANTUM
 from carom.dsp.lab.rolling_path import path_pieces
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.dsp.engine.contacts.test_coupled_rolls import apart, light, pane
 from tests.dsp.engine.contacts.test_coupling import modal
-from tests.dsp.engine.support import SURFACE, bell, gesture, numbered, strike
+from tests.dsp.engine.support import SURFACE, bell, gesture, numbered, steer, strike
 
 RATE = 48_000
 LAW = (0.02, 3e6, 0.5, 1.5)
@@ -165,6 +165,67 @@ def test_no_bit_of_a_slide_depends_on_the_block_size(keys):
         assert engine.stats.faults == 0
     np.testing.assert_array_equal(found[0], found[1])
     np.testing.assert_array_equal(found[0], found[2])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("later", [0, 5])
+def test_steered_friction_is_as_loud_as_by_dop853(later):
+    """Friction that comes a sample late drives the swings of what slides on modes that are 50 times as light as it, by
+    16 dB, but where the object is a dashpot: also if it begins quanta later than the slide."""
+    law, keys = (0.015, 1.56e9, 2.0, 1.5), {**RUB, "static": 0.35, "dynamic": 0.35, "along": 1.0, "force": 0.147}
+    engine, handle = sliding(body=bell(8, modal_mass=8 * law[0] / 50), law=law, time=3.25, **{**keys, "along": 0.0})
+    engine.process(later * QUANTUM)
+    assert later == 0 or slide_of(engine)["solver"] == COUPLING
+    engine.send([steer(7, "along", 1.0, later * QUANTUM + 4.0)])
+    states, times = [], []
+    for _ in range(60):
+        engine.process(QUANTUM)
+        frequency, sigma, phi, z = modal(engine, handle, 8)
+        states.append(z)
+        times.append((engine.position - 1 - 3.25) / RATE)
+    right = reference(frequency, sigma, phi, np.array(times), law, keys, 3.25)
+    assert slide_of(engine)["solver"] != COUPLING
+    levels = [10 * np.log10((np.abs(each[20:]) ** 2).sum()) for each in (np.array(states), right)]
+    assert abs(levels[0] - levels[1]) < 1.5
+    engine.send([steer(7, "along", 0.0)])
+    engine.process(2 * QUANTUM)
+    assert slide_of(engine)["solver"] == COUPLING
+
+
+def test_steered_friction_chooses_at_the_same_time_in_any_block_and_takes_no_room_for_good():
+    """The friction of a slide that travels is steered to and fro: it feels the modes, or it does not."""
+    steers = [("along", 0.9, 2_000.0), ("along", 0.0, 5_000.0), ("static", 0.9, 5_500.0), ("along", 0.5, 6_000.0)]
+    keys = {**RUB, "law": (0.015, 1.56e9, 2.0, 1.5), "force": 0.147, "along": 0.0, "static": 0.35, "dynamic": 0.35}
+    found = []
+    for size in (QUANTUM, 1000, 37):
+        engine, _ = sliding(body=bell(24, modal_mass=2.4e-3), travel=0.1, position=0.2, **keys)
+        engine.send([steer(7, *each) for each in steers])
+        sound, rooms = [], []
+        for _ in range(9_000 // size + 1):
+            sound.append(engine.process(size))
+            coupled = slide_of(engine)["solver"] == COUPLING
+            rooms.append((coupled, engine.stats.coupled_modes == (slide_of(engine)["modes"] if coupled else 0)))
+        found.append(np.concatenate(sound)[:9_000])
+        assert all(fits for _, fits in rooms) and len({coupled for coupled, _ in rooms}) == 2
+        assert engine.stats.coupled == 2 and engine.stats.faults == 0
+    np.testing.assert_array_equal(found[0], found[1])
+    np.testing.assert_array_equal(found[0], found[2])
+
+
+@pytest.mark.parametrize("key", ["static", "dynamic", "along"])
+def test_a_slide_that_is_steered_at_once_is_one_that_begins_so(key):
+    """Whichever value of its friction is the one that lets it feel the modes no more; heard is the same surface."""
+    heard = []
+    for at_once in (False, True):
+        keys = {**RUB, "law": (0.015, 1.56e9, 2.0, 1.5), "force": 0.147, "along": 0.5, "static": 0.0, "dynamic": 0.0}
+        keys["static"], given = (0.7, 0.0) if key == "along" else (0.0, keys[key])
+        keys[key] = given if at_once else 0.7
+        engine, _ = sliding(body=bell(8, modal_mass=2.4e-3), **keys)
+        if at_once:
+            engine.send([steer(7, key, 0.7)])
+        heard.append(engine.process(40 * QUANTUM)[:, 0])
+        assert slide_of(engine)["solver"] != COUPLING
+    np.testing.assert_allclose(heard[1], heard[0], rtol=0, atol=1e-6 * np.abs(heard[0]).max())
 
 
 SOUNDS = {
