@@ -33,63 +33,63 @@ def light(modal_mass=0.05, t60=0.3):
     )  # fmt: skip
 
 
-def reference(frequency, sigma, phi, law, times, pieces, speed, gravity):
-    """Return the states z of the modes at `times` (s), by DOP853 from kink to kink: m y'' = f - m g, the modes get f -
-    m g."""
+def reference(frequency, sigma, shape_at, times, law, body, surface=SURFACE, rubbed=lambda t: 0.0):
+    """Return the states z of the modes at `times` (s), by DOP853 from kink to kink of a body's path.
+
+    m y'' = f - weight; the modes get f - weight, and `rubbed(t)` of f, by their shapes where it is on its way (m). The
+    compression follows from how fast the object's point moves.
+    """
     m, k, mu, a = law
-    omega = 2 * np.pi * frequency
-    n = len(omega)
+    omega, n, speed = 2 * np.pi * frequency, len(frequency), body["speed"]
+    weight = body.get("force", m * STANDARD_GRAVITY)
+    pieces = path_pieces(make_surface(*surface, seed=body["seed"]), body["radius"], speed, speed * times[-1] * 1.01)
 
-    def motion(t, y, begin, level, incline, curvature):
-        s = speed * t - begin
-        height, rise = level + s * (incline + 0.5 * curvature * s), speed * (incline + curvature * s)
-        q = y[2 + n :] / omega
-        x = height - y[0] - phi @ q
-        v = rise - y[1] - phi @ (y[2 : 2 + n] - sigma * q)
-        f = k * x**a * max(0.0, 1 + mu * v) if x > 0 else 0.0
-        over = f - m * gravity
-        turning = -sigma * y[2 : 2 + n] - omega * y[2 + n :] + phi * over
-        return np.concatenate([[y[1], over / m], turning, omega * y[2 : 2 + n] - sigma * y[2 + n :]])
+    def motion(t, y, begin, incline, curvature):
+        phi = shape_at(speed * t)
+        rise = speed * (incline + curvature * (speed * t - begin))
+        v = rise - y[1] - phi @ (y[2 : 2 + n] - sigma * y[2 + n :] / omega)
+        f = k * y[0] ** a * max(0.0, 1 + mu * v) if y[0] > 0 else 0.0
+        turning = -sigma * y[2 : 2 + n] - omega * y[2 + n :] + phi * (f - weight + rubbed(t) * f)
+        return np.concatenate([[v, (f - weight) / m], turning, omega * y[2 : 2 + n] - sigma * y[2 + n :]])
 
-    rest = (m * gravity / k) ** (1 / a)
-    begin, level, incline, curvature = pieces[0]
     y = np.zeros(2 + 2 * n)
-    y[0] = level + (0 - begin) * (incline - 0.5 * curvature * begin) - rest
-    y[1] = speed * (incline - curvature * begin)
-    found = []
-    t = 0.0
-    for i, (begin, level, incline, curvature) in enumerate(pieces):
-        end = pieces[i + 1, 0] / speed if i + 1 < len(pieces) else times[-1]
-        end = min(end, times[-1])
-        if end <= t:
-            continue
-        wanted = times[(times > t) & (times <= end)]
-        solved = solve_ivp(
-            motion, (t, end), y, "DOP853", np.append(wanted, end) if not len(wanted) or wanted[-1] < end else wanted,
-            args=(begin, level, incline, curvature), rtol=1e-10, atol=1e-13,
-        )  # fmt: skip
-        y, t = solved.y[:, -1], end
-        found += list(solved.y[2:, : len(wanted)].T)
+    y[0] = (weight / k) ** (1 / a)
+    y[1] = speed * (pieces[0, 2] - pieces[0, 3] * pieces[0, 0])
+    found, t = [], 0.0
+    ends = np.append(pieces[1:, 0] / speed, math.inf)
+    for (begin, _, incline, curvature), end in zip(pieces, np.minimum(ends, times[-1]), strict=True):
+        wanted = np.append(times[(times > t) & (times < end)], end)
+        if end > t:
+            args = begin, incline, curvature
+            solved = solve_ivp(motion, (t, end), y, "DOP853", wanted, args=args, rtol=1e-10, atol=1e-13).y
+            found += [solved[2:, i] for i in range(len(wanted)) if wanted[i] in times]
+            y, t = solved[:, -1], end
     z = np.array(found)
     return z[:, :n] + 1j * z[:, n:]
 
 
+def course(engine, handle, quanta, modes=4):
+    """Return an object's modes; and after each quantum their states, the time (s) since 3.25 samples after the
+    beginning, and whether a block has been solved."""
+    states, times, ahead = [], [], []
+    for _ in range(quanta):
+        engine.process(QUANTUM)
+        frequency, sigma, phi, z = modal(engine, handle, modes)
+        states.append(z)
+        times.append((engine.position - 1 - 3.25) / RATE)
+        ahead.append(bool(engine.state["objects"]["ahead"][0, handle.slot]))
+    return (frequency, sigma, phi), np.array(states), np.array(times), ahead
+
+
 def followed(engine, handle, quanta, surface=SURFACE, law=LAW, **values):
-    """Return the states of an object's modes after each quantum under a body that begins 3.25 samples late; as DOP853
-    has them."""
+    """Return the velocity of an object's point after each quantum under a body that begins 3.25 samples late; as DOP853
+    has it."""
     roll = {**ROLL, **values}
     command = gesture("roll", handle, law, 3.25, 7, **roll)
     engine.send([command._replace(surface=surface)])
-    states, times = [], []
-    for _ in range(quanta):
-        engine.process(QUANTUM)
-        frequency, sigma, phi, z = modal(engine, handle, 4)
-        states.append(z)
-        times.append((engine.position - 1 - 3.25) / RATE)
-    profile = make_surface(*surface, seed=roll["seed"])
-    pieces = path_pieces(profile, roll["radius"], roll["speed"], roll["speed"] * times[-1] * 1.01)
-    right = reference(frequency, sigma, phi, law, np.array(times), pieces, roll["speed"], STANDARD_GRAVITY)
-    return np.array(states) @ phi, right @ phi
+    (frequency, sigma, phi), states, times, _ = course(engine, handle, quanta)
+    right = reference(frequency, sigma, lambda s: phi, times, law, roll, surface)
+    return states @ phi, right @ phi
 
 
 def apart(found, right):
@@ -120,37 +120,6 @@ def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level):
     assert apart(found, right) < accuracy.ROLL_COUPLED[level].bound
 
 
-def on_its_way(frequency, sigma, shape, times, pieces, way):
-    """Return the states z of the modes at `times` (s) under a body that moves over an object with four rows of shapes:
-    (4, n). Cubics go through them. The compression follows from how fast the object's point moves."""
-    m, k, mu, a = LAW
-    omega, n, speed = 2 * np.pi * frequency, len(frequency), ROLL["speed"]
-
-    def motion(t, y, curvature, begin, incline):
-        s = speed * t
-        rise = speed * (incline + curvature * (s - begin))
-        phi = np.array([np.prod([(s / way * 3 - j) / (i - j) for j in range(4) if j != i]) for i in range(4)]) @ shape
-        v = rise - y[1] - phi @ (y[2 : 2 + n] - sigma * y[2 + n :] / omega)
-        over = (k * y[0] ** a * max(0.0, 1 + mu * v) if y[0] > 0 else 0.0) - m * STANDARD_GRAVITY
-        turning = -sigma * y[2 : 2 + n] - omega * y[2 + n :] + phi * over
-        return np.concatenate([[v, over / m], turning, omega * y[2 : 2 + n] - sigma * y[2 + n :]])
-
-    y = np.zeros(2 + 2 * n)
-    y[0] = (m * STANDARD_GRAVITY / k) ** (1 / a)
-    y[1] = speed * (pieces[0, 2] - pieces[0, 3] * pieces[0, 0])
-    found, t = [], 0.0
-    ends = np.append(pieces[1:, 0] / speed, math.inf)
-    for (begin, _, incline, curvature), end in zip(pieces, np.minimum(ends, times[-1]), strict=True):
-        wanted = np.append(times[(times > t) & (times < end)], end)
-        if end > t:
-            args = curvature, begin, incline
-            solved = solve_ivp(motion, (t, end), y, "DOP853", wanted, args=args, rtol=1e-9, atol=1e-13).y
-            found += [solved[2:, i] for i in range(len(wanted)) if wanted[i] in times]
-            y, t = solved[:, -1], end
-    z = np.array(found)
-    return z[:, :n] + 1j * z[:, n:]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "way", "bound"),
@@ -171,17 +140,14 @@ def test_a_body_that_moves_over_an_object_against_dop853(level, way, bound):
     handle = engine.add(body, 0.05)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
     engine.send([gesture("roll", handle, LAW, 3.25, 7, **{**ROLL, "position": 0.0, "travel": way})])
-    states, times = [], []
-    for _ in range(quanta):
-        engine.process(QUANTUM)
-        frequency, sigma, _, z = modal(engine, handle, 4)
-        states.append(z)
-        times.append((engine.position - 1 - 3.25) / RATE)
-        assert engine.state["objects"]["ahead"][0, handle.slot] == (level in ("-50", "-60")) or len(states) == 1
-    profile = make_surface(*SURFACE, seed=ROLL["seed"])
-    pieces = path_pieces(profile, ROLL["radius"], ROLL["speed"], ROLL["speed"] * times[-1] * 1.01)
-    right = on_its_way(frequency, sigma, shape, np.array(times), pieces, way)
-    assert apart(np.array(states), right) < bound
+    (frequency, sigma, _), states, times, ahead = course(engine, handle, quanta)
+    assert ahead[1:] == [level in ("-50", "-60")] * (quanta - 1)
+
+    def shape_at(s):
+        return np.array([np.prod([(s / way * 3 - j) / (i - j) for j in range(4) if j != i]) for i in range(4)]) @ shape
+
+    right = reference(frequency, sigma, shape_at, times, LAW, ROLL)
+    assert apart(states, right) < bound
 
 
 def on_the_way(level, gestures, speeds=()):

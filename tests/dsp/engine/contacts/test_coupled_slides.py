@@ -2,18 +2,15 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import carom
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import COUPLING, QUANTUM
-from carom.dsp.lab.rolling_path import path_pieces
-from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
-from tests.dsp.engine.contacts.test_coupled_rolls import apart, light, pane
+from tests.dsp.engine.contacts.test_coupled_rolls import apart, course, light, pane, reference
 from tests.dsp.engine.contacts.test_coupling import modal
-from tests.dsp.engine.support import SURFACE, bell, gesture, numbered, steer, strike
+from tests.dsp.engine.support import bell, gesture, numbered, steer, strike
 
 RATE = 48_000
 LAW = (0.02, 3e6, 0.5, 1.5)
@@ -40,6 +37,11 @@ def slide_of(engine):
     return next(each for each in numbered(engine) if each["gesture"] == 7)
 
 
+def rubbed(keys):
+    """Return the share of a slide's force that its friction is, by the time (s) since it was laid on."""
+    return lambda t: keys["along"] * keys["dynamic"] * (1.0 - (1.0 - 1.0 / LAID) ** (t * RATE))
+
+
 def pushes(engine, quanta):
     """Return the force (N) beyond the weight in the last samples of so many quanta."""
     found = []
@@ -47,42 +49,6 @@ def pushes(engine, quanta):
         engine.process(QUANTUM)
         found.append(slide_of(engine)["forces"].copy())
     return np.array(found)
-
-
-def reference(frequency, sigma, phi, times, law, keys, begin):
-    """Return the states z of the modes at `times` (s): m y'' = f - m g, the modes get f - m g, and a share of mu f, as
-    far as the striker is laid on."""
-    m, k, mu, a = law
-    omega, n, speed = 2 * np.pi * frequency, len(frequency), keys["speed"]
-    profile = make_surface(*SURFACE, seed=keys["seed"])
-    pieces = path_pieces(profile, keys["radius"], speed, speed * times[-1] * 1.01)
-
-    def motion(t, y, at, level, incline, curvature):
-        s = speed * t - at
-        height, rise = level + s * (incline + 0.5 * curvature * s), speed * (incline + curvature * s)
-        q = y[2 + n :] / omega
-        x, v = height - y[0] - phi @ q, rise - y[1] - phi @ (y[2 : 2 + n] - sigma * q)
-        f = k * x**a * max(0.0, 1 + mu * v) if x > 0 else 0.0
-        laid = 1.0 - (1.0 - 1.0 / LAID) ** (t * RATE)
-        over = f - keys["force"] + keys["along"] * keys["dynamic"] * laid * f
-        turning = -sigma * y[2 : 2 + n] - omega * y[2 + n :] + phi * over
-        return np.concatenate([[y[1], (f - keys["force"]) / m], turning, omega * y[2 : 2 + n] - sigma * y[2 + n :]])
-
-    at, level, incline, curvature = pieces[0]
-    y = np.zeros(2 + 2 * n)
-    y[0] = level - at * (incline - 0.5 * curvature * at) - (keys["force"] / k) ** (1 / a)
-    y[1] = speed * (incline - curvature * at)
-    found, t = [], 0.0
-    for i, piece in enumerate(pieces):
-        end = min(pieces[i + 1, 0] / speed if i + 1 < len(pieces) else times[-1], times[-1])
-        wanted = times[(times > t) & (times <= end)]
-        if end > t:
-            ends = wanted if len(wanted) and wanted[-1] == end else np.append(wanted, end)
-            solved = solve_ivp(motion, (t, end), y, "DOP853", ends, args=tuple(piece), rtol=1e-10, atol=1e-13)
-            y, t = solved.y[:, -1], end
-            found += list(solved.y[2:, : len(wanted)].T)
-    z = np.array(found)
-    return z[:, :n] + 1j * z[:, n:]
 
 
 @pytest.mark.parametrize(
@@ -96,16 +62,11 @@ def test_a_slide_and_the_modes_that_it_moves_against_dop853(level, law, keys, bo
     """A body on an object that is as light, 20 ms, without friction and with it: the normal force feels what that
     does. At -50 and -60 blocks follow it."""
     engine, handle = sliding(level, law=law, time=3.25, **keys)
-    states, times = [], []
-    for _ in range(15):
-        engine.process(QUANTUM)
-        frequency, sigma, phi, z = modal(engine, handle, 4)
-        states.append(z)
-        times.append((engine.position - 1 - 3.25) / RATE)
-    right = reference(frequency, sigma, phi, np.array(times), law, keys, 3.25)
+    (frequency, sigma, phi), states, times, ahead = course(engine, handle, 15)
+    right = reference(frequency, sigma, lambda s: phi, times, law, keys, rubbed=rubbed(keys))
     assert engine.stats.coupled == 1
-    assert engine.state["objects"]["ahead"][0, handle.slot] == (level != "exact")
-    assert apart(np.array(states) @ phi, right @ phi) < bound
+    assert ahead[-1] == (level != "exact")
+    assert apart(states @ phi, right @ phi) < bound
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -177,15 +138,10 @@ def test_steered_friction_is_as_loud_as_by_dop853(later):
     engine.process(later * QUANTUM)
     assert later == 0 or slide_of(engine)["solver"] == COUPLING
     engine.send([steer(7, "along", 1.0, later * QUANTUM + 4.0)])
-    states, times = [], []
-    for _ in range(60):
-        engine.process(QUANTUM)
-        frequency, sigma, phi, z = modal(engine, handle, 8)
-        states.append(z)
-        times.append((engine.position - 1 - 3.25) / RATE)
-    right = reference(frequency, sigma, phi, np.array(times), law, keys, 3.25)
+    (frequency, sigma, phi), states, times, _ = course(engine, handle, 60, modes=8)
+    right = reference(frequency, sigma, lambda s: phi, times, law, keys, rubbed=rubbed(keys))
     assert slide_of(engine)["solver"] != COUPLING
-    levels = [10 * np.log10((np.abs(each[20:]) ** 2).sum()) for each in (np.array(states), right)]
+    levels = [10 * np.log10((np.abs(each[20:]) ** 2).sum()) for each in (states, right)]
     assert abs(levels[0] - levels[1]) < 1.5
     engine.send([steer(7, "along", 0.0)])
     engine.process(2 * QUANTUM)
