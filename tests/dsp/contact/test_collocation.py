@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 from numba import njit
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from carom.dsp import contact
 from carom.dsp.contact import collocation
 from carom.dsp.lab.coupled import CONVERGED, Case, simulate
+from tests.dsp.contact.wall_reference import solution
 
 pytestmark = pytest.mark.slow
 
@@ -88,23 +88,6 @@ def test_a_free_mass_leaves_as_the_closed_form_says(a, w):
         assert run.steps < 200
 
 
-def moved(case):
-    """Return compressions and rates at the samples, over their natural units, by DOP853; and these units."""
-    v_in, m, k, mu, a, push = case.v_in, case.m, case.k, case.mu, case.a, case.push
-    length = (m * v_in**2 / k) ** (1 / (a + 1))
-    unit = length / v_in
-    w, p = mu * v_in, push * unit / (m * v_in)
-
-    def motion(t, y):
-        return [y[1], p - max(y[0], 0.0) ** a * max(0.0, 1 + w * y[1])]
-
-    times = np.arange(1, case.samples + 1) / (case.rate * unit)
-    run = solve_ivp(
-        motion, (0, times[-1]), (0, 1), "DOP853", times, rtol=1e-12, atol=1e-15, first_step=1e-4, max_step=0.5
-    )
-    return run.y[0], run.y[1], length
-
-
 def test_pressed_masses_move_as_by_dop853():
     random = np.random.default_rng(3)
     left = stayed = 0
@@ -117,9 +100,9 @@ def test_pressed_masses_move_as_by_dop853():
         unit = (m * v_in**2 / k) ** (1 / (a + 1)) / v_in
         case = wall((v_in, m, k, mu, a), 4 / unit, 120, push)
         run = simulate(case, CONVERGED)
-        x, v, length = moved(case)
-        np.testing.assert_allclose(run.compression, np.maximum(x, 0.0) * length, rtol=0, atol=1e-6 * length)
-        np.testing.assert_allclose(run.striker, v * v_in, rtol=0, atol=1e-6 * v_in)
+        x, v = solution(v_in, m, k, mu, a, push, 120 * unit / 4)[0](np.arange(1, 121) * unit / 4)
+        np.testing.assert_allclose(run.compression, np.maximum(x, 0.0), rtol=0, atol=1e-6 * unit * v_in)
+        np.testing.assert_allclose(run.striker, v, rtol=0, atol=1e-6 * v_in)
         assert run.growth(case) < 2e-8
         rows = zip(run.compression, run.striker, strict=True)
         captured = np.array([collocation.captured(x, v, m, k, a, push) for x, v in rows])

@@ -14,23 +14,27 @@ _ORDER = 24
 _DIGITS = 80  # twice what is wanted and more: the printed form of (3) cancels
 
 
-def solution(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
-    """Return the dense solution (x, v) of the contact by DOP853 in its natural units, and its duration."""
+def solution(
+    v_in: float, m: float, k: float, mu: float, a: float, push: float = 0.0, seconds: float = np.inf
+) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
+    """Return the dense solution (x, v) of the contact by DOP853 in its natural units, and its duration; of one that a
+    push (N) brings back, over some seconds."""
     length = (m * v_in**2 / k) ** (1 / (a + 1))
     unit = length / v_in
-    w = mu * v_in
+    w, p = mu * v_in, push * unit / (m * v_in)
 
     def motion(t, y):
-        return [y[1], -(max(y[0], 0.0) ** a) * (1 + w * y[1])]
+        return [y[1], p - max(y[0], 0.0) ** a * max(0.0, 1 + w * y[1])]
 
     def released(t, y):
         return y[0] if t > 1e-3 else 1.0
 
-    released.terminal, released.direction = True, -1
+    released.terminal, released.direction = push == 0.0, -1
+    span = 0, min(seconds / unit, 1e4)
     run = solve_ivp(
-        motion, (0, 1e4), (0, 1), "DOP853", events=released, rtol=1e-13, atol=1e-15, dense_output=True, first_step=1e-4
+        motion, span, (0, 1), "DOP853", events=released, rtol=1e-13, atol=1e-15, dense_output=True, first_step=1e-4
     )
-    end = run.t_events[0][0]
+    end = run.t[-1]
     return (lambda t: run.sol(np.minimum(t / unit, end)) * np.array([length, v_in])[:, None]), end * unit
 
 

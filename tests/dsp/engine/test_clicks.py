@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
-from scipy.integrate import solve_ivp
 from scipy.signal import ellipap, residue, zpk2tf
 
 from carom.dsp.bodies import acceleration, air
 from carom.dsp.bodies.modes import Modes
 from carom.dsp.runtime.engine import Engine
+from tests.dsp.contact.wall_reference import solution
 from tests.dsp.engine.support import RATE, bell, impact, setting, strike
 
 C, RHO = air.SPEED, air.DENSITY
@@ -57,28 +57,17 @@ def sphere_by_quadrature(law, v_in, radius, times, answer):
     p = rho a c/sqrt(3) int A(t - s) answer(s) ds (Koss and Alfredson 1973), A by DOP853.
     """
     m, k, mu, a = law
-    unit = (m * v_in**2 / k) ** (1 / (a + 1)) / v_in
-
-    def motion(_, y):
-        return [y[1], -(max(y[0], 0.0) ** a) * (1 + mu * v_in * y[1])]
-
-    def released(t, y):
-        return y[0] if t > 1e-3 else 1.0
-
-    released.terminal, released.direction = True, -1
-    run = solve_ivp(
-        motion, (0, 100), (0, 1), "DOP853", events=released, rtol=1e-13, atol=1e-14, dense_output=True, first_step=1e-4
-    )
+    motion, duration = solution(v_in, m, k, mu, a)
     nodes, weights = leggauss(100)
     pressure = []
-    for t in np.asarray(times) / unit:
-        edges = np.linspace(0, min(max(t, 0), run.t_events[0][0]), 9)
+    for t in np.asarray(times):
+        edges = np.linspace(0, min(max(t, 0), duration), 9)
         s = (edges[:-1] + np.diff(edges) * (nodes[:, None] + 1) / 2).ravel()
         w = (np.diff(edges) / 2 * weights[:, None]).ravel()
-        x, v = run.sol(s)
-        force = np.maximum(x, 0) ** a * (1 + mu * v_in * v)
-        pressure.append(w @ (force * answer(np.maximum(t - s, 0) * unit)))  # before the contact there is none to sum
-    return RHO * radius * C / (math.sqrt(3) * m) * m * v_in * np.array(pressure)
+        x, v = motion(s)
+        force = k * np.maximum(x, 0) ** a * (1 + mu * v)
+        pressure.append(w @ (force * answer(np.maximum(t - s, 0))))  # before the contact there is none to sum
+    return RHO * radius * C / math.sqrt(3) / m * np.array(pressure)
 
 
 @pytest.mark.parametrize(("radius", "rate"), [(0.008, 44_100.0), (0.0125, 48_000.0), (0.03, 192_000.0)])
