@@ -16,11 +16,10 @@ from ..friction.stick_slip import begin_friction, respond_along, step_whole
 from ..native.jit import kernel
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.legendre import FINE
-from ..resonator.bank import RESPONSES, Modes, Point, inject_fine, inject_line, ring, state_of
-from ..resonator.coefficients import set_mode
-from ..resonator.simd import LANES
+from ..resonator.bank import inject_fine, inject_line, ring, state_of
 from ..resonator.sizes import ROWS
 from ..resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
+from .coupled import Bank, Case, bank_of, motion_and_energy, restart, ring_on
 
 _nodes, _weights = np.polynomial.legendre.leggauss(12)
 _NODES, _WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
@@ -92,48 +91,18 @@ class Course:
         return float(np.abs(rest).max() / max(greatest, self.before, 1e-300))
 
 
-class _Bank(NamedTuple):
-    modes: Modes
-    point: Point
+class _Rubbed(NamedTuple):
+    """Modes as lab/coupled.py has them, and what friction needs of them."""
+
+    bank: Bank
     rows: Array
-    work: Array
     moments: Array
     heard: Array
-    omega: Array
-    sigma: Array
 
 
-def _bank_of(rub: Rub) -> _Bank:
-    """Return the rub's modes, padded to whole LANES."""
-    count = len(rub.frequency)
-    n = -(-count // LANES) * LANES
-    y1, y2, a1, a2, balance, omega, sigma = np.zeros((7, n))
-    modes = Modes(y1, y2, a1, a2, balance, np.zeros(n // LANES * RESPONSES))
-    shape = np.zeros((4, n))
-    shape[:, :count] = rub.phi
-    for i in range(count):
-        set_mode(modes, i, float(rub.frequency[i]), float(rub.sigma[i]), float(rub.rate), 1.0)
-    for i in range(count, n):
-        set_mode(modes, i, 0.0, 0.0, float(rub.rate), 0.0j)
-    omega[:count], sigma[:count] = 2.0 * np.pi * np.asarray(rub.frequency), rub.sigma
-    z = np.broadcast_to(np.asarray(rub.z, complex), (count,))
-    before = z * np.exp((sigma[:count] - 1j * omega[:count]) / rub.rate)
-    y1[:count], y2[:count] = z.imag, before.imag
-    point = Point(shape.ravel(), n, 0, np.array([0.25, 0.25, 0.25, 0.25]))
-    work = np.zeros(3 * n)
-    return _Bank(modes, point, np.zeros(ROWS * n), work, np.zeros((2, FINE)), np.zeros((2, 1)), omega, sigma)
-
-
-@kernel
-def _energy(bank: _Bank, modes: Modes) -> float:
-    """Return the energy (J) of the modes: (q'^2 + (omega^2 + sigma^2) q^2)/2."""
-    total = 0.0
-    for i in range(len(modes.y1)):
-        if bank.omega[i] > 0.0:
-            re, im = state_of(modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i])
-            lag = bank.sigma[i] / bank.omega[i]
-            total += 0.5 * ((re - lag * im) ** 2 + (1.0 + lag * lag) * im * im)
-    return total
+def _rubbed(rub: Rub) -> _Rubbed:
+    bank = bank_of(Case(rub.frequency, rub.sigma, rub.phi, 0.0, 1.0, 1.0, 0.0, 1.0, rub.rate, ringing=rub.z))
+    return _Rubbed(bank, np.zeros(ROWS * bank.point.stride), np.zeros((2, FINE)), np.zeros((2, 1)))
 
 
 @kernel
@@ -156,23 +125,24 @@ def _flow(z: complex, s: complex, t: float, start: float, slope: float) -> compl
 
 
 @kernel
-def _damping(bank: _Bank, modes: Modes, friction: Friction, whole: bool) -> float:
+def _damping(bank: Bank, friction: Friction, whole: bool) -> float:
     """Return the loss (J) by the modes' damping over the coming sample, int 2 sigma q'^2 dt, by the exact flow of each
     mode."""
     total = 0.0
-    h = friction.period
-    for i in range(len(modes.y1)):
-        if bank.omega[i] == 0.0 or bank.sigma[i] == 0.0:
+    h, modes, n = friction.period, bank.modes, bank.point.stride
+    for i in range(n):
+        omega = 2.0 * np.pi * bank.frequency[i]
+        if omega == 0.0 or bank.sigma[i] == 0.0:
             continue
         re, im = state_of(modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i])
         z = complex(re, im)
-        s = complex(-bank.sigma[i] * h, bank.omega[i] * h)
-        lag = bank.sigma[i] / bank.omega[i]
-        phi = bank.point.shape[i] * h
-        for n in range(1 if whole else friction.count):
+        s = complex(-bank.sigma[i] * h, omega * h)
+        lag = bank.sigma[i] / omega
+        phi = bank.point.shape[n + i] * h
+        for j in range(1 if whole else friction.count):
             eta, start, slope = 1.0, phi * friction.start, phi * friction.slope
             if not whole:
-                eta, start, slope = friction.piece[n, 1], phi * friction.piece[n, 2], phi * friction.piece[n, 3]
+                eta, start, slope = friction.piece[j, 1], phi * friction.piece[j, 2], phi * friction.piece[j, 3]
             for q in range(len(_NODES)):
                 there = _flow(z, s, eta * _NODES[q], start, slope)
                 velocity = there.real - lag * there.imag
@@ -182,9 +152,9 @@ def _damping(bank: _Bank, modes: Modes, friction: Friction, whole: bool) -> floa
 
 
 @kernel
-def _step(friction: Friction, bank: _Bank, held: bool) -> bool:
-    """Solve the coming sample; True if it had no event, else its moments are in bank.moments[1]."""
-    modes, rows, moments = bank.modes, bank.rows, bank.moments
+def _step(friction: Friction, rubbed: _Rubbed, held: bool) -> bool:
+    """Solve the coming sample; True if it had no event, else its moments are in rubbed.moments[1]."""
+    modes, rows, moments = rubbed.bank.modes, rubbed.rows, rubbed.moments
     stride = len(modes.y1)
     third, end, mean, moment = sense(modes, rows, stride)
     whole = True
@@ -196,58 +166,46 @@ def _step(friction: Friction, bank: _Bank, held: bool) -> bool:
     else:
         whole = step_whole(friction, third, end, mean, moment)
     if not whole:
-        observe_velocity(modes, rows, stride, bank.work, moments[0])
+        observe_velocity(modes, rows, stride, rubbed.bank.work, moments[0])
         step_located(friction, moments[0], moments[1])
     return whole
 
 
 @kernel
-def _give(friction: Friction, bank: _Bank, whole: bool) -> float:
+def _give(friction: Friction, rubbed: _Rubbed, whole: bool) -> float:
     """Give the modes the force over the coming sample; its mean (N)."""
-    period = friction.period
+    period, bank = friction.period, rubbed.bank
     if whole:
         given = friction.start + 0.5 * friction.slope
         inject_line(bank.modes, bank.point, given * period, friction.slope * period / 6.0)
         return given
-    inject_fine(bank.modes, bank.point, bank.moments[1])
-    impulse: float = bank.moments[1, 0]
+    inject_fine(bank.modes, bank.point, rubbed.moments[1])
+    impulse: float = rubbed.moments[1, 0]
     return impulse / period
 
 
 @kernel
-def _begin(friction: Friction, bank: _Bank, tangential: float) -> None:
+def _begin(friction: Friction, rubbed: _Rubbed, tangential: float) -> None:
     begin_friction(friction, 1.0 / friction.period)
     stiffen(friction, tangential)
-    n = len(bank.modes.y1)
+    bank, rows, n = rubbed.bank, rubbed.rows, rubbed.bank.point.stride
+    restart(bank)
     for i in range(n):
         bank.work[i] = 1.0
-    set_rows(bank.modes, bank.work, bank.rows, n)
-    set_shapes(n, bank.point, 1.0, bank.rows, n)
-    velocity_response(bank.modes, bank.rows, n, bank.work, bank.moments[0])
-    respond_along(friction, bank.moments[0])
-
-
-@kernel
-def _ring(bank: _Bank) -> float:
-    """Ring the modes for a sample; return the point's velocity at its end."""
-    modes, velocity = bank.modes, 0.0
-    for i in range(len(modes.y1)):
-        here = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i]
-        modes.y2[i] = modes.y1[i]
-        modes.y1[i] = here
-        if bank.omega[i] > 0.0:
-            re, im = state_of(modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i])
-            velocity += bank.point.shape[i] * (re - bank.sigma[i] / bank.omega[i] * im)
-    return velocity
+    set_rows(bank.modes, bank.work, rows, n)
+    set_shapes(n, bank.point, 1.0, rows, n)
+    velocity_response(bank.modes, rows, n, bank.work, rubbed.moments[0])
+    respond_along(friction, rubbed.moments[0])
 
 
 @njit(error_model="numpy")
-def _run(friction, bank, speed, normal, ways, out, times):
+def _run(friction, rubbed, speed, normal, ways, out, times):
     """Take all samples; rubs: False for modes that nobody rubs; kept: False for the time that it takes, with nothing
     kept."""
     rubs, held, kept, audited, tangential = ways
-    _begin(friction, bank, tangential)
-    out[-1, 4] = _energy(bank, bank.modes)
+    bank = rubbed.bank
+    _begin(friction, rubbed, tangential)
+    out[-1, 4] = motion_and_energy(bank)[1]
     damped = 0.0
     branch, count = friction.branch, 0
     for t in range(len(speed) - 1):
@@ -255,19 +213,20 @@ def _run(friction, bank, speed, normal, ways, out, times):
         friction.normal[0], friction.normal[1] = normal[t], normal[t + 1]
         given, whole = 0.0, True
         if rubs:
-            whole = _step(friction, bank, held)
-            damped += _damping(bank, bank.modes, friction, whole) if audited else 0.0
-            given = _give(friction, bank, whole)
+            whole = _step(friction, rubbed, held)
+            damped += _damping(bank, friction, whole) if audited else 0.0
+            given = _give(friction, rubbed, whole)
         if not kept:
-            ring(bank.modes, bank.heard, 0, 1)
+            ring(bank.modes, rubbed.heard, 0, 1)
             continue
         for n in range(0 if whole else friction.count):
             if friction.piece[n, 4] != branch and count < len(times):
                 branch = friction.piece[n, 4]
                 times[count] = (t + friction.piece[n, 0]) * friction.period
                 count += 1
-        out[t, 0], out[t, 1] = _ring(bank), given
-        out[t, 2], out[t, 3], out[t, 4] = friction.driven, friction.lost, _energy(bank, bank.modes) if audited else 0.0
+        ring_on(bank.modes)
+        out[t, 0], out[t, 4] = motion_and_energy(bank)
+        out[t, 1], out[t, 2], out[t, 3] = given, friction.driven, friction.lost
         out[t, 5], out[t, 6], out[t, 7] = friction.branch, damped, friction.stored
     return count
 
@@ -280,9 +239,9 @@ def rub_cost(rub: Rub, held: bool = False) -> float:
     def measured(rubs: bool) -> float:
         shortest = np.inf
         for _ in range(7):
-            bank, friction = _bank_of(rub), _friction_of(rub)
+            rubbed, friction = _rubbed(rub), _friction_of(rub)
             start = perf_counter_ns()
-            _run(friction, bank, speed, normal, (rubs, held, False, False, float(rub.tangential)), out, times)
+            _run(friction, rubbed, speed, normal, (rubs, held, False, False, float(rub.tangential)), out, times)
             shortest = min(shortest, (perf_counter_ns() - start) / (len(speed) - 1))
         return shortest
 
@@ -297,13 +256,12 @@ def _friction_of(rub: Rub) -> np.void:
 
 
 def rub_modes(rub: Rub, held: bool = False, audited: bool = True) -> Course:
-    """Run a rub; `held`: by one force a sample; unless `audited`, without energy and damping's loss."""
-    bank = _bank_of(rub)
+    """Run a rub; `held`: by one force a sample; unless `audited`, without damping's loss."""
     friction = _friction_of(rub)
     out = np.zeros((len(rub.speed), 8))
     times = np.zeros(_MOST_TIMES)
     speed, normal = np.asarray(rub.speed, float), np.asarray(rub.normal, float)
-    count = _run(friction, bank, speed, normal, (True, held, True, audited, float(rub.tangential)), out, times)
+    count = _run(friction, _rubbed(rub), speed, normal, (True, held, True, audited, float(rub.tangential)), out, times)
     before = out[-1, 4]
     velocity, force, driven, lost, energy, branch, damped, stored = out[:-1].T
     counts = int(friction["events"]), int(friction["holds"])
