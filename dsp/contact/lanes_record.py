@@ -1,4 +1,4 @@
-"""The record of bodies that are solved beside each other, in the lanes of registers (block_lanes.py)."""
+"""The record of bodies that are solved in the lanes of registers (block_lanes.py)."""
 
 from typing import Annotated
 
@@ -20,7 +20,7 @@ LINES = RISE + 1
 
 
 class Lanes(Record):
-    """Contacts that are solved beside each other, a column for each; names as in Coupled, Block and Tables."""
+    """Contacts that are solved together, a column for each; names as in Coupled, Block and Tables."""
 
     slot: Annotated[View[int], LANES]  # of their objects
     contact: Annotated[View[int], LANES]  # places among the contacts

@@ -14,7 +14,6 @@ from .bodies.sensing import begin_sensing, clear_sensed, sense
 from .bodies.sheets import follow_sheets, is_coupled, uncouple
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
 from .contacts.abreast import roll_abreast
-from .contacts.block_lanes import solve_beside
 from .contacts.blocks import solve_blocks
 from .contacts.contact_groups import solve_groups
 from .contacts.contact_list import end_contacts
@@ -22,6 +21,7 @@ from .contacts.contacts import begin_contacts, next_driven_frame, run_contacts, 
 from .contacts.flights import call_back
 from .contacts.rests import settle_rests
 from .contacts.rolls import add_through, is_fed, ring_on
+from .contacts.rolls_in_lanes import solve_in_lanes
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
 from .memory.state import QUANTUM, Object, State
 from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
@@ -49,7 +49,7 @@ def update_objects(state: State) -> None:
         obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = obj.rubbed = 0
         obj.rolls_head = -1
         obj.ahead = obj.resumes = 0
-        obj.laid = obj.beside = -1
+        obj.laid = obj.in_lanes = -1
         obj.energy = 0.0
         for channel in range(2):
             obj.static_before[channel], obj.static[channel] = obj.static[channel], 0.0
@@ -69,7 +69,7 @@ def mix_objects(state: State) -> None:
     follow_sheets(state)
     state.stats.live_modes = 0
     state.stats.sounding = 0
-    solve_beside(state)
+    solve_in_lanes(state)
     # One loop for both, so that the compiler has one _render_group to inline: turn -1 are all that share contacts.
     for turn in range(-1, state.active):
         _choose_group(state, turn)

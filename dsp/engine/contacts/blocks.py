@@ -52,10 +52,10 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
     """Solve the lasting contacts of an object, and of those that share contacts with it, from a frame to the quantum's
     end, or to where another one touches, if they can be."""
     obj, net = state.objects[slot], state.scratch.net
-    if obj.beside >= 0:
+    if obj.in_lanes >= 0:
         net.begin = 0
         _gather(state, net, slot, 0, True)
-        net.end, obj.beside, obj.resumes = obj.beside, -1, QUANTUM
+        net.end, obj.in_lanes, obj.resumes = obj.in_lanes, -1, QUANTUM
         _conclude(state, net, frame, net.stop)
     elif begin_net(state, slot, frame):
         _solve(state, net, frame)

@@ -206,7 +206,7 @@ class Object(Record):
     resumes: int  # frame at which its rolls are to be solved ahead again; QUANTUM: none
     apart: int  # frames from the end of a block to the next one
     laid: int  # frame at which its block began that goes on, a sample at a time; -1: none
-    beside: int  # frame up to which its roll was solved beside others'; -1: it was not
+    in_lanes: int  # frame up to which its roll was solved in lanes; -1: it was not
     rolls_head: int  # head of the list of rolls on it, 2 contact + side; -1: none
     energy: float  # sum of squares of its share of the mix
 
@@ -249,7 +249,7 @@ class Scratch(Record):
     fine: Annotated[View[float], FINE]
     observed: Annotated[View[float], FINE]
     net: Net  # rolls that are solved in blocks together
-    lanes: Lanes  # those that are alone on their objects, beside each other
+    lanes: Lanes  # those that are alone on their objects, several together
     rows: Annotated[View[float], AHEAD * ROWS]  # of a point's motion over a quantum
     moving: Annotated[View[float], AHEAD * ROWS]  # of what that changes by as the point moves on
     drift: Annotated[View[float], 4]  # of a point's weights

@@ -1,4 +1,4 @@
-"""Bodies that roll alone on their objects, solved beside each other, a quantum at a time (contact/block_lanes.py).
+"""Bodies that roll alone on their objects, solved in lanes, a quantum at a time (contact/block_lanes.py).
 
 They come to the same bits as one after the other (blocks.py), whatever else rolls.
 """
@@ -26,23 +26,23 @@ _FEWEST = 3  # contacts that are worth lanes
 
 
 @noinline_kernel
-def solve_beside(state: State) -> None:
+def solve_in_lanes(state: State) -> None:
     """Solve the rolls of objects that share no contacts over the quantum, if there are enough of them."""
     count = 0
     for i in range(state.active):
-        count += _may_go_beside(state, state.objects[state.order[i]])
+        count += _fits_a_lane(state, state.objects[state.order[i]])
     if count < _FEWEST:
         return
     lanes, net, listed = state.scratch.lanes, state.scratch.net, 0
     for i in range(state.active):
         obj = state.objects[state.order[i]]
-        if not _may_go_beside(state, obj) or not begin_net(state, state.order[i], 0):
+        if not _fits_a_lane(state, obj) or not begin_net(state, state.order[i], 0):
             continue
         obj.resumes = 0
         contact, block = state.contacts[net.contact[0]], state.blocks[net.block[0]]
         if net.stop < QUANTUM or block.parts > 1 or block.even == 0 or contact.led == 1 or net.lasts == 1:
             run_alone(state, 0, net.stop)
-            obj.beside = net.end
+            obj.in_lanes = net.end
             continue
         lanes.slot[listed], lanes.contact[listed], lanes.block[listed] = state.order[i], net.contact[0], net.block[0]
         listed += 1
@@ -53,7 +53,7 @@ def solve_beside(state: State) -> None:
 
 
 @kernel
-def _may_go_beside(state: State, obj: Object) -> bool:
+def _fits_a_lane(state: State, obj: Object) -> bool:
     """True if an object's one contact is a roll that may be solved so."""
     if obj.spectral > 0 or obj.shares_contact == 1 or obj.contact < 0 or obj.has_contact == 0:
         return False
@@ -93,7 +93,7 @@ def _run(state: State, count: int) -> None:
         if lanes.ended[i] < 0:
             leave_lane(lanes, i, state.contacts[lanes.contact[i]].coupled, state.blocks[lanes.block[i]])
             lanes.ended[i] = QUANTUM
-        state.objects[lanes.slot[i]].beside = lanes.ended[i]
+        state.objects[lanes.slot[i]].in_lanes = lanes.ended[i]
 
 
 @kernel

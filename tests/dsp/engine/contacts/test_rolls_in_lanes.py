@@ -1,4 +1,4 @@
-"""Bodies that roll on objects of their own, solved beside each other in the lanes of registers."""
+"""Bodies that roll on objects of their own, solved in the lanes of registers."""
 
 import math
 
@@ -75,12 +75,12 @@ def rolled(numbers, level):
 @pytest.mark.parametrize("level", ["-50", "-60"])
 def test_bodies_roll_as_they_do_alone_whoever_else_rolls(level):
     """Bodies that hop, begin late, are steered, stop, or have a law that lanes don't take: the same bits."""
-    together, beside = rolled(range(len(ROLLS)), level)
-    assert beside == (level == "-50")  # which takes a sample by one part
+    together, in_lanes = rolled(range(len(ROLLS)), level)
+    assert in_lanes == (level == "-50")  # which takes a sample by one part
     few, _ = rolled([5, 1, 8, 9], level)
     for n in range(len(ROLLS)):
-        states, beside = rolled([n], level)
-        assert not beside and np.abs(states[n][-1]).max() > 0.0
+        states, in_lanes = rolled([n], level)
+        assert not in_lanes and np.abs(states[n][-1]).max() > 0.0
         np.testing.assert_array_equal(together[n], states[n], err_msg=f"body {n}")
     for n, states in few.items():
         np.testing.assert_array_equal(states, together[n], err_msg=f"body {n} of few")
