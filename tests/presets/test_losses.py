@@ -71,16 +71,16 @@ def test_decay_times_are_those_of_recordings(name, frequency, t60, within):
         ("piano-string", 2000, 3.2, 1.3),
         ("piano-string", 4000, 2.0, 1.3),
         ("piano-string", 8000, 1.3, 1.3),
-        ("bass-string", 125, 8.2, 1.2),
-        ("bass-string", 250, 10.0, 1.2),
-        ("bass-string", 500, 8.5, 1.2),
-        ("bass-string", 1000, 7.3, 1.2),
-        ("bass-string", 2000, 5.4, 1.2),
+        ("bass-string", 125, 7.9, 1.4),  # of seven partials, half of them between 5.2 and 8.6 s
+        ("bass-string", 250, 10.5, 1.2),
+        ("bass-string", 500, 9.1, 1.2),
+        ("bass-string", 1000, 10.2, 1.2),
+        ("bass-string", 2000, 7.1, 1.2),
     ],
 )
 def test_a_pianos_strings_decay_as_recorded(name, frequency, t60, within):
-    """Medians by octaves of FluidR3's piano, as tests.bench.decays measures them: of six notes within an octave, for
-    the bass string of six, D1 to A#2."""
+    """Medians by octaves of FluidR3's piano, as tests.bench.decays measures them: of six notes within an octave; for
+    the bass string of seven notes of three pianos (bench/sources.py) within half an octave."""
     modes = PRESETS.object(name).modes(10_000)
     found = math.log(1000) / np.interp(frequency, modes.frequency, modes.decay)
     assert 1 / within < found / t60 < within
