@@ -206,14 +206,16 @@ class _Span(NamedTuple):
 
 class _Part(NamedTuple):
     """A kind of motion; what of it lies along the blow where it strikes, a factor (p,) at positions in 0..1; what the
-    air does to it; the mass (kg/m) that it moves to and fro at points in -1..1, if it does; and by what factor its
-    square is, in the mean over the width, that of what moves up and down."""
+    air does to it; the mass (kg/m) that it moves to and fro at points in -1..1, if it does; by what factor its square
+    is, in the mean over the width, that of what moves up and down; and whether it goes along a board that it is clamped
+    in."""
 
     motion: Motion
     along: Callable[[Array], Array]
     air: Callable[[Motion], Loaded]
     swayed: Callable[[Array], Array] | None = None
     lifted: float = 0.0
+    aside: bool = False
 
 
 def _beyond(parts: list[_Part], positions: Array, highest: float) -> Felt:
@@ -279,7 +281,8 @@ def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> 
     parts = [_Part(upright, partial(_everywhere, math.cos(tilt)), partial(_swaying, span, face), swayed, 1.0)]
     if tilt:
         sideways = bending(*span, partial(carving.sideways, span.material), carving.kinks)
-        parts.append(_Part(sideways, partial(_everywhere, math.sin(tilt)), partial(_swaying, span, edge), swayed))
+        air = partial(_swaying, span, edge)
+        parts.append(_Part(sideways, partial(_everywhere, math.sin(tilt)), air, swayed, aside=True))
     if across or tilt:
         arm = across * width / 2 * math.cos(tilt)
 
@@ -324,14 +327,16 @@ def _on_cords(parts: list[_Part], air: list[Loaded]) -> Array:
 
 def _into(board: str | None, span: _Span, part: _Part) -> Array:
     """Return the loss of a motion (1/s) to the board in which the bar is clamped: its shear force there moves the
-    board."""
+    board, or turns it."""
     motion = part.motion
     if board is None or part.swayed is None:
         return np.zeros_like(motion.frequency)
     nodes, weights = quadrature(2 * motion.terms)
     at = (nodes + 1) / 2
-    moved = part.along(at) * part.swayed(nodes) * weights @ motion.shape(at) * span.length / 2
-    lost: Array = (2 * np.pi * motion.frequency * moved) ** 2 * BOARDS[board].conductance(motion.frequency)
+    along = 1.0 if part.aside else part.along(at)
+    moved = along * part.swayed(nodes) * weights @ motion.shape(at) * span.length / 2
+    under = BOARDS[board].conductance_aside if part.aside else BOARDS[board].conductance
+    lost: Array = (2 * np.pi * motion.frequency * moved) ** 2 * under(motion.frequency)
     return lost
 
 

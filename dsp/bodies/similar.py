@@ -19,6 +19,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from .bar import bar, bar_clicks, over_tube, tube_of
 from .disc import disc, disc_clicks
@@ -27,7 +28,7 @@ from .heard import Best, pressure
 from .material import Array, Indices, Material
 from .modes import Modes, Silent, Unheard, audible
 from .plate import plate, plate_clicks
-from .radiation.board import BOARDS
+from .radiation.board import BOARDS, Board
 from .radiation.lattice import cubic_weights
 from .ring import glass, glass_clicks, ring, ring_clicks
 from .similar_table import Beyond, Store, Table, table_of
@@ -80,7 +81,7 @@ class Sized:
         found, resistance = frequency[heard], 2 * modes.decay[heard] / size
         radiated, lost = resistance, resistance
         if board := arguments.get("board"):
-            into = self._into(str(board), top, material, own, modes)[heard] * BOARDS[str(board)].conductance(found)
+            into = self._into(BOARDS[str(board)], top, material, {**own, "board": board}, heard)
             radiated, lost = resistance + BOARDS[str(board)].radiated_share(found) * into, resistance + into
         material = on_stand(material, arguments.get("stand", 0.0), modes.mass * size**3)
         decay = material.decay(found)
@@ -104,28 +105,31 @@ class Sized:
         )  # fmt: skip
         if not has_tube:
             return made
-        made = self._over_tube(made, table, heard, sized, self._table(top, material, {**own, **_FLAT}).modes, top)
+        made = self._over_tube(made, np.flatnonzero(self._upright(top, material, own)[heard]), sized, top)
         return best.of(made) if best else made
 
-    def _over_tube(
-        self, made: Modes, table: Table, heard: Indices, sized: Mapping[str, Any], flat: Modes, top: float
-    ) -> Modes:
-        """Return a bar with its tube. flat: the modes of the same bar, struck flat on its middle line, where a blow
-        moves those alone that move it up and down."""
-        upright = np.flatnonzero(np.isin(table.modes.frequency[heard], flat.frequency[flat.strike.any(axis=0)]))
+    def _over_tube(self, made: Modes, upright: Indices, sized: Mapping[str, Any], top: float) -> Modes:
+        """Return a bar with its tube; upright: the modes that move it up and down."""
         tube = tube_of(**{key: sized[key] for key in _UNDER if key in sized})
         sides = sized["length"], sized["width"], sized["thickness"] * (1 - sized.get("undercut", 0.0))
         return over_tube(made, upright, partial(_along, made.strike), tube, sides, top)
 
-    def _into(self, board: str, top: float, material: Material, own: Mapping[str, Any], modes: Modes) -> Array:
-        """Return what a bar's modes lose to the board that it is clamped in, over the board's conductance.
+    def _upright(self, top: float, material: Material, own: Mapping[str, Any]) -> npt.NDArray[np.bool_]:
+        """Return which of a bar's modes move it up and down: those alone that a flat blow on its middle line moves."""
+        modes, flat = (self._table(top, material, {**own, **more}).modes for more in ({}, _FLAT))
+        return np.isin(modes.frequency, flat.frequency[flat.strike.any(axis=0)])
 
-        It goes with omega^2 and the mass that they move, so with the size; that of the bar of size 1 is what a table
-        with the board has more.
+    def _into(self, board: Board, top: float, material: Material, boarded: Mapping[str, Any], heard: Indices) -> Array:
+        """Return what a bar's modes lose (1/s) to the board that it is clamped in.
+
+        Over the board's conductance it goes with omega^2 and the mass that they move, so with the size; that of the bar
+        of size 1 is what a table with the board has more.
         """
-        boarded = self._table(top, material, {**own, "board": board}).modes
-        more: Array = 2 * (boarded.decay - modes.decay) / BOARDS[board].conductance(modes.frequency)
-        return more * self.size
+        own = {key: value for key, value in boarded.items() if key != "board"}
+        upright = self._upright(top, material, own)
+        modes, more = (self._table(top, material, each).modes for each in (own, boarded))
+        lost = 2 * (more.decay - modes.decay) / _met(board, modes.frequency, upright)
+        return np.asarray(lost[heard] * self.size * _met(board, modes.frequency[heard] / self.size, upright[heard]))
 
     def _table(self, top: float, material: Material, arguments: Mapping[str, Any]) -> Table:
         """Return the table of the body of size 1 that reaches up to `top` (Hz) in this one's. Silent if it is empty."""
@@ -146,6 +150,14 @@ class Sized:
         frequency = own.frequency / self.size
         decay = np.maximum(material.decay(frequency), own.decay / self.size)
         return Unheard(frequency, decay, own.strike * self.size**-1.5)
+
+
+def _met(board: Board, frequency: Array, upright: npt.NDArray[np.bool_]) -> Array:
+    """Return the conductance (s/kg) that modes of a bar meet in a board; upright: those that move the bar up and
+    down."""
+    if not board.block:
+        return board.conductance(frequency)
+    return np.where(upright, board.conductance(frequency), board.conductance_aside(frequency))
 
 
 def _along(strike: Array, positions: Array) -> Array:

@@ -88,13 +88,13 @@ SOLID = [
 ]
 
 
-HIGH = ("plastic-cup", "splash-cymbal", "drinks-can")
-"""Heard at 20 kHz first: a splash cymbal radiates best from 27 kHz on, and from 18 kHz on where it is larger; a can's
-wall from 12 kHz on."""
+HIGH = ("plastic-cup", "splash-cymbal", "kalimba-tine")
+"""A larger one is heard by modes that lie above 20 kHz in a smaller one: a splash cymbal radiates best from 27 kHz on,
+and from 18 kHz on where it is larger; a ball of steel clatters on a tine."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in SOLID if name not in HIGH])
+@pytest.mark.parametrize("name", [name for name in SOLID if name != "drinks-can"])  # the lowest is its cavity's
 def test_size_lowers_the_pitch_and_raises_the_level(name):
     """Body and striker, all lengths 1.5 times: by similarity all is 1.5 times slower and louder, but for losses."""
     factor = 1.5
@@ -105,7 +105,7 @@ def test_size_lowers_the_pitch_and_raises_the_level(name):
     large = struck(name, 2.0, slower, grown(name, factor), mass=0.01 * factor**3, stiffness=1e9 * factor, **ball)
     lowest = [preset.replace(**keys, most_modes=4096).modes(20_000).frequency[0] for keys in ({}, grown(name, factor))]
     assert lowest[1] < lowest[0] / 1.3
-    assert centroid(large) < centroid(small)
+    assert name in HIGH or centroid(large) < centroid(small)
     assert np.abs(large).max() > 1.2 * np.abs(small).max()
 
 

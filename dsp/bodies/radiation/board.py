@@ -23,6 +23,10 @@ lower one (Reinicke 1973; J. Woodhouse, "On the 'bridge hill' of the violin", Ac
 A bridge that is glued on is a beam across the board: its impedance adds to the board's 1/Y. That of a slender one is
 2 m' c (1 + j), of a mass m' per length and bending waves of the speed c (Cremer, Heckl, Petersson); a high one shears,
 too, and its sections have inertia as they turn (Timoshenko 1921).
+
+What holds tongues is shorter than the waves on it, so it moves as one block of a mass M, and adds j omega M. It lifts a
+tongue off the board's middle plane by h: the force of a tongue that bends sideways turns the board by the moment F h.
+The conductance of a plate to a moment is omega/(16 D) (Cremer, Heckl, Petersson), to which the block's inertia adds.
 """
 
 import math
@@ -84,6 +88,32 @@ class Beam:
     def under(self, mean: Array, frequency: Array) -> Array:
         """Return the conductance (s/kg) on the beam, on a board of a mean conductance, where both move alike."""
         both: Array = np.real(1 / (1 / mean + 1 / self.mobility(frequency)))
+        return both
+
+
+@dataclass(frozen=True)
+class Block:
+    """A holder of tongues on a board: its mass (kg), its inertia (kg m^2) as the board turns across the tongues, and
+    how far they are above the middle plane of the board (m)."""
+
+    mass: float
+    inertia: float
+    raised: float
+
+    @classmethod
+    def of(cls, mass: float, length: float, raised: float) -> "Block":
+        """Return that of slender bars across the tongues, of a mass in all (kg) and a length (m)."""
+        return cls(mass, mass * length**2 / 12, raised)
+
+    def under(self, mean: Array, frequency: Array) -> Array:
+        """Return the conductance (s/kg) on the block, on a board of a mean conductance."""
+        both: Array = np.real(1 / (1 / mean + 2j * math.pi * frequency * self.mass))
+        return both
+
+    def aside(self, rigidity: float, frequency: Array) -> Array:
+        """Return the conductance (s/kg) to a force along the board, of a rigidity (N m), at a tongue."""
+        omega = 2 * math.pi * frequency
+        both: Array = np.real(self.raised**2 / (16 * rigidity / omega + 1j * omega * self.inertia))
         return both
 
 
@@ -153,8 +183,9 @@ class Board:
     """A board's mass per area (kg/m^2), its rigidity (N m), the geometric mean of both directions, its loss factor, its
     area (m^2), its perimeter (m), and the frequency (Hz) of its lowest mode.
 
-    ribs: if it has any. bridge: one on feet; glued: one that is glued on. grain: the ratio of rigidities along and
-    across the grain. single: modes that stand out of the mean, as they are measured at the strings.
+    ribs: if it has any. bridge: one on feet; glued: one that is glued on; block: what holds tongues. grain: the ratio
+    of rigidities along and across the grain. single: modes that stand out of the mean, as they are measured at the
+    strings.
     """
 
     areal: float
@@ -166,6 +197,7 @@ class Board:
     ribs: Ribs | None = None
     bridge: Bridge | None = None
     glued: Beam | None = None
+    block: Block | None = None
     grain: float = 1.0
     single: tuple[Resonance, ...] = ()
 
@@ -177,11 +209,17 @@ class Board:
             mean = mean * stiffer ** _between(self.ribs, frequency)
         if self.glued:
             mean = self.glued.under(mean, frequency)
+        if self.block:
+            mean = self.block.under(mean, frequency)
         single = sum(mode.conductance(frequency) for mode in self.single)
         if not self.bridge:
             return np.asarray(mean + single)
         passed = self.bridge.passed_on(frequency, _mobility(self.areal, self.rigidity))
         return np.asarray((mean * self.bridge.lever + single) * passed)
+
+    def conductance_aside(self, frequency: Array) -> Array:
+        """Return the real mobility (s/kg) that a force along the board meets, at the tongues that its block holds."""
+        return self.block.aside(self.rigidity, frequency) if self.block else np.zeros_like(frequency)
 
     def radiated_share(self, frequency: Array) -> Array:
         """Return the share of the board's power that becomes sound."""
@@ -238,9 +276,13 @@ to 34 high (D. Fandrich, pianotech, 24 March 2009), of sugar maple (Wood Handboo
 and 0.111 of that). Without it the board took more from a string above 1.5 kHz than strings are measured to lose.
 Losses: of 1 to 3 % (Ege, Boutillon, Rebillat, J. Sound Vib. 332, 2013)."""
 
-BOX = Board(areal=7.0, rigidity=350.0, loss_factor=0.02, area=0.02, perimeter=0.6, lowest=150.0, grain=_HARDWOOD)
+BOX = Board(
+    areal=7.0, rigidity=350.0, loss_factor=0.02, area=0.02, perimeter=0.6, lowest=150.0, grain=_HARDWOOD,
+    block=Block.of(mass=0.031, length=0.075, raised=0.0095),
+)  # fmt: skip
 """The top of a hollow box for tongues, 200 x 100 x 10 mm of hard wood, estimated: a conductance of 2.5e-3 s/kg. The
-lowest mode is that of the air in it."""
+lowest mode is that of the air in it. Tongues lie on two rods of steel, of 4 x 75 mm, under one of aluminium, of 10 x 75
+mm (M. Portuondo Alvarez, waldorf-ideen-pool.de, a kalimba to build): 15 and 16 g."""
 
 CELLO = Board(
     areal=2.0, rigidity=25.0, loss_factor=0.025, area=0.24, perimeter=2.0, lowest=220.0,

@@ -308,3 +308,14 @@ def test_a_tongue_is_heard_through_the_board_that_it_is_clamped_in():
     assert heard[0] == pytest.approx(IMPEDANCE / (4 * np.pi) * passed, rel=1e-3)
     with pytest.raises(ValueError, match="board = box, ends = free"):
         bodies.bar(HEAVY, **(tongue | {"ends": "free"}), board="box")
+
+
+def test_a_tongue_that_bends_sideways_turns_its_board_whichever_way_it_is_struck():
+    """The root bears 0.783 omega sqrt(M), as where it bends up and down; a blow's tilt is no part of it."""
+    tongue = {"length": 0.06, "width": 0.002, "thickness": 0.0015, "ends": "cantilever", "top": 3000, "across": 0.0}
+    for tilt in (5.0, 40.0):
+        alone, mounted = (bodies.bar(HEAVY, **tongue, tilt=tilt, board=board) for board in (None, "box"))
+        omega, at = 2 * np.pi * alone.frequency[1], alone.frequency[1]
+        lost = (omega * 2 * 0.734095514 / 1.875104069) ** 2 * alone.mass * BOX.conductance_aside(at)
+        assert at == pytest.approx(alone.frequency[0] * 4 / 3, rel=0.01)
+        assert 2 * (mounted.decay - alone.decay)[1] == pytest.approx(lost, rel=5e-3)

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.special import j0
 
 from carom.dsp.bodies.air import IMPEDANCE, SPEED
-from carom.dsp.bodies.radiation.board import BOARDS
+from carom.dsp.bodies.radiation.board import BOARDS, BOX, Block
 
 GRAINS = [1.0, 10.0, 24.5]
 GUITAR = BOARDS["guitar"]
@@ -74,3 +75,29 @@ def test_between_its_struts_a_guitars_top_is_the_bare_panel():
         assert radiated(GUITAR, frequency) == pytest.approx(radiated(bare, frequency))
     assert radiated(GUITAR, 300.0) == pytest.approx(radiated(even, 300.0))
     assert GUITAR.conductance(np.array([2000.0])) == pytest.approx(bare.conductance(np.array([2000.0])))
+
+
+@pytest.mark.parametrize("frequency", [330.0, 2000.0])
+def test_a_force_along_a_board_turns_it_as_two_opposite_ones_across_it_do(frequency):
+    """Points of an endless plate, so far apart as r, have a mutual conductance of J_0(k r)/(8 sqrt(D m)) (Cremer,
+    Heckl and Petersson)."""
+    board, height = replace(BOX, block=Block(0.0, 0.0, 0.01)), 0.01
+    omega, apart = 2 * np.pi * frequency, 0.001
+    wave = (omega**2 * board.areal / board.rigidity) ** 0.25
+    alone, mutual = (j0(wave * r) / (8 * np.sqrt(board.rigidity * board.areal)) for r in (0.0, apart))
+    turned = 2 * (alone - mutual) / apart**2
+    assert board.conductance_aside(np.array([frequency])) == pytest.approx(height**2 * turned, rel=1e-3)
+
+
+def test_only_what_passes_a_block_gets_into_the_board():
+    """The mobility of the block gives the speed of both, and the resistance of the board below the power that it takes
+    at this speed."""
+    frequency = np.array([330.0, 2000.0, 6000.0])
+    omega, bare = 2 * np.pi * frequency, replace(BOX, block=None)
+    under = 1 / bare.conductance(frequency)
+    speed = np.abs(1 / (under + 1j * omega * 0.031))
+    assert BOX.conductance(frequency) == pytest.approx(speed**2 * under, rel=1e-12)
+    light = replace(BOX, block=replace(BOX.block, inertia=0.0))
+    under = 0.0095**2 / light.conductance_aside(frequency)
+    speed = np.abs(1 / (under + 1j * omega * 0.031 * 0.075**2 / 12))
+    assert BOX.conductance_aside(frequency) == pytest.approx(0.0095**2 * speed**2 * under, rel=1e-12)
