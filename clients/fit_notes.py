@@ -48,6 +48,16 @@ def too_loud(louder: float, mass: float | None, velocity: float) -> list[str]:
     ]
 
 
+def too_peaked(quieter: float) -> list[str]:
+    """Return a note if the default strike is so much quieter (dB) than the recording, as its peaks are higher."""
+    if quieter < _HEARD:
+        return []
+    return [
+        f"the default strike is {quieter:.1f} dB quieter than the recording: equally loud, its peaks would be above "
+        f"full scale"
+    ]
+
+
 def _named(frequencies: np.ndarray) -> str:
     names = ", ".join(f"{each:.0f}" for each in frequencies[:_MOST_NAMED])
     return f"{names} Hz" + (f" and {len(frequencies) - _MOST_NAMED} more" if len(frequencies) > _MOST_NAMED else "")

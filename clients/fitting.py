@@ -35,6 +35,7 @@ UNKNOWN = "unknown"
 """Source or licence in a preset, where nobody told it."""
 
 _MOST_MODES = 200
+_PEAK = -1.0  # dB of full scale, at most (EBU R 128)
 _AS_NEAR = 0.1  # dB: a strike by the measured force that is no further from the recording than that is as good
 
 
@@ -135,13 +136,14 @@ def make(recordings: Sequence[Path], out: Path, wanted: Wanted, presets: Presets
     if wanted.force is not None:
         found_in, strikers, more = _by_force(wanted.force, (found_in, strikers), takes, wanted)
         notes += more
-    files, sound, louder = _write(found_in, takes, wanted, strikers, out)
+    files, sound, louder, quieter = _write(found_in, takes, wanted, strikers, out)
     licence = (
         [] if wanted.licence else [f"the licence of {read_in[0].path} is not told: --licence and --source keep it"]
     )
     notes += said.notes(found_in, [take.hit for take in takes])
     if wanted.full_scale is not None:
         notes += said.too_loud(louder, wanted.mass, wanted.velocity)
+    notes += said.too_peaked(quieter)
     return Made(found_in, tuple(takes), tuple(files), (*notes, *licence), sound)
 
 
@@ -222,7 +224,7 @@ def _by_force(
 def _apart(found_in: Fit, strikers: dict[str, Striker], takes: Sequence[Take], wanted: Wanted) -> float:
     """Return the log-spectral distance (dB) of a fit's default strike from the recording."""
     with TemporaryDirectory() as folder:
-        _, sound, _ = _write(found_in, takes, wanted, strikers, Path(folder))
+        _, sound, *_ = _write(found_in, takes, wanted, strikers, Path(folder))
     return distance(found_in.takes[0], sound, found_in.rate).spectral
 
 
@@ -254,9 +256,10 @@ def _named(made: Sequence[tuple[str | None, Blow, float]], wanted: Wanted) -> di
 
 def _write(
     found_in: Fit, takes: Sequence[Take], wanted: Wanted, strikers: dict[str, Striker], out: Path
-) -> tuple[list[Path], NDArray[np.float64], float]:
-    """Write the presets, as loud as the recording says; return the files, the sound of the default strike, and by how
-    much (dB) it is louder than such a strike can be."""
+) -> tuple[list[Path], NDArray[np.float64], float, float]:
+    """Write the presets, as loud as the recording says; return the files, the sound of the default strike, by how much
+    (dB) it is louder than such a strike can be, and by how much it is quieter than the recording, so that its peaks
+    stay under full scale. In pascals it is as loud as it was said to be."""
     names = ", ".join(dict.fromkeys(take.recording.path.name for take in takes))
     source = wanted.source or UNKNOWN
     facts = texts.Facts(
@@ -283,8 +286,10 @@ def _write(
     recorded = np.tile(found_in.takes[0][:, None], 2)  # as it plays from two channels
     as_long = sound[: len(recorded)]
     louder = heard(recorded, rate).loudness + wanted.raised - heard(as_long, rate).loudness
+    quieter = max(louder + heard(sound, rate).peak - _PEAK, 0.0) if wanted.full_scale is None else 0.0
+    louder -= quieter
     files.insert(0, _put(file, texts.object_text(found_in, facts, louder)))
-    return files, sound.mean(axis=1) * 10 ** (louder / 20), louder
+    return files, sound.mean(axis=1) * 10 ** (louder / 20), louder, quieter
 
 
 def _put(path: Path, text: str) -> Path:

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..numerics.checks import Array
+from .distance import third_octaves
 from .errors import RecordingError
 from .pulses import unit_pulse, unit_time
 from .refinement import amplitudes, solved
@@ -30,14 +31,16 @@ _DURATIONS = np.geomspace(5e-5, 8e-3, 18)  # s
 _SHARES = (0.0, 0.06, 0.12, 0.2, 0.3, 0.42, 0.55, 0.7, 0.9)  # of a duration: so much before the onset it may begin
 _EARLIEST = 0.005  # s: the recording is looked at from so long before the onset
 _TOLERANCE = 0.5  # of what the best blow leaves of the attack: as good
-_HARDLY = 1e-4  # of a take's energy
+_HARDLY = 1e-4  # of the energy of a take, or of its attack
 _FOOT, _STANDS_OUT = 0.005, 0.3  # of a measured force's peak: its pulse ends there; its noise may reach so high
 _NOISE_S_PEAKS, _MEDIAN_OF_NOISE = (
     4.0,
     0.6745,
 )  # rms of noise that its samples hardly reach; its median size over its rms
 _LOWEST_LIKENESS, _HIGHEST_LIKENESS = 50.0, 20_000.0  # Hz
-_SHALLOWEST = 0.02  # of the impulse: where a blow moves a mode less, it is said to move it as much
+LEAST_DRIVE = 0.02  # of the impulse: where a blow moves a mode less, it is said to move it as much
+_ATTACK = 0.02  # s, since the onset
+_IN_BAND = 9  # frequencies by which a band is looked at
 
 
 @dataclass(frozen=True)
@@ -70,8 +73,15 @@ class Blow:
         """Return F at poles (1/s), where it is next to nothing as large as that is taken to be."""
         force = self.transform(poles)
         size = np.abs(force)
-        least = _SHALLOWEST * self.impulse
+        least = LEAST_DRIVE * self.impulse
         return np.where(size < least, force * (least / np.maximum(size, 1e-30 * least)), force)
+
+    def drive_of_bands(self, low: Array, high: Array) -> Array:
+        """Return the rms of |F| (N s) over each of some bands (Hz): a pulse's spectrum has zeros, no band of noise
+        has."""
+        frequency = np.geomspace(low, high, _IN_BAND)
+        force = self.transform(np.ravel(2j * np.pi * frequency)).reshape(frequency.shape)
+        return np.asarray(np.sqrt(np.mean(np.abs(force) ** 2, axis=0)))
 
     def head(self, s: Complex, rate: float, onset: int, length: int | None = None) -> Head:
         """Return the beginnings of the atoms of log poles per sample, and of their slopes, for a take at a rate (Hz).
@@ -86,7 +96,7 @@ class Blow:
         force = np.vstack([none, np.cumsum(parts, axis=0)])
         slope = np.vstack([none, np.cumsum(-places[:, None] * parts, axis=0)])
         # A mode that the blow hardly moves begins as the momentum comes, and not as its own small share of it.
-        hardly = np.abs(force[-1]) < _SHALLOWEST * self.impulse
+        hardly = np.abs(force[-1]) < LEAST_DRIVE * self.impulse
         force[:, hardly] = np.concatenate([[0], np.cumsum(self.impulses)])[:, None]
         slope[:, hardly] = 0
         begun = force[come] / force[-1]
@@ -149,14 +159,9 @@ def sought(take: Array, s: Complex, rate: float, onset: int) -> Blow:
     """Return the longest blow whose atoms explain a take's attack as well as any do; it begins near the onset
     (samples).
 
-    It is no longer than what is heard of the high modes allows: most of what a take has is not from modes that the blow
-    hardly moves.
+    It is no longer than what is heard of the high modes and bands allows (`_longest`).
     """
-    head = pulse(_DURATIONS[0]).head(s, rate, onset)
-    (amplitude,), _ = amplitudes([take], s, [head])
-    energy = np.abs(amplitude) ** 2 / -s.real
-    unmoved = [energy[np.abs(pulse(each).transform(s * rate)) < _SHALLOWEST].sum() for each in _DURATIONS]
-    longest = max(1, int(np.argmax(np.array([*unmoved, np.inf]) > _HARDLY * energy.sum())))
+    longest = _longest(take, s, rate, onset)
     tried = [pulse(each).later(start) for each in _DURATIONS[:longest] for start in _beginnings(each, onset / rate)]
     errors = _errors(take, s, rate, tried, onset)
     best = tried[int(np.argmin(errors))].head(s, rate, onset)
@@ -166,6 +171,32 @@ def sought(take: Array, s: Complex, rate: float, onset: int) -> Blow:
     least = errors.reshape(longest, -1).min(axis=1)
     number = int(np.flatnonzero(least <= enough)[-1])
     return tried[number * len(_SHARES) + int(np.argmin(errors.reshape(longest, -1)[number]))]
+
+
+def _longest(take: Array, s: Complex, rate: float, onset: int) -> int:
+    """Return how many of _DURATIONS move what is heard: most of what a take has is not from modes that the blow hardly
+    moves, nor is most of what its attack has from such bands."""
+    (amplitude,), _ = amplitudes([take], s, [pulse(_DURATIONS[0]).head(s, rate, onset)])
+    ringing = np.abs(amplitude) ** 2 / -s.real
+    middle, attack = _attack(take, rate, onset)
+    low, high = middle * 2 ** (-1 / 6), middle * 2 ** (1 / 6)
+    for count, duration in enumerate(_DURATIONS[1:], start=1):
+        blow = pulse(duration)
+        unmoved = ringing[np.abs(blow.transform(s * rate)) < LEAST_DRIVE].sum()
+        faint = attack[blow.drive_of_bands(low, high) < LEAST_DRIVE].sum()
+        if unmoved > _HARDLY * ringing.sum() or faint > _HARDLY * attack.sum():
+            return count
+    return len(_DURATIONS)
+
+
+def _attack(take: Array, rate: float, onset: int) -> tuple[Array, Array]:
+    """Return the middles (Hz) of third octaves, and what each has of the energy of a take's attack, less what stays
+    until the take's end."""
+    size = min(onset + round(_ATTACK * rate), len(take) // 2)
+    begin, end = np.hanning(2 * onset)[:onset], np.hanning(2 * (size - onset))[size - onset :]
+    window = np.concatenate([begin, end])  # no edge has a spectrum of its own
+    (middle, begun), (_, left) = (third_octaves(each * window, rate).T for each in (take[:size], take[-size:]))
+    return middle, np.maximum(10 ** (begun / 10) - 10 ** (left / 10), 0)
 
 
 def _beginnings(duration: float, earliest: float) -> list[float]:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ..numerics.blas import on_one_thread
 from ..numerics.checks import Array
-from .blow import Blow, begun, earliest, sought
+from .blow import LEAST_DRIVE, Blow, begun, earliest, sought
 from .errors import RecordingError
 from .esprit import candidates
 from .evidence import Floor, energies, floor_of, floor_of_rest, needed, slowest_known, spread, standing, unknown
@@ -274,6 +274,7 @@ def _with_beginning(hit: Hit, early: int) -> Array:
 
 def _per_impulse(noise: Bands, blows: Sequence[Blow]) -> Bands:
     """Return the noise per N s of an ideal blow."""
-    middle = np.sqrt(noise.edges[:-1] * noise.edges[1:])
-    drive = np.sqrt(np.mean([np.abs(blow.drive(2j * np.pi * middle)) ** 2 for blow in blows], axis=0))
+    bands = noise.edges[:-1], noise.edges[1:]
+    drives = [np.maximum(blow.drive_of_bands(*bands), LEAST_DRIVE * blow.impulse) for blow in blows]
+    drive = np.sqrt(np.mean(np.square(drives), axis=0))
     return Bands(noise.edges, noise.rms / drive, noise.decay, noise.floor)

@@ -1,5 +1,7 @@
 """Blows and modes told apart: known forces, forces that a hammer measured, forces that nobody measured."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from carom.dsp.fitting.blow import Blow, alike, measured, pulse, striker_pulse
 from carom.dsp.fitting.errors import RecordingError
 from carom.dsp.fitting.fit import Fit, fit
 from carom.dsp.fitting.hits import Hit, clearest, hits
+from carom.dsp.fitting.noise import band
 from carom.dsp.fitting.strikers import durations, striker_of
 
 from .synthetic import RATE, modes
@@ -38,6 +41,13 @@ def nearest(found: Fit) -> np.ndarray:
 
 FORCE = striker_pulse(*LAW)
 LONG = FORCE.duration
+HIGH = 7_000.0, 9_000.0  # Hz
+
+
+def moved_at_8_khz(blow: Blow) -> float:
+    """Return the rms of a blow's spectrum there, of that of an ideal blow."""
+    force = blow.transform(2j * np.pi * np.linspace(*HIGH, 200)) / blow.impulse
+    return float(np.sqrt(np.mean(np.abs(force) ** 2)))
 
 
 def test_the_pulse_is_that_of_the_law():
@@ -63,6 +73,17 @@ def test_modes_get_the_gains_that_they_have_without_the_blow(way):
     assert found.decay[there] == pytest.approx(BODY.decay[moved], rel=0.03)
     ratio = np.abs(found.gains[0, there]) / GAIN[moved] / (1 if way != "sought" else FORCE.impulse)
     assert 20 * np.log10(ratio) == pytest.approx(np.zeros(moved.sum()), abs=WITHIN[way])
+
+
+@pytest.mark.slow
+def test_a_blow_is_no_longer_than_the_hiss_of_its_attack_allows():
+    """Bands of noise that the blow hardly moved would be missing when the preset is played."""
+    hit = struck(FORCE)
+    assert moved_at_8_khz(fit([hit], [None], 16).blows[0]) < 0.005
+    random = np.random.default_rng(4).standard_normal(len(hit.samples))
+    hiss = band(random, RATE, *HIGH) * np.exp(-100 * np.arange(len(random)) / RATE)
+    size = 0.015 * np.sqrt(np.sum(hit.samples[:480] ** 2) / np.sum(hiss[:480] ** 2))
+    assert moved_at_8_khz(fit([replace(hit, samples=hit.samples + size * hiss)], [None], 16).blows[0]) > 0.02
 
 
 @pytest.mark.slow
