@@ -9,10 +9,12 @@ import importlib
 import importlib.util
 import os
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 from ..sizes import NAME
+from . import BEGAN
 from .digests import digest
 
 _COMPILER = (
@@ -44,17 +46,25 @@ def sources(module: str) -> list[str]:
 
 def hash_of(modules: list[str]) -> str:
     """Return a hash of the sources of modules as they are now, and of the engine's sizes; empty where one of them is
-    gone."""
+    gone. Where a file changed since this process began, the hash is one that no other process has."""
     found = hashlib.sha256(NAME.encode())
     for name in modules:
         try:
-            with open(_file_of(name) or "", "rb", buffering=0) as file:  # some hundred of them at a start
-                source = file.readall()
+            source = source_of(_file_of(name) or "")
         except OSError:
             return ""
         found.update(f"{name}\0{len(source)}\0".encode())
         found.update(source)
     return found.hexdigest()[:16]
+
+
+def source_of(file: str) -> bytes:
+    """Return the content of a source file; with this process's mark if it changed after the process began, which may
+    have imported what it was before: code that is compiled of that must not be found by what it is now."""
+    with open(file, "rb", buffering=0) as opened:  # some hundred of them at a start
+        said, source = os.fstat(opened.fileno()), opened.readall()
+    changed = max(said.st_mtime_ns, said.st_ctime_ns)  # a file that is moved here keeps its mtime
+    return source + b"\0%d" % BEGAN if BEGAN <= changed <= time.time_ns() else source
 
 
 def compiler_digest() -> str:

@@ -16,6 +16,7 @@ from .digests import digest
 from .linking import show_only, tidy
 from .platforms import assembly
 from .portable import strict, with_own_functions
+from .sources import source_of
 from .store import Store
 from .targets import PORTABLE, WASM, Target
 
@@ -49,7 +50,7 @@ def _compiler() -> str:
     """Return a digest of all that makes machine code of bitcode."""
     here = Path(__file__).parent
     names = "linking.py", "platforms.py", "portable.py", "store.py", "targets.py", "units.py"
-    files = [(here / name).read_text() for name in names]
+    files = [source_of(str(here / name)) for name in names]
     return digest(f"{llvmlite.__version__} {files}")
 
 

@@ -7,6 +7,7 @@ import runpy
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -137,6 +138,7 @@ def doubling(tmp_path, monkeypatch):
     (tmp_path / "doubling.py").write_text(MODULE)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "cache" / name)
+    monkeypatch.setattr("carom.dsp.native.sources.BEGAN", time.time_ns())
     load.cache_clear()
     yield "doubling"
     sys.modules.pop("doubling", None)
@@ -147,6 +149,7 @@ def doubled(module: str) -> tuple[int, str]:
     """Return the function's value for 21 in a new start, and where its code came from."""
     load.cache_clear()
     sys.modules.pop(module, None)
+    sys.modules["carom.dsp.native.sources"].BEGAN = time.time_ns()  # the fixture gives back what it was
     return importlib.import_module(module).double(21), load(module).origin
 
 
@@ -180,6 +183,32 @@ def test_edited_sources_are_compiled_again_and_the_old_code_is_found_again(doubl
     assert doubled(doubling) == (420, "compiled")
     (tmp_path / "doubling.py").write_text(MODULE)
     assert doubled(doubling) == (42, "cache")
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_code_of_sources_that_were_edited_since_they_were_imported_is_found_by_no_other_process(
+    doubling, tmp_path, moved
+):
+    """Old code ran in whichever process came later, by the hash of new sources. Who moves a file keeps its date."""
+    old = importlib.import_module(doubling)
+    new = tmp_path / ("new.py" if moved else "doubling.py")
+    new.write_text(MODULE.replace("2 * x", "20 * x"))
+    if moved:
+        os.utime(new, (1e9, 1e9))
+        new.replace(tmp_path / "doubling.py")
+    assert (old.double(21), load(doubling).origin) == (42, "compiled")
+    assert doubled(doubling) == (420, "compiled")
+    assert doubled(doubling) == (420, "cache")
+
+
+@pytest.mark.slow
+def test_a_process_that_imported_old_sources_runs_no_code_of_new_ones(doubling, tmp_path):
+    old = importlib.import_module(doubling)
+    (tmp_path / "doubling.py").write_text(MODULE.replace("2 * x", "20 * x"))
+    env = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    assert subprocess.run([sys.executable, "-c", AT_ONCE], env=env, capture_output=True).stdout == b"compiled 420\n"
+    assert (old.double(21), load(doubling).origin) == (42, "compiled")
+    assert doubled(doubling) == (420, "cache")
 
 
 @pytest.mark.slow
