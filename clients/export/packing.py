@@ -15,6 +15,7 @@ from __future__ import annotations
 import json
 import lzma
 import struct
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,13 +28,26 @@ MAGIC = b"carom 1\n"
 _HEAD = len(MAGIC) + 4
 
 
+class PageEngine(NamedTuple):
+    """A page's engine, as its scene names it."""
+
+    name: str
+    """Another engine's is another one: it lays its memory out otherwise, or lacks something else."""
+    data_end: int
+    """The first address after its own data."""
+
+
 def packed(
-    baked: Baked, strikers: Strikers, places: dict[str, tuple[float, float]], title: str, data_end: int | None = None
+    baked: Baked,
+    strikers: Strikers,
+    places: dict[str, tuple[float, float]],
+    title: str,
+    engine: PageEngine | None = None,
 ) -> bytes:
     """Return a baked scene's file.
 
-    places: of its objects on a table, from 0 to 1. data_end: for a page, whose tables of mode shapes are coded, the
-    first address after the engine's own data; without it the map names the layout of the memory, for a library.
+    places: of its objects on a table, from 0 to 1. engine: for a page, whose tables of mode shapes are coded; without
+    it the map names the layout of the memory, for a library.
     """
     data = bytearray()
 
@@ -47,9 +61,10 @@ def packed(
     said["title"] = title
     tables: list[Laid] = []
     rest = [batch.patches for batch in baked.batches]
-    if data_end is not None:
+    if engine is not None:
         tables, rest = taken_out(baked)
-        said["data_end"], said["coded"] = data_end, put(coded([each.values for each in tables]))
+        said["engine"], said["data_end"] = engine
+        said["coded"] = put(coded([each.values for each in tables]))
         said["tables"] = [(each.first, *each.values.shape, terms(len(each.values))) for each in tables]
     else:
         said["layout"] = layout()

@@ -13,7 +13,7 @@ from ...server.osc.score import Line
 from ...server.render import Options
 from .baking import Baked, bake
 from .mapping import Strikers
-from .packing import packed
+from .packing import PageEngine, packed
 
 TABLE = "# carom table"
 """The beginning of a score that a page has saved as a table."""
@@ -35,9 +35,9 @@ class Scene(NamedTuple):
     places: dict[str, tuple[float, float]]
     """The places of a table's objects, from 0 to 1, by name."""
 
-    def file(self, data_end: int | None = None) -> bytes:
-        """Return the scene's file; data_end: for a page, the first address after its engine's data."""
-        return packed(self.baked, self.strikers, self.places, self.title, data_end)
+    def file(self, engine: PageEngine | None = None) -> bytes:
+        """Return the scene's file; engine: the page's, if it is for a page."""
+        return packed(self.baked, self.strikers, self.places, self.title, engine)
 
 
 def bake_scene(

@@ -8,10 +8,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...dsp.engine.memory.commands import Kind
-from ...dsp.native.wasm import data_end, wasm
+from ...dsp.native.digests import digest
+from ...dsp.native.wasm import data_end, wasm, with_note
 from ...dsp.runtime import callback
 from .baking import Baked
-from .packing import compressed
+from .mapping import layout
+from .packing import PageEngine, compressed
 from .parting import parted
 from .scene import Scene
 
@@ -28,21 +30,33 @@ _ROOMS = {
 WORKLET = ("messages.js", "scene.js", "worklet.js")
 """The scripts of the audio thread, each after those that it imports: a page has them as one file."""
 
+_NAME = "carom"
+"""The section of a module that names its engine; `carom.js` reads it."""
+
 _COMMENT = re.compile(r"(?<=[;,{}]) // [^\"'`]*$")
 """A comment that ends a line of a script."""
 
 
 def write_page(scene: Scene, folder: Path) -> None:
     """Write a scene's files into a folder that is there."""
-    engine = wasm(callback.__name__, without(scene.baked))
+    code, engine = engine_for(scene.baked)
     for file in sorted(_FILES.iterdir()):
         if file.suffix == ".js" and file.name not in WORKLET:
             (folder / file.name).write_text(shortened(file.read_text()))
         elif file.suffix not in (".js", ".py"):
             shutil.copyfile(file, folder / file.name)
     (folder / "worklet.js.lzma").write_bytes(compressed(joined(WORKLET).encode()))
-    (folder / "carom.wasm.lzma").write_bytes(compressed(parted(engine)))
-    (folder / "scene.carom.lzma").write_bytes(compressed(scene.file(data_end(engine)), words=True))
+    (folder / "carom.wasm.lzma").write_bytes(compressed(parted(code)))
+    (folder / "scene.carom.lzma").write_bytes(compressed(scene.file(engine), words=True))
+
+
+def engine_for(baked: Baked) -> tuple[bytes, PageEngine]:
+    """Return the WebAssembly of the engine that plays a scene, and how it is named, there and in the scene."""
+    lacking = without(baked)
+    code = wasm(callback.__name__, lacking)
+    end = data_end(code)
+    name = digest(f"{layout()} {lacking} {end}")
+    return with_note(code, _NAME, name), PageEngine(name, end)
 
 
 def shortened(script: str) -> str:

@@ -52,6 +52,11 @@ def data_end(wasm: bytes) -> int:
     return max(ends)
 
 
+def with_note(wasm: bytes, name: str, text: str) -> bytes:
+    """Return a WebAssembly module with a section more, which says something of it."""
+    return wasm + bytes([_CUSTOM]) + _sized(_sized(name.encode()) + text.encode())
+
+
 def linked(made: bytes, names: Collection[str], without: tuple[str, ...] = ()) -> bytes:
     """Return an object file as a module that exports functions of some names, with all that these need."""
     read = wasm_object.read(made)

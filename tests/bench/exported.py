@@ -13,8 +13,6 @@ from pathlib import Path
 
 from carom.clients.export import c, web
 from carom.clients.export.packing import compressed
-from carom.dsp.native.wasm import data_end, wasm
-from carom.dsp.runtime import callback
 from carom.presets import Presets
 from tests.clients.export.make_scene import random_scene
 
@@ -32,8 +30,8 @@ def main(folder: Path, count: int) -> None:
             for file in pages[rooms].iterdir():
                 if not file.name.startswith("scene.carom"):
                     os.link(file, page / file.name)
-            end = data_end(wasm(callback.__name__, rooms))
-            (page / "scene.carom.lzma").write_bytes(compressed(scene.file(end), words=True))
+            _, engine = web.engine_for(scene.baked)
+            (page / "scene.carom.lzma").write_bytes(compressed(scene.file(engine), words=True))
         else:
             web.write_page(scene, page)
             pages[rooms] = page

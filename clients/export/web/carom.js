@@ -7,6 +7,7 @@ import { joined } from "./wasm.js";
 const MAGIC = "carom 1\n";
 const HEAD = 12; // bytes before the map
 const STORE = "carom"; // of decoded files, in browsers
+const NAME = "carom"; // of the section in which an engine has its name
 const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma", worklet: "worklet.js.lzma" };
 
 /** The content of a file that was compressed as LZMA, which the browser keeps when it is decoded; last: what is done then. */
@@ -37,6 +38,13 @@ function unpacked(buffer) {
   return { map, data };
 }
 
+/** An Error says that a scene is of another engine: what it has for the memory would lie in wrong places there. */
+function expectOwn(module, map) {
+  const [name] = WebAssembly.Module.customSections(module, NAME);
+  if (new TextDecoder().decode(name) === map.engine) return;
+  throw new Error(`the scene is of another engine; expected ${FILES.engine} and ${FILES.scene} of one export`);
+}
+
 export class Carom extends EventTarget {
   /** The files of a scene, fetched and compiled: as early as the page likes, before anybody has touched it. */
   static async fetch(folder = new URL(".", import.meta.url)) {
@@ -46,14 +54,17 @@ export class Carom extends EventTarget {
       fetched(at(FILES.scene)),
       fetched(at(FILES.worklet)),
     ]);
+    const found = unpacked(scene);
+    expectOwn(module, found.map);
     const worklet = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
-    return { module, ...unpacked(scene), worklet };
+    return { module, ...found, worklet };
   }
 
   /** A scene that plays into a context, from its score's beginning, or with all its objects there (`live`). */
   static async open(context, { files, folder, live = true } = {}) {
     const found = files ?? (await Carom.fetch(folder));
     const { module, map, data, worklet } = found;
+    expectOwn(module, map);
     if (context.sampleRate !== map.rate) {
       throw new Error(`sampleRate = ${context.sampleRate}: expected ${map.rate}: new AudioContext({ sampleRate: ${map.rate} })`);
     }

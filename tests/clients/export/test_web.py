@@ -7,6 +7,7 @@ import hashlib
 import json
 import lzma
 import math
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from carom.clients.export.packing import compressed
 from carom.clients.export.parting import parted
 from carom.dsp.native.wasm_object import CODE, as_leb
 from tests.clients.export.pages import RENDER, served
@@ -132,6 +134,15 @@ ENDED = """async () => {
   return told;
 }"""
 """A script that sends to an engine in a context that is closed, and to one that has stopped: the answers, in turn."""
+
+OPEN = """async (engine) => {
+  const { Carom } = await import("./carom.js");
+  const files = await Carom.fetch();
+  const context = new OfflineAudioContext(files.map.channels, 128, files.map.rate);
+  const map = { ...files.map, engine };
+  return Carom.open(context, { files: { ...files, map } }).then(() => "is opened", (error) => error.message);
+}"""
+"""A script that opens a scene whose file names an engine: the answer."""
 
 FULL = (
     OPENED
@@ -260,6 +271,23 @@ def test_an_engine_that_has_ended_answers(page: Any) -> None:
     closed, *stopped = page.evaluate(ENDED)
     assert closed == "the context is closed; expected one that plays"
     assert stopped == ["the engine has stopped", "the engine has stopped"]
+
+
+def test_a_scene_of_another_engine_is_refused(page: Any, folder: Path, tmp_path: Path) -> None:
+    """The page says so, and so does its module: its words would be written to wrong places of the engine's memory."""
+    said = "the scene is of another engine; expected carom.wasm.lzma and scene.carom.lzma of one export"
+    assert [page.evaluate(OPEN, engine) for engine in ("another", None)] == [said, said]
+    other = shutil.copytree(folder, tmp_path / "other")
+    scene = lzma.decompress((folder / "scene.carom.lzma").read_bytes())
+    changed = re.sub(rb'"engine":"[0-9a-f]{20}"', b'"engine":"' + 20 * b"0" + b'"', scene)
+    assert len(changed) == len(scene) and changed != scene
+    (other / "scene.carom.lzma").write_bytes(compressed(changed, words=True))
+    with served(other) as address:
+        opened = page.context.browser.new_page()
+        opened.goto(f"{address}index.html")
+        opened.wait_for_function("document.querySelector('output').textContent")
+        assert opened.inner_text("output") == said
+        opened.close()
 
 
 def test_a_list_is_taken_whole_or_not_at_all(page: Any) -> None:
