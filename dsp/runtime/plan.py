@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..bodies.karman import Laid
 
 _QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
-_FAINT = 1e-6  # weight at the left of what is heard at the right alone: -120 dB
+_FAINT = 2.0**-40  # weight at the left of what is heard at the right alone: -240 dB
 _LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
 COLUMNS = ("frequency", "sigma", "weight", "balance")
 

@@ -64,6 +64,15 @@ def test_a_hard_blow_rings_as_without():
     assert np.linalg.norm(columns @ found - sound) < 1e-5 * np.linalg.norm(sound)
 
 
+def test_a_side_hears_nothing_of_the_relief_of_the_other():
+    """A body that sounds the same at both: what a soft blow bends all but cancels, so that little of it would be
+    heard."""
+    engine = Engine(RATE)
+    strike(engine, engine.add(BODY, 1e6), (5.0, 1e5, 0.1, 1.5))
+    left, right = engine.process(9_600).T.astype(float)
+    assert np.abs(left - right).max() < 3e-7 * np.abs(left).max() > 0.0
+
+
 def test_what_is_silent_has_none():
     """The ground of a table is as small as its modes: it is computed for as long as what lies there rings."""
     modes = ground(2_000.0, 20_000.0)
