@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .gesture_methods import NewKeys
 
 _MAKING = 10.0  # s: a busy machine may take that long over a large object
+_PARTING = 2.0  # s that a server may take to read what was sent last
 
 KEPT = 1_000
 """Replies of each kind that a client keeps until they are asked for."""
@@ -49,6 +50,8 @@ class Client(Actions, Closing):
             raise CommandError(f"port = {port!r}: expected 1 to {wire.MOST_PORT}")
         self._connection = Connection(host, port, tcp)
         self._bundle: list[wire.Message] | None = None
+        self._is_read = True  # False from a message on over TCP, until the server answers a later one
+        self._tcp = tcp
         self._kept: dict[str, deque[wire.Message]] = {
             address: deque(maxlen=KEPT) for address in ("/fail", "/gesture/end", "/warning")
         }
@@ -60,7 +63,11 @@ class Client(Actions, Closing):
         self._connection.on_compiling = tell
 
     def close(self) -> None:
-        """Close the connection."""
+        """Close the connection; over TCP, once the server has read all that was sent: it has up to 2 s for that."""
+        if self._tcp and not self._is_read:
+            # A socket that is closed while replies wait in it is reset, and takes along what is still on its way.
+            with suppress(OSError, CommandError, RuntimeError):
+                self.ask("/sync", time.monotonic_ns() % 2**31, timeout=_PARTING)
         self._connection.close()
 
     def _send(self, messages: list[wire.Message], at: SupportsFloat | None) -> None:
@@ -96,6 +103,7 @@ class Client(Actions, Closing):
                 packet = wire.encode(messages[0].address, *messages[0].args, real="d")
         except ValueError as error:
             raise CommandError(str(error)) from None
+        self._is_read = False
         self._connection.transmit(packet)
 
     def ask(self, address: str, *args: Value, timeout: float = 2.0, at: SupportsFloat | None = None) -> wire.Message:
@@ -110,6 +118,7 @@ class Client(Actions, Closing):
             if reply.address == "/fail" and reply.args[:1] == (address,):
                 raise _error(reply)
             if _answers(reply, message):
+                self._is_read = True
                 return reply
             self._keep(reply)
         raise TimeoutError(f"{address}: no reply from {self._connection.server} within {timeout} s")
@@ -127,6 +136,7 @@ class Client(Actions, Closing):
         gathered: list[wire.Message] = []
         for reply in self.replies(timeout):
             if reply == last and address != "/quit":
+                self._is_read = True
                 return gathered
             gathered.append(reply)
             if address == "/quit" and reply.args[:1] == (address,):

@@ -167,7 +167,7 @@ class Network:
             try:
                 sent = to.send(packet)
             except OSError:
-                self._leave(to)
+                self._deafen(to)
                 raise
             self._watch(to)
         elif isinstance(to, Remote):
@@ -183,7 +183,7 @@ class Network:
         """True if a source can still be answered, as far as is known."""
         if isinstance(source, Remote):
             return not source.gone
-        return not isinstance(source, Connection) or source in self._connections
+        return not isinstance(source, Connection) or (source in self._connections and not source.deaf)
 
     def forgets(self, source: Source) -> bool:
         """True if a source is told nothing more once it is silent: one that may have been forged."""
@@ -254,9 +254,14 @@ class Network:
             self._part(silent)
 
     def _attend(self, connection: Connection, events: int) -> None:
-        try:
-            if events & selectors.EVENT_WRITE:
+        if events & selectors.EVENT_WRITE:
+            try:
                 connection.flush()
+            except OSError:
+                self._deafen(connection)
+        if connection not in self._connections:
+            return
+        try:
             if events & selectors.EVENT_READ:
                 for packet in connection.packets():
                     self._enqueue(packet, connection)
@@ -297,6 +302,14 @@ class Network:
         if connection in self._lingering:
             return
         self._leave(connection)
+
+    def _deafen(self, connection: Connection) -> None:
+        """Send nothing more to a client that takes nothing more; what it sent before is carried out."""
+        connection.deafen()
+        if connection in self._lingering:
+            self._leave(connection)
+        else:
+            self._watch(connection)
 
     def _leave(self, connection: Connection) -> None:
         if connection in self._connections:

@@ -31,6 +31,8 @@ class Connection:
         """Reason for which the server ended the stream, or None."""
         self.cut = ""
         """Words about a packet amid which the stream ended; empty if there is none."""
+        self.deaf = False
+        """True once it takes no more replies, as a client that closed its socket; the system has what it sent."""
         self._framing: Framing | None = None
         self._unsent = bytearray()
 
@@ -80,6 +82,11 @@ class Connection:
                 del self._unsent[: self.socket.send(self._unsent)]
         except BlockingIOError:
             pass
+
+    def deafen(self) -> None:
+        """Forget the replies that it did not take, and take none from now on."""
+        self.deaf = True
+        self._unsent.clear()
 
     @property
     def waiting(self) -> bool:

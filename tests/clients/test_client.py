@@ -369,6 +369,34 @@ def test_a_tcp_server_that_has_no_place_says_so() -> None:
                         client.ask("/status")
 
 
+def test_all_that_was_sent_over_tcp_is_read_though_answers_wait_as_the_client_leaves() -> None:
+    """A socket that is closed while answers wait in it drops what the system has not sent yet."""
+    got: list[str] = []
+
+    def serve(listener: socket.socket) -> None:
+        here, _ = listener.accept()
+        framing = Sized()
+        with here:
+            while data := here.recv(1 << 16):
+                for packet in framing.packets(data):
+                    message = wire.parse(packet)[0].messages[0]
+                    got.append(message.address)
+                    answer = "/synced" if message.address == "/sync" else "/fail"
+                    here.sendall(Sized.framed(wire.encode(answer, *message.args)))
+
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listener:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 12)
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        thread = threading.Thread(target=serve, args=(listener,))
+        thread.start()
+        with Client(port=listener.getsockname()[1], tcp=True) as client:
+            for _ in range(1_000):
+                client.impact("a", 0.1)
+        thread.join()
+    assert got == ["/object/a/impact"] * 1_000 + ["/sync"]
+
+
 @pytest.mark.slow
 def test_tcp_answers_come_in_pieces() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listener:

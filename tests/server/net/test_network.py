@@ -171,6 +171,24 @@ def test_a_client_that_resets_is_forgotten(net, stack):
     assert net.connections == 0
 
 
+def test_what_a_client_sent_before_it_left_is_heard_though_it_took_no_reply(net, stack):
+    """A socket that is closed while replies wait in it is reset; what it had sent lies in the system here."""
+    one = client(net, stack)
+    one.sendall(Sized.framed(A))
+    (_, source), *_ = taken(net)
+    net.send(Message("/reply"), source)
+    one.sendall(Sized.framed(A) * 3)
+    time.sleep(0.1)
+    one.close()
+    with pytest.raises(OSError):
+        for _ in range(2):  # at the first the system may not know yet
+            net.send(Message("/reply"), source)
+            time.sleep(0.1)
+    assert not net.reaches(source)
+    assert [packet for packet, _ in taken(net)] == [A] * 3
+    assert net.connections == 0
+
+
 @pytest.mark.slow
 def test_streams_are_heard_in_a_flood_of_datagrams(net, stack):
     one, flood = client(net, stack), udp(stack)
