@@ -114,7 +114,7 @@ class Actions(Gestures, ABC):
         self.send(f"/object/{name}/decay", ratio, at=at, **keys)
 
     def free(self, name: str, at_once: bool = False, at: SupportsFloat | None = None) -> None:
-        """Remove an object once it is silent, or at once, with a short fade; its name is free."""
+        """Remove an object and the copies for its notes, once silent or at once, with a fade; its name is free."""
         address = f"/object/{name}/free"
         self.send(address, *([1] if _is_on(address, "at_once", at_once) else []), at=at)
 

@@ -719,7 +719,7 @@ class ObjectMethods:
         """Multiply all decay times of the preset by a ratio."""
 
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
-        """Remove an object once it is silent, or at once, with a short fade; its name is free."""
+        """Remove an object and the copies for its notes, once silent or at once, with a fade; its name is free."""
 
     def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
         """Put an object into space at x, y, z (m), one by one or as a list, or have it go there."""

@@ -160,7 +160,7 @@ _OBJECTS = (
     ),
     Verb(
         "/object/NAME/free",
-        "removes it once silent, or with 1 at once (a 70 ms fade); its name is free",
+        "removes it, and the copies for its notes, once silent, or with 1 at once (a 70 ms fade); its name is free",
         optional=(Number("at_once", 0, 1, default=0),),
     ),
 )

@@ -27,6 +27,8 @@ class PlayedObject:
     """The arguments of its /object/new."""
     settings: dict[str, float] = field(default_factory=dict)
     """Settings as they were last set, in the units of messages."""
+    copies: dict[str, "PlayedObject"] = field(default_factory=dict)
+    """Copies on which its notes are played, by name; a name may be another's by now."""
     stands: int = 0
     """Number of the gesture by which it rests where it stands by itself; 0: it hangs freely."""
     warned_of_stand_in: bool = False

@@ -120,13 +120,19 @@ def _put(to: ObjectCall) -> None:
 
 
 def _free(to: ObjectCall) -> None:
+    """Free an object, and the copies of it on which its notes are played."""
     engine, obj, before = to.transaction.engine, to.obj, to.obj.freed
+    freed = max(to.transaction.objects.start_of(obj, to.transaction.time), float(engine.position))
+    if before <= freed:  # a pattern reaches a copy after what it is a copy of
+        return
+    for name, copy in obj.copies.items():
+        if to.transaction.objects.at(name, to.transaction.time).get(name) is copy:
+            translate(to.transaction, calls(Message(f"/object/{name}/free", to.call.message.args))[0])
     if before == math.inf:
         engine.leave(obj.handle)
         to.transaction.on_undo(lambda: engine.stay(obj.handle))
     to.transaction.on_undo(lambda: setattr(obj, "freed", before))
-    start = to.transaction.objects.start_of(obj, to.transaction.time)
-    obj.freed = min(before, max(start, float(engine.position)))
+    obj.freed = freed
     _add(to.transaction, to.canonical, Command(NOW, Kind.FREE, value=to.values.number("at_once")), obj)
 
 
@@ -206,6 +212,7 @@ def _note(to: ObjectCall) -> None:
         new = calls(Message(NEW, copy_of(to.obj, name, note)))[0]
         with transaction.has_made(new, NewObject(to.obj.preset, to.obj.modes)):  # to make them again may take seconds
             translate(transaction, new)
+        to.obj.copies[name] = transaction.objects[name]
         if to.obj.handle.serial in transaction.space.places:
             place = transaction.space.places[to.obj.handle.serial]
             translate(transaction, calls(Message(f"/object/{name}/place", place))[0])

@@ -12,9 +12,11 @@ from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets import ObjectPreset, Presets
 from carom.server.contact_watch import ContactWatch, thinned
+from carom.server.files.log import Log
 from carom.server.knowledge import Knowledge
 from carom.server.osc.arguments import Values
 from carom.server.osc.questions import QUESTIONS
+from carom.server.osc.score import read
 from carom.server.osc.wire import Message, encode, parse
 from carom.server.scene.session import Session
 from tests.support import Running, render_lines
@@ -90,6 +92,30 @@ def test_a_note_plays_a_copy_that_is_set_and_made_as_the_object_is(session):
     assert copy.preset.geometry["length"] == 0.3 and (copy.settings["gain"], copy.settings["pan"]) == (-3.0, 0.5)
     assert lowest(session, "bar.69") == pytest.approx(440.0, rel=1e-5)
     assert session.engine.stats.impacts == 2
+
+
+def test_an_object_that_is_freed_takes_the_copies_for_its_notes_along(session, tmp_path):
+    """Copies that stay keep their room, and the notes of a namesake are played on them."""
+    log = Log(session.engine, tmp_path / "log.txt")
+    session.on_sent = log.expect
+    log.start()
+    frees = {name: Message(f"/object/{name}/free") for name in ("bar", "bar.60", "*")}
+    for free, left in (("bar", []), ("*", []), ("bar.60", ["bar"])):
+        for preset in ("marimba-bar", "church-bell"):
+            session.perform([Message("/object/new", ("bar", preset)), Message("/object/bar/note", (60, 64))], NOW)
+            session.engine.process(QUANTUM)
+            assert session.objects["bar.60"].preset.name == preset
+            session.perform([frees[free]], NOW)
+            session.engine.process(QUANTUM)
+            assert list(session.objects.at("*", NOW)) == left
+            session.perform([frees["bar"]] if left else [], NOW)
+            session.engine.process(QUANTUM)
+    session.perform([Message("/object/new", (name, "wood-block")) for name in ("bar", "bar.60")], NOW)
+    session.perform([frees["bar"]], NOW)
+    session.engine.process(QUANTUM)
+    assert list(session.objects.at("*", NOW)) == ["bar.60"]  # which somebody made
+    log.close()
+    render_lines(read(tmp_path / "log.txt"), seconds=0.1)  # a second free of one object would be refused
 
 
 def test_a_pattern_makes_few_copies_and_none_where_it_asks_for_more(session):
