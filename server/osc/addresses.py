@@ -1,7 +1,7 @@
 """The address space: every address, declared once for checking, for the documents, for OSCQuery and for clients."""
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 from ...dsp.contact.accuracy import LEVELS
@@ -326,7 +326,20 @@ def unknown(address: str) -> Refused:
     actions = [verb.action for (container, _), verb in _TARGETED.items() if len(parts) == 4 and container == parts[1]]
     if actions:
         return Refused(f"unknown action '{parts[3]}'; expected {', '.join(actions)}")
-    return Refused(f"no such address; expected one of {', '.join(VERBS)}")
+    return Refused(f"no such address; expected one of {', '.join(_families())}")
+
+
+@cache
+def _families() -> list[str]:
+    """Return the addresses; of several that begin alike only that beginning, as in /gesture/ID/..."""
+    families: dict[tuple[str, ...], list[str]] = {}
+    for address in VERBS:
+        families.setdefault(tuple(address.split("/")[1:-1]), []).append(address)
+    alone = families.pop(())
+    return [
+        *(each[0] if len(each) == 1 else f"/{'/'.join(parts)}/..." for parts, each in families.items()),
+        *alone,
+    ]
 
 
 def _meant(address: str) -> list[str]:

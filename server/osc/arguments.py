@@ -25,11 +25,28 @@ class GestureEnded(Refused):
 
 
 def shown(value: Argument) -> str:
-    """Return a value as an error names it."""
+    """Return a value as an error names it: a list as a score has it, and nil and blobs by OSC's names."""
     if isinstance(value, float):
         return f"{value:g}"
-    text = value if isinstance(value, str) and not _looks_like_a_number(value) else repr(value)
+    if value is None:
+        return "nil"
+    if isinstance(value, bytes):
+        return f"a blob of {len(value)} bytes"
+    if isinstance(value, tuple | list):
+        return _cut(f"[{' '.join(map(shown, value[:_LONGEST_SHOWN]))}]")
+    return _cut(value if isinstance(value, str) and not _looks_like_a_number(value) else repr(value))
+
+
+def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+def beyond(number: Number, value: Argument) -> str:
+    """Return a value that is not within a number's bounds as an error names it: by all digits where six look as if it
+    were."""
+    text = shown(value)
+    rounds = isinstance(value, float) and number.low <= float(text) <= number.high
+    return repr(value) if rounds else text
 
 
 def _looks_like_a_number(text: str) -> bool:
@@ -51,7 +68,7 @@ def check_number(number: Number, value: Argument) -> float:
     """Return a numeric argument as a float; raise Refused if it is no number, out of range, or not whole where it must
     be."""
     if not isinstance(value, (int, float)) or not number.low <= value <= number.high:
-        raise Refused(f"{number.name} = {shown(value)}: expected a number from {number.bounds}")
+        raise Refused(f"{number.name} = {beyond(number, value)}: expected a number from {number.bounds}")
     if number.whole and value != int(value):
         raise Refused(f"{number.name} = {value:g}: expected a whole number")
     return float(value)
@@ -292,7 +309,7 @@ class Verb:
             if not isinstance(key, str):
                 raise Refused(f"{shown(key)}: expected a key; {self.usage()}")
             if key not in self.named and not self.open_keys:
-                raise Refused(f"{key}: no such key; {expected(key, self.named)}")
+                raise Refused(f"{shown(key)}: no such key; {expected(key, self.named)}")
             if i + 1 == len(rest):
                 raise Refused(f"{key}: its value is missing")
             takes = 3 if isinstance(self.named.get(key), Vector) and not isinstance(rest[i + 1], tuple | str) else 1

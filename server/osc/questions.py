@@ -9,7 +9,7 @@ from ...dsp.bodies.modes import Modes
 from ...dsp.schema import Parameter as Number
 from ...dsp.wording import MOST_COMPARED, suggestion, there_are
 from ...presets import ObjectPreset, Presets
-from .arguments import Either, Parameter, Refused, Values, Verb
+from .arguments import Either, Parameter, Refused, Values, Verb, shown
 from .wire import Argument, Message
 
 _LARGEST = 1_200  # bytes of the arguments of an answer: a datagram of it fits any network
@@ -72,7 +72,7 @@ def _object(scene: Scene, values: Values) -> Iterator[Message]:
     found = scene.objects_at(target)
     if not found:
         there = list(islice(scene.objects_there(), MOST_COMPARED))
-        raise Refused(f"{target}: no such object; {suggestion(target, there) or there_are(there)}")
+        raise Refused(f"{shown(target)}: no such object; {suggestion(target, there) or there_are(there)}")
     for name, obj in found.items():
         spectrum = obj.modes
         pairs: dict[str, Argument] = {

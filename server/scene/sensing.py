@@ -67,7 +67,7 @@ def _free(transaction: Transaction, call: Call, values: Values) -> None:
     table = transaction.sensors
     names = [name for name in table.there if match(call.target, name)]
     if not names:
-        raise Refused(f"{call.target}: no such sensor; {there_are(table.there)}")
+        raise Refused(f"{shown(call.target)}: no such sensor; {there_are(table.there)}")
     time = table.time_of(transaction.time)
     transaction.on_undo(table.took_place(time))
     for name in names:

@@ -8,7 +8,7 @@ from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT, POSITION
 from ...dsp.wording import MOST_COMPARED, expected, suggestion, there_are
 from ..osc.addresses import Call
-from ..osc.arguments import GestureEnded, Refused, Values
+from ..osc.arguments import GestureEnded, Refused, Values, shown
 from ..osc.points import Change, Move
 from ..osc.wire import Message
 from .engine_messages import changes, send
@@ -29,7 +29,7 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
     ids = transaction.gestures.selected(call.target, transaction.selection)
     if not ids:
         error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
-        raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
+        raise error(f"{shown(call.target)}: no such gesture is running{_running(transaction, call.target)}")
     commands = [Command(NOW, Kind.STOP)]
     if action in (*_ON_OTHER, BY_POSITION.name):
         ids = _lying(transaction, call, ids, values)

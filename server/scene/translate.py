@@ -17,7 +17,7 @@ from ...dsp.wording import MOST_COMPARED, there_are
 from ...presets.kinds import DRY
 from ..new_object import NEW, NewObject, new_object
 from ..osc.addresses import Call, calls, unknown
-from ..osc.arguments import Refused, Values, require_name
+from ..osc.arguments import Refused, Values, require_name, shown
 from ..osc.patterns import is_pattern
 from ..osc.space_verbs import PLACE
 from ..osc.wire import Message
@@ -325,7 +325,7 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
         if not objects:
             there = list(islice(transaction.objects.there(transaction.time), MOST_COMPARED))
             known = transaction.suggestion(call.target, there) or there_are(there)
-            raise Refused(f"{call.target}: no such object; {known}")
+            raise Refused(f"{shown(call.target)}: no such object; {known}")
         # One object is all that a message reaches without a pattern.
         transaction.selection.charge(_work(call, values, transaction) * (len(objects) - 1), call.target)
         for name, obj in objects.items():

@@ -102,7 +102,7 @@ def test_empty(tmp_path: Path) -> None:
         ("0 /a\n\n-0.5 /a", 3, "time -0.5"),
         ("nan /a", 1, "time 'nan'"),
         ("inf /a", 1, "time 'inf'"),
-        ("1e400 /a", 1, "time inf"),
+        ("1e400 /a", 1, "time '1e400': expected seconds"),
         ("9" * 400 + " /a", 1, "expected seconds from 0 to 2678400"),
         ("'0' /a", 1, "time '0'"),
         ("/a 1", 1, "time '/a'"),
@@ -121,7 +121,6 @@ def test_empty(tmp_path: Path) -> None:
         ('0 /a "\\ud800"', 1, "cannot send"),
         ("0 /a 9223372036854775808", 1, "cannot send"),
         ("0 /a [1 9223372036854775808]", 1, "cannot send"),
-        ("0 /a [1 [1e400]]", 1, "a number in /a is too large"),
         ("0 /a [free clamped", 1, "column 6: a list that is not closed"),
         ("0 /a [free # clamped]", 1, "column 6: a list that is not closed"),
         ("0 /a [free]clamped", 1, "column 12: expected a blank after a list"),
@@ -130,7 +129,6 @@ def test_empty(tmp_path: Path) -> None:
         ("0 [/a]", 1, "address ('/a',): expected"),
         ("[0] /a", 1, "time (0,): expected"),
         ("0 /a " + "9" * 5000, 1, "4300"),
-        ("0 /a 1e400", 1, "a number in /a is too large"),
     ],
 )
 def test_errors_say_where(tmp_path: Path, text: str, line: int, reason: str) -> None:
