@@ -180,6 +180,8 @@ def test_play_sends_a_score_in_time(carom, tmp_path, server: Running):
 def test_python_examples_play(server: Running, example):
     path = Path(__file__).parents[2] / "clients" / "examples" / "python" / example
     more = ["2", "7"] if example == "random_scene.py" else []
-    subprocess.run([sys.executable, str(path), str(server.port), *more], check=True, timeout=60)
+    words = [sys.executable, str(path), str(server.port), *more]
+    run = subprocess.run(words, check=True, timeout=60, capture_output=True, text=True)
+    assert run.stderr == ""  # where roll.py tells what the server refused
     with server.client() as client:
         assert dict(zip((a := client.status().args)[9::2], a[10::2], strict=True))["impacts"] >= 3

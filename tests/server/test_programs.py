@@ -118,7 +118,7 @@ def test_other_programs_play_notes(tmp_path, server: Running, words, notes):
         told = list(client.replies(0.5))
         assert counted(client.status())["impacts"] == notes
     added = [reply.args[0] for reply in told if reply.address == "/object.added"]
-    assert len(added) == len(set(added)) > 1 and {name.split(".")[0] for name in added} <= {"bar", "first"}
+    assert len(added) == len(set(added)) > 1 and {name.split(".")[0] for name in added} <= {"bar", "tuned-bar", "first"}
 
 
 SCLANG_TCP = """(fork {
