@@ -115,7 +115,7 @@ WRONG = (
 ENDED = """async () => {
   const { Carom } = await import("./carom.js");
   const answered = (carom) => carom.send("/panic").then(() => "is taken", (error) => error.message);
-  const late = new Promise((done) => setTimeout(() => done("no answer"), 5000));
+  const late = () => new Promise((done) => setTimeout(() => done("no answer"), 5000));
   const told = [];
   for (const how of ["close", "stop"]) {
     const context = new AudioContext({ sampleRate: 48000 });
@@ -126,9 +126,9 @@ ENDED = """async () => {
     if (how === "stop") {
       carom.hear = () => {}; // no answer comes
       carom.node.onprocessorerror();
-      told.push(await Promise.race([waits.then(() => "is taken", (error) => error.message), late]));
+      told.push(await Promise.race([waits.then(() => "is taken", (error) => error.message), late()]));
     }
-    told.push(await Promise.race([answered(carom), late]));
+    told.push(await Promise.race([answered(carom), late()]));
     if (how === "stop") await context.close();
   }
   return told;
