@@ -5,9 +5,10 @@ solved a quantum at a time where it can be (blocks.py). Where it can't, and the 
 are held, where `/budget` has no room or too few steps, and under a bow the object is a dashpot, which costs as much for
 any number of modes (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is
 off by -15 to -40 dB.
-It is one, too, under a slide whose friction comes too late for the swings on its contact; friction that is steered
-chooses anew. And it is one beside as many coupled contacts as a block takes, if steps have a bound: those that are
-solved together by samples take more steps than the sum of each, and a force that is held among them gains energy.
+It is one, too, under a slide whose friction comes too late for the swings on its contact; friction or force that is
+steered chooses anew, by the greater of the force that is asked for and that which it has come to. And it is one beside
+as many coupled contacts as a block takes, if steps have a bound: those that are solved together by samples take more
+steps than the sum of each, and a force that is held among them gains energy.
 
 All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
 fits in none touches its object.
@@ -53,6 +54,8 @@ _FALLS_SHORT = 1e-6  # share of its way by which a body falls short that has tur
 NEVER, LEAVING = -1, 2
 """A slide's answers, whether it may feel the modes: it would not, whatever its friction is; it will from the next
 quantum on."""
+LEAST = 1e-9
+"""Force (N) that presses a slide on at least."""
 PASSED = 1e-3
 """Rows of shapes that a body passes in a quantum, within which the object's answer stays."""
 
@@ -75,7 +78,7 @@ def couple_roll(state: State, contact: Contact) -> None:
     feels = (gives_way or follows) and not holds_steps(state)
     if not rolls:
         slide = state.slides[contact.roll]
-        slide.turned = turn * turn
+        slide.turned = turn * turn / _stiffens(contact, mass * gravity)
         slide.feels = int(may_feel(state, contact)) if feels else NEVER
         feels &= slide.feels == 1
     if not feels:
@@ -150,8 +153,16 @@ def may_feel(state: State, contact: Contact) -> bool:
     for side in range(2):
         slot = contact.point[side].slot
         apart |= slot >= 0 and state.objects[slot].size > SLID
-    late = asked.along * max(asked.static, asked.dynamic) * slide.turned > _TURNED
+    turned = slide.turned * _stiffens(contact, max(asked.force, contact.now.force))
+    late = asked.along * max(asked.static, asked.dynamic) * turned > _TURNED
     return asked.sweep != 0.0 and slide.press == 0 and not (apart and asked.along > 0.0) and not late
+
+
+@kernel
+def _stiffens(contact: Contact, force: float) -> float:
+    """Return how the square of a contact's swing goes with the force (N) that presses it on."""
+    power: float = max(force, LEAST) ** (1.0 - 1.0 / contact.a)
+    return power
 
 
 @kernel

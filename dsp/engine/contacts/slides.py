@@ -32,13 +32,12 @@ from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact, Slide
 from ..memory.state import COUPLING, LEAD, QUANTUM, ROLLING, State
 from .contact_list import give_room_back
-from .coupled_rolls import LEAVING, NEVER, couple_roll, may_feel, position_of
+from .coupled_rolls import LEAST, LEAVING, NEVER, couple_roll, may_feel, position_of
 from .rolls import feed_of
 from .trace import trace_friction
 
 _LAID = 0.02  # s: time constant with which a striker is laid on
 _MEAN = 0.05  # s: and of the mean of its friction, which bends the object without a sound
-_LEAST = 1e-9  # N
 _GLIDE = SPEED.glide
 
 
@@ -59,8 +58,8 @@ def begin_slide(state: State, contact: Contact) -> None:
 
 @noinline_kernel
 def choose_again(state: State, contact: Contact) -> None:
-    """Begin a slide's normal motion anew, at rest where it is, if its friction was steered so that it is to feel the
-    modes, or is not to: so it sounds as one that begins with this friction."""
+    """Begin a slide's normal motion anew, at rest where it is, if its friction or force was steered so that it is to
+    feel the modes, or is not to: so it sounds as one that begins with these."""
     slide, roll = state.slides[contact.roll], state.rolls[contact.roll]
     may, begun = may_feel(state, contact), roll.t > 0.0
     if slide.feels == NEVER or roll.fade < 1.0 or slide.feels == int(may):
@@ -104,7 +103,7 @@ def _lead_roll(state: State, contact: Contact) -> None:
     asked, target = contact.target, state.rolls[contact.roll].target
     target.speed = max(asked.speed, _sweep_of(contact))
     target.mass = contact.m
-    target.gravity = max(contact.now.force, _LEAST) / contact.m
+    target.gravity = max(contact.now.force, LEAST) / contact.m
     target.radius, target.patch, target.roughness = asked.radius, asked.patch, asked.roughness
     target.friction = target.asymmetry = 0.0
 

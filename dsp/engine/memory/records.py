@@ -136,7 +136,7 @@ class Slide(Record):
     pull: float  # N: friction's mean
     press: int  # gesture whose force its friction feels; 0: its own
     pressed: int  # place of that contact, -1: none
-    turned: float  # rad^2: of a swing on the contact in a sample, as light as its objects were when it was chosen
+    turned: float  # rad^2: of a swing on the contact in a sample, at 1 N, as light as its objects were when chosen
     feels: int  # 1: its friction lets it feel the modes of its objects, 2: it soon does; -1: it would not in any case
 
 

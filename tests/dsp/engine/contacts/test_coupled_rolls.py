@@ -36,24 +36,26 @@ def light(modal_mass=0.05, t60=0.3):
 def reference(frequency, sigma, shape_at, times, law, body, surface=SURFACE, rubbed=lambda t: 0.0):
     """Return the states z of the modes at `times` (s), by DOP853 from kink to kink of a body's path.
 
-    m y'' = f - weight; the modes get f - weight, and `rubbed(t)` of f, by their shapes where it is on its way (m). The
-    compression follows from how fast the object's point moves.
+    m y'' = f - weight, which may be a function of time; the modes get f - weight, and `rubbed(t)` of f, by their shapes
+    where it is on its way (m). The compression follows from how fast the object's point moves.
     """
     m, k, mu, a = law
     omega, n, speed = 2 * np.pi * frequency, len(frequency), body["speed"]
-    weight = body.get("force", m * STANDARD_GRAVITY)
+    given = body.get("force", m * STANDARD_GRAVITY)
+    weight_at = given if callable(given) else lambda t: given
     pieces = path_pieces(make_surface(*surface, seed=body["seed"]), body["radius"], speed, speed * times[-1] * 1.01)
 
     def motion(t, y, begin, incline, curvature):
         phi = shape_at(speed * t)
         rise = speed * (incline + curvature * (speed * t - begin))
+        weight = weight_at(t)
         v = rise - y[1] - phi @ (y[2 : 2 + n] - sigma * y[2 + n :] / omega)
         f = k * y[0] ** a * max(0.0, 1 + mu * v) if y[0] > 0 else 0.0
         turning = -sigma * y[2 : 2 + n] - omega * y[2 + n :] + phi * (f - weight + rubbed(t) * f)
         return np.concatenate([[v, (f - weight) / m], turning, omega * y[2 : 2 + n] - sigma * y[2 + n :]])
 
     y = np.zeros(2 + 2 * n)
-    y[0] = (weight / k) ** (1 / a)
+    y[0] = (weight_at(0.0) / k) ** (1 / a)
     y[1] = speed * (pieces[0, 2] - pieces[0, 3] * pieces[0, 0])
     found, t = [], 0.0
     ends = np.append(pieces[1:, 0] / speed, math.inf)

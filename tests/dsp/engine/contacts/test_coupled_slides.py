@@ -148,6 +148,34 @@ def test_steered_friction_is_as_loud_as_by_dop853(later):
     assert slide_of(engine)["solver"] == COUPLING
 
 
+@pytest.mark.slow
+def test_a_steered_force_is_as_loud_as_by_dop853():
+    """A body that is pressed on 12 times as much swings faster, so that its friction comes too late for that; when it
+    is let go it feels the modes again, not before its force has fallen."""
+    law, keys = (0.015, 1.56e9, 2.0, 1.5), {**RUB, "static": 0.35, "dynamic": 0.35, "along": 1.0, "force": 0.0125}
+    engine, handle = sliding(body=bell(8, modal_mass=8 * law[0] / 50), law=law, time=3.25, **keys)
+    engine.process(QUANTUM)
+    assert slide_of(engine)["solver"] == COUPLING
+    engine.send([steer(7, "force", 0.147)])
+    states, times, forces = [], [], []
+    for _ in range(150):
+        engine.process(QUANTUM)
+        frequency, sigma, phi, z = modal(engine, handle, 8)
+        states.append(z)
+        times.append((engine.position - 1 - 3.25) / RATE)
+        forces.append(law[0] * engine.state["rolls"]["g"][0, slide_of(engine)["roll"]])
+    assert slide_of(engine)["solver"] != COUPLING
+    keys["force"] = lambda t: np.interp(t, times, forces)
+    right = reference(frequency, sigma, lambda s: phi, np.array(times), law, keys, rubbed=rubbed(keys))
+    levels = [10 * np.log10((np.abs(each[90:]) ** 2).sum()) for each in (np.array(states), right)]
+    assert abs(levels[0] - levels[1]) < 1.5
+    engine.send([steer(7, "force", 0.0125)])
+    engine.process(75 * QUANTUM)
+    assert slide_of(engine)["solver"] != COUPLING
+    engine.process(375 * QUANTUM)
+    assert slide_of(engine)["solver"] == COUPLING
+
+
 def test_steered_friction_chooses_at_the_same_time_in_any_block_and_takes_no_room_for_good():
     """The friction of a slide that travels is steered to and fro: it feels the modes, or it does not."""
     steers = [("along", 0.9, 2_000.0), ("along", 0.0, 5_000.0), ("static", 0.9, 5_500.0), ("along", 0.5, 6_000.0)]
