@@ -99,13 +99,19 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
 @kernel
 def _skip(state: State, contact: Contact, frame: int, samples: float) -> None:
     """Advance a striker unseen by whole samples from a frame on, which it surely stays apart."""
-    if contact.trait.held == 1:
-        fly_pressed(contact, frame, samples)
-    else:
-        fly_on(contact.coupled, samples)
+    _fly(state, contact, float(state.position + frame), samples)
     give_room_back(state, contact)
     contact.start = state.position + frame + int(samples)
     contact.fraction = 0.0
+
+
+@kernel
+def _fly(state: State, contact: Contact, since: float, samples: float) -> None:
+    """Advance a striker that touches nothing by whole samples from a time in samples on, or take it back."""
+    if contact.trait.held == 1:
+        fly_pressed(contact, int(since) - state.position, samples)
+    else:
+        fly_on(contact.coupled, samples)
 
 
 @kernel
@@ -162,9 +168,9 @@ def _call_back(state: State, contact: Contact, now: float) -> None:
     until = contact.gone_at if contact.aside == KEPT_ASIDE else float(contact.start)
     if until <= now:
         return
-    fly_on(contact.coupled, now - until)
+    _fly(state, contact, until, now - until)
     samples = min(flight(state, contact, False), until - now)
-    fly_on(contact.coupled, samples)
+    _fly(state, contact, now, samples)
     if now + samples < until:
         contact.start = int(now + samples)
         contact.gone_at = math.inf if contact.aside == KEPT_ASIDE else contact.gone_at

@@ -104,14 +104,18 @@ def test_what_rings_under_a_press_against_dop853(modal_mass, hand, level, bound)
     assert 20 * math.log10(np.abs(found - right).max() / np.abs(right).max()) < bound
 
 
+@pytest.mark.parametrize("blow", [None, 2.5, 4.5])
 @pytest.mark.parametrize(("level", "bound"), [("-60", -60), ("exact", -120)])
-def test_a_hand_that_leaves_while_its_push_still_grows_against_dop853(level, bound):
-    """The push of 3 N comes with a time constant of 0.1 s: a hand laid on firmly flies between touches for quanta."""
+def test_a_hand_that_leaves_while_its_push_still_grows_against_dop853(level, bound, blow):
+    """The push of 3 N comes with a time constant of 0.1 s: a hand laid on firmly flies between touches for quanta. A
+    blow that hardly moves the object, so many quanta later, has the engine look for the hand amid its flight."""
     engine = Engine(RATE)
     handle = engine.add(body(0.5), 0.05)
     hand = (0.01, 1e8, 0.5, 1.5)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
     engine.send([gesture("press", handle, hand, 63 - 1e-9, 7, velocity=0.02, force=3.0)])
+    if blow is not None:
+        strike(engine, handle, (1e-9, 1e3, 0.1, 1.5), blow * QUANTUM, 1e-3)
     engine.process(QUANTUM)
     frequency, sigma, phi, _ = modal(engine, handle, 24)
     found = []
