@@ -108,6 +108,8 @@ def _skip(state: State, contact: Contact, frame: int, samples: float) -> None:
 @kernel
 def _fly(state: State, contact: Contact, since: float, samples: float) -> None:
     """Advance a striker that touches nothing by whole samples from a time in samples on, or take it back."""
+    if samples == 0.0:
+        return
     if contact.trait.held == 1:
         fly_pressed(contact, int(since) - state.position, samples)
     else:

@@ -128,6 +128,15 @@ def test_a_hand_that_leaves_while_its_push_still_grows_against_dop853(level, bou
     assert 20 * math.log10(np.abs(found - right).max() / np.abs(right).max()) < bound
 
 
+@pytest.mark.parametrize("blow", np.arange(2.05, 3.0, 0.1))
+def test_a_hand_that_may_touch_at_once_goes_on(blow):
+    """A firm blow amid its flight may throw the object after it within the sample."""
+    engine, handle = pressed("exact", (0.01, 1e8, 0.5, 1.5), modal_mass=0.5)
+    strike(engine, handle, (0.1, 1e9, 0.5, 1.5), blow * QUANTUM, 10.0)
+    engine.process(20 * QUANTUM)
+    assert engine.ended() == []
+
+
 @pytest.mark.parametrize(("name", "striker", "bound"), [("wood-block", "felt", -110), ("wood-board", "steel", -40)])
 def test_a_press_tells_neither_where_quanta_begin_nor_the_rate(name, striker, bound):
     """The push comes from the instant of the touch on: a light hand bounces under it. Sounds begin at several places of
