@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 from collections.abc import Callable, Mapping
@@ -107,7 +108,7 @@ def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, 
         found: list[Any] = _bodies(scene) if how else list(scene.dump())
         bodies = [each for each in found if isinstance(each, trimesh.Trimesh) and len(each.faces)]
     except Exception as error:  # readers of files raise whatever they meet
-        raise MeshError(f"{path}: not a mesh that can be read ({type(error).__name__}: {error})") from None
+        raise MeshError(f"{path}: not a mesh that can be read: {_unread(path, error)}") from None
     if not bodies:
         raise MeshError(f"{path}: no triangles: expected a surface")
     begin = np.cumsum([0, *(len(each.vertices) for each in bodies)])
@@ -117,6 +118,19 @@ def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, 
     if scale is None:
         _require_usual(path, points[np.unique(faces)])
     return points, faces, bodies
+
+
+def _unread(path: Path, error: Exception) -> str:
+    """Return what was expected of a file that trimesh gave up on, and why it did, as far as it says."""
+    if path.suffix.lower() == ".gltf":
+        try:
+            json.loads(path.read_bytes())
+        except ValueError as wrong:
+            return f"expected JSON, as all .gltf files are ({wrong})"
+    why = f"{type(error).__name__}: {error}"
+    if isinstance(error, ImportError) and error.name == "charset_normalizer":  # it looks for an encoding that fits
+        why = "it is cut short, or its bytes are no text"
+    return f"expected a whole {path.suffix.lower()} file ({why})"
 
 
 def _bodies(scene: Any) -> list[Any]:

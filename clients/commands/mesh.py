@@ -46,10 +46,17 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    from ...presets.meshes import FORMATS
     from ..model_meshes import SUFFIXES
 
-    if arguments.file.suffix.lower() in SUFFIXES:
+    suffix = arguments.file.suffix.lower()
+    if suffix in SUFFIXES:
         return _make_all(arguments)
+    if suffix not in FORMATS:
+        first = "save it by MuJoCo as .xml first, or " if suffix == ".urdf" else ""
+        models = " or ".join(SUFFIXES)
+        tell("mesh", f"{arguments.file}: {first}expected a mesh ({', '.join(FORMATS)}) or a model of MuJoCo ({models})")
+        return 1
     missing = [name for name in ("out", "name", "material") if getattr(arguments, name) is None]
     if missing:
         words = {"out": "FOLDER", "name": "--name", "material": "--material"}

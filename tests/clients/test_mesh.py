@@ -1,5 +1,7 @@
 """`carom mesh`: a file becomes an object, or a sentence."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -105,16 +107,33 @@ def test_all_formats_are_read_alike(tmp_path, ending):
     ("name", "data", "said"),
     [
         ("a.txt", b"x", "expected a file that ends in .obj"),
-        ("a.glb", b"glTF but not quite", "not a mesh that can be read"),
+        ("a.glb", b"glTF but not quite", "not a mesh that can be read: expected a whole .glb file"),
+        ("a.gltf", b"{", "a.gltf: not a mesh that can be read: expected JSON"),
+        ("a.obj", bytes(range(128, 256)), r"expected a whole .obj file \(it is cut short, or its bytes are no text\)"),
+        (
+            "a.stl",
+            bytes(80) + b"\xff" * 54,
+            r"expected a whole .stl file \(it is cut short, or its bytes are no text\)",
+        ),
         ("a.glb", b"junk", "a.glb: begins with b'junk': expected b'glTF'"),
         ("a.stl", b"", "a.stl"),
         ("a.obj", b"v 0 0 0\n", "a.obj"),
     ],
 )
-def test_files_without_a_mesh_are_said(tmp_path, name, data, said):
+def test_files_without_a_mesh_are_said(tmp_path, monkeypatch, name, data, said):
+    monkeypatch.setitem(sys.modules, "charset_normalizer", None)  # trimesh can do with it, and without
     (tmp_path / name).write_bytes(data)
     with pytest.raises(CaromError, match=said):
         carom.mesh(tmp_path / name, tmp_path, "a", "steel")
+
+
+@pytest.mark.parametrize(("name", "first"), [("a.dae", "a.dae: expected"), ("a.urdf", "a.urdf: save it by MuJoCo as")])
+def test_the_command_names_the_files_that_it_takes(tmp_path, capsys, name, first):
+    assert main(["mesh", str(tmp_path / name)]) == 1
+    said = capsys.readouterr().err
+    assert (
+        first in said and "expected a mesh (.obj, .stl, .ply, .glb, .gltf) or a model of MuJoCo (.xml or .mjb)" in said
+    )
 
 
 def test_the_examples_meshes_are_closed_but_for_the_sheet():
