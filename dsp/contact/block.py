@@ -28,11 +28,11 @@ import math
 
 from ..native.jit import kernel
 from ..native.typed import Items, View
-from .block_forces import find_forces
+from .block_forces import find_forces, find_rates
 from .block_nodes import AT, FORCE_MOMENTS, SHARES, TIMES_OF_ONE, TIMES_OF_THREE, TIMES_OF_TWO
 from .block_parts import LANDS, energy_at
 from .block_records import Block, Net, forces_of, motion_of, rows_of, weigh_all
-from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
+from .block_sizes import FORCES, MOMENTS_AHEAD, NODES_PER_PART
 from .block_step import free_at, gone_on, is_gentle
 from .collocation import raised
 from .coupled_records import Coupled, Member
@@ -135,8 +135,8 @@ def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int
     for turn in range(_ROUNDS):
         grows = False
         for i in range(size):
-            if turn > 0:
-                _rate(contacts, blocks, net, i, times)
+            for first in range(0, len(times) if turn > 0 else 0, NODES_PER_PART):
+                find_rates(contacts, blocks, net, i, size, first)
             excess = _account(contacts, blocks, net, size, i, times)
             block = blocks[net.block[i]]
             if block.solved == 0 or not math.isfinite(excess) or (block.leaves == 1 and not _pushes(block, times)):
@@ -251,37 +251,6 @@ def _keep_at_rest(blocks: Items[Block], net: Net, size: int, times: tuple[float,
                     block.free[FORCES + k] += force * tables.missed[FORCES + k]
                 for moment in range(len(times) // NODES_PER_PART + 1):
                     block.travel[moment] += force * tables.missed_travel[moment]
-
-
-@kernel
-def _take(give: View[float], forces: View[float], rest: float, ratio: float, nodes: View[float], count: int) -> None:
-    """Take off what `count` forces beyond that at rest, times a ratio, take off compression and rate at all nodes."""
-    for p in range(count):
-        excess = ratio * (forces[p] - rest)
-        for k in range(MOTIONS):
-            nodes[k] -= excess * give[p * MOTIONS + k]
-
-
-@kernel
-def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times: tuple[float, ...]) -> None:
-    """Find a contact's compression and rate with the forces of all others beyond those at rest."""
-    block = blocks[net.block[i]]
-    for k in range(MOTIONS):
-        block.seen[k] = block.free[k]
-    for j in range(net.size):
-        if j != i:
-            forces, rest = blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
-            _take(block.tables[j].give, forces, rest, net.ratio[i, j], block.seen, len(times))
-
-
-@kernel
-def _rate(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times: tuple[float, ...]) -> None:
-    """Find a contact's rates at the nodes by all forces as they are now."""
-    block = blocks[net.block[i]]
-    _see(contacts, blocks, net, i, times)
-    _take(block.tables[i].give, block.force, 0.0, 1.0, block.seen, len(times))
-    for k in range(len(times)):
-        block.v[k] = block.seen[FORCES + k]
 
 
 @kernel

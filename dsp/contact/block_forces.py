@@ -13,7 +13,7 @@ from ..native.typed import Items
 from .block_records import Block, Net, Tables
 from .block_sizes import FORCES, MOTIONS, NODES_PER_PART
 from .block_step import correct, less
-from .collocation import eliminate, raised
+from .collocation import eliminate, law_with_slopes
 from .coupled_records import Coupled, Member
 
 # Relative change of the forces that ends Newton's method, by parts: below a third of its square is left.
@@ -57,7 +57,10 @@ def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, siz
     """Find the two forces of each contact in a part of the sample, by its first node; false if Newton's method
     fails."""
     for i in range(size):
-        _see_before(contacts, blocks, net, i, size, first)
+        _see(contacts, blocks, net, i, size, first, first)
+        block = blocks[net.block[i]]
+        if block.seen[first] <= 0.0 and block.seen[first + 1] <= 0.0:
+            block.force[first] = block.force[first + 1] = 0.0  # open, and guessed to stay so
     for _ in range(NEWTON_STEPS):
         for i in range(size):
             _linearise(contacts[net.contact[i]].coupled, blocks, net, i, size, first)
@@ -81,9 +84,11 @@ def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, siz
 
 
 @kernel
-def _see_before(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, size: int, first: int) -> None:
-    """Find a contact's compression and rate at the nodes of a part with the forces of earlier ones; and where it is
-    open then, guess that it stays so."""
+def _see(
+    contacts: Items[Member], blocks: Items[Block], net: Net, i: int, size: int, first: int, known: int
+) -> None:  # fmt: skip
+    """Find a contact's compression and rate at the nodes of a part under so many forces of each contact, of those of
+    others beyond their rest."""
     block = blocks[net.block[i]]
     for k in range(first, first + NODES_PER_PART):
         x, v = block.free[k], block.free[FORCES + k]
@@ -93,12 +98,19 @@ def _see_before(contacts: Items[Member], blocks: Items[Block], net: Net, i: int,
             if i != j:
                 ratio, rest = net.ratio[i, j], contacts[net.contact[j]].coupled.rest_force
             for p in range(first + NODES_PER_PART):
-                excess = ratio * ((force[p] if p < first else 0.0) - rest)
+                excess = ratio * ((force[p] if p < known else 0.0) - rest)
                 x -= excess * give[p * MOTIONS + k]
                 v -= excess * give[p * MOTIONS + FORCES + k]
         block.seen[k], block.seen[FORCES + k] = x, v
-    if block.seen[first] <= 0.0 and block.seen[first + 1] <= 0.0:
-        block.force[first] = block.force[first + 1] = 0.0
+
+
+@kernel
+def find_rates(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, size: int, first: int) -> None:
+    """Find a contact's rates at the nodes of a part by all forces as they are now."""
+    _see(contacts, blocks, net, i, size, first, first + NODES_PER_PART)
+    block = blocks[net.block[i]]
+    for k in range(first, first + NODES_PER_PART):
+        block.v[k] = block.seen[FORCES + k]
 
 
 @kernel
@@ -121,7 +133,7 @@ def _linearise(contact: Coupled, blocks: Items[Block], net: Net, i: int, size: i
     for a in range(NODES_PER_PART):
         k, row = first + a, NODES_PER_PART * i + a
         x, v = _motion(blocks, net, i, size, first, k)
-        force, stiffness, damping = law_at(contact, x, rate * v)
+        force, stiffness, damping = law_with_slopes(x, rate * v, (contact.k, contact.mu, contact.a))
         for j in range(size):
             give, ratio = block.tables[j].give, net.ratio[i, j] if i != j else 1.0
             for b in range(NODES_PER_PART):
@@ -164,11 +176,11 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
         block.v[i], block.v[j] = v0, v1
         return True
     forces = block.force[i], block.force[j]
-    rate, changed = 1.0 / contact.period, CHANGED[block.parts]
+    law, rate, changed = (contact.k, contact.mu, contact.a), 1.0 / contact.period, CHANGED[block.parts]
     solved = False
     for _ in range(NEWTON_STEPS):
-        f, s, d = law_at(contact, less(x0, a[0], a[2], forces), rate * less(v0, w[0], w[2], forces))
-        g, t, e = law_at(contact, less(x1, a[1], a[3], forces), rate * less(v1, w[1], w[3], forces))
+        f, s, d = law_with_slopes(less(x0, a[0], a[2], forces), rate * less(v0, w[0], w[2], forces), law)
+        g, t, e = law_with_slopes(less(x1, a[1], a[3], forces), rate * less(v1, w[1], w[3], forces), law)
         c0, c1, left = correct(forces, (f, s, rate * d), (g, t, rate * e), a, w)
         forces = forces[0] + c0, forces[1] + c1
         if left <= changed * (abs(forces[0]) + abs(forces[1])):
@@ -177,13 +189,3 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
     block.force[i], block.force[j] = forces
     block.v[i], block.v[j] = less(v0, w[0], w[2], forces), less(v1, w[1], w[3], forces)
     return solved and math.isfinite(forces[0] + forces[1])
-
-
-@kernel
-def law_at(contact: Coupled, x: float, v: float) -> tuple[float, float, float]:
-    """Return the law's force (N) and its derivatives, over compression (N/m) and rate (N s/m)."""
-    slack = 1.0 + contact.mu * v
-    if not (x > 0.0 and slack > 0.0):
-        return 0.0, 0.0, 0.0
-    spring = contact.k * raised(x, contact.a - 1.0)
-    return spring * (x * slack), spring * (contact.a * slack), spring * (contact.mu * x)

@@ -201,7 +201,7 @@ def _solve(lanes: Lanes) -> None:
 
 @kernel
 def _law(k: float, mu: float, x: float, v: float) -> tuple[float, float, float]:
-    """Return what `law_at` does where the exponent is EXPONENT."""
+    """Return what `law_with_slopes` does where the exponent is EXPONENT."""
     slack = 1.0 + mu * v
     touches = (x > 0.0) & (slack > 0.0)
     spring = k * math.sqrt(x if touches else 0.0)

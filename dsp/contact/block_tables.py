@@ -7,7 +7,6 @@ from ..numerics.sums import AT_ONCE, DELAYED, add_delayed, add_few, add_tables, 
 from .block_nodes import AT, RATES, SHARES, TO_NODES, TRAVELS
 from .block_records import Block, Net, Tables, forces_of, moments_of, motion_of, rows_of
 from .block_sizes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
-from .power_series import POWERS
 
 _BEHIND = 1.0 / 2160.0
 """Two Gauss nodes make an oscillation slower: one of s rad in a part falls s^5/4320 behind in each. A spring in series
@@ -16,17 +15,6 @@ that gives s^2/2160 less than the part itself takes that off, and leaves s^7/540
 _OF_ONE = 4  # rows of a block of one part: half a line of the cache
 AT_BEGIN, AT_END = 1024, 2048
 """Places in `later` of tables for a quarter of AHEAD samples at a quantum's ends."""
-
-
-@kernel
-def answer_of(receptance: View[float], period: float, answer: View[float]) -> None:
-    """Write how a point answers a force, m/(N sample), by a receptance (FINE, m/(N s))."""
-    answer[0] = 0.0
-    for n in range(1, FINE):
-        total = 0.0
-        for k in range(n, FINE):
-            total += POWERS[n, k] * receptance[k]
-        answer[n] = period * total
 
 
 @kernel

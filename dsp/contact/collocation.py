@@ -88,6 +88,17 @@ def law(x: float, v: float, k: float, mu: float, a: float) -> float:
 
 
 @kernel
+def law_with_slopes(x: float, v: float, law: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return that force, of a law by k, mu and a, and its slopes over x (N/m) and v (N s/m)."""
+    k, mu, a = law
+    slack = 1.0 + mu * v
+    if not (x > 0.0 and slack > 0.0):
+        return 0.0, 0.0, 0.0
+    spring = k * raised(x, a - 1.0)
+    return spring * (x * slack), spring * (a * slack), spring * (mu * x)
+
+
+@kernel
 def elastic(x: float, k: float, a: float) -> float:
     """Return the elastic energy V(x) in J: equation (13) of Papetti, Avanzini, Rocchesso 2011."""
     return k * raised(x, a + 1.0) / (a + 1.0) if x > 0.0 else 0.0

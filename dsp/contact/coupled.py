@@ -31,13 +31,14 @@ from ..numerics.sums import add_powers
 from .collocation import law
 from .coupled_records import Coupled
 from .power_series import (
+    CLOSING,
     FORCES_THERE,
     LAST_POWER,
+    ON,
+    PUSH,
     TO_END,
     WHOLE_SAMPLE,
-    put_closing,
-    put_on,
-    put_push,
+    put,
 )
 from .step_record import NODES
 from .touches import begin_touch, end_touch, look_at_touches
@@ -126,14 +127,21 @@ def begin_at_rest(contact: Coupled, v: float, fraction: float, step: float) -> N
 
 
 @kernel
+def answer_of(receptance: View[float], factor: float, answer: View[float]) -> None:
+    """Write how a point answers a force, m/(N sample), by a receptance (FINE, m/(N s)) times a factor (s): into
+    SERIES_COUNT places."""
+    put(receptance, CLOSING, answer)
+    answer[0] = 0.0
+    for n in range(1, FINE):
+        answer[n] *= -factor
+
+
+@kernel
 def respond_with(contact: Coupled, receptance: View[float]) -> None:
     """Set how the modes of a receptance (FINE, m/(N s)) respond to the contact: at its beginning, and when they are
     retuned."""
     h = contact.period
-    put_closing(receptance, contact.series)
-    for n in range(1, FINE):
-        contact.answer[n] = -h * contact.series[n]
-    contact.answer[0] = 0.0
+    answer_of(receptance, h, contact.answer)
     contact.known = 0
     contact.answer[1] += h * h / contact.m
     contact.mass = h * h / contact.answer[1]
@@ -175,7 +183,7 @@ def look(contact: Coupled, observed: View[float]) -> None:
     """Find the compression over the sample, if no more force acted; begin the record of its touches."""
     look_at_touches(contact)
     x = contact.motion[0]
-    put_closing(observed, contact.motion)
+    put(observed, CLOSING, contact.motion)
     place = -contact.motion[0]
     if contact.touching or contact.wait >= 0.0:
         # A compressed contact goes on without a step, whatever rounding says about the point.
@@ -254,7 +262,7 @@ def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     force's part of its moments, those of the powers of 2 t - 1 (see `legendre_moments`), or of a whole sample
     Legendre's."""
     _carry(contact, eta)
-    put_on(contact.moved, contact.series)
+    put(contact.moved, ON, contact.series)
     if _pushes(contact):
         _push(contact, eta)
         _give(contact, eta, at, powers)
@@ -308,7 +316,7 @@ def _push(contact: Coupled, eta: float) -> None:
     for n in range(FINE):
         contact.impulse[n] = _impulse(contact, n, eta, power[n])
         contact.given[n] = contact.answer[n] * power[n]
-    put_push(contact.given, pushed)
+    put(contact.given, PUSH, pushed)
     for k in range(FINE):
         series[k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
 

@@ -20,7 +20,7 @@ from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_records import Coupled, CoupledGroup, Member
 from .coupled_step import FINEST, HELD, LEAST, give_of, hold, set_powers
-from .power_series import BINOMIAL, legendre_moments, put_closing, value_at
+from .power_series import BINOMIAL, legendre_moments, value_at
 from .touches import begin_touch
 
 _STRETCHED = 1.1  # times the step to try: so long may one be that comes to the sample's end, rather than leave a sliver
@@ -28,16 +28,6 @@ _STRETCHED = 1.1  # times the step to try: so long may one be that comes to the 
 MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
 _SHARES = 8  # of them; each of the second half begins with wider tolerances, so that the sample is mostly done by then
 _WIDER = 32.0  # a power of 2: tolerances come back to the bit; steps are some 2.5 times as long
-
-
-@kernel
-def answer_with(group: CoupledGroup, i: int, j: int, receptance: View[float], period: float, gain: float) -> None:
-    """Set how the point of contact i answers the force of contact j, by a receptance (FINE, m/(N s)) times a gain."""
-    answer = group.answer[i, j]
-    answer[0] = 0.0
-    put_closing(receptance, group.path)
-    for n in range(1, FINE):
-        answer[n] = -gain * period * group.path[n]
 
 
 @kernel

@@ -20,6 +20,7 @@ from .collocation import (
     eliminate,
     eliminate_three,
     force_at,
+    law_with_slopes,
     raised,
     until_release,
 )
@@ -42,7 +43,7 @@ from .coupled_step import (
     work_against,
     work_of,
 )
-from .power_series import END, put_free, put_give
+from .power_series import END, FREE, GIVE, put
 from .step_record import GIVE_COUNT, NODES
 
 NOTHING, MEETS, LEAVES = 0, 1, 2
@@ -121,7 +122,7 @@ def _set_given(contacts: Items[Member], group: CoupledGroup, eta: float) -> None
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
         set_powers(contact, eta)
-        put_free(contact.moved, contact.free)
+        put(contact.moved, FREE, contact.free)
         for b in range(group.touching):
             j = group.touches[b]
             if i == j and eta == 1.0:
@@ -129,14 +130,14 @@ def _set_given(contacts: Items[Member], group: CoupledGroup, eta: float) -> None
             else:
                 for n in range(FINE):
                     group.given[n] = group.answer[i, j, n] * contact.power[n]
-                put_give(group.given, group.give[i, j])
+                put(group.given, GIVE, group.give[i, j])
 
 
 @kernel
 def _take_whole(contact: Coupled, give: View[float]) -> None:
     """Take the products of a point's answer to its own contact over a whole sample, which stay as long as it does."""
     if contact.known == 0:
-        put_give(contact.answer, contact.whole)
+        put(contact.answer, GIVE, contact.whole)
         contact.known = 1
     for n in range(GIVE_COUNT):
         give[n] = contact.whole[n]
@@ -232,13 +233,7 @@ def _linearise(contact: Coupled, group: CoupledGroup, a: int, size: int) -> None
             v -= group.give_v[u, w] * group.f[w]
         step.x[r] = x
         step.v[r] = v
-        stiffness = damping = force = 0.0
-        slack = 1.0 + contact.mu * v
-        if x > 0.0 and slack > 0.0:
-            spring = contact.k * raised(x, contact.a - 1.0)
-            force = spring * x * slack
-            stiffness = contact.a * spring * slack
-            damping = contact.mu * spring * x
+        force, stiffness, damping = law_with_slopes(x, v, (contact.k, contact.mu, contact.a))
         for w in range(size):
             group.linear[u, w] = stiffness * group.give_x[u, w] + damping * group.give_v[u, w]
         group.linear[u, u] += 1.0

@@ -33,7 +33,7 @@ class Coupled(Record):
     step: Step
     force: Annotated[View[float], NODES]  # N, at GAUSS of the step
     motion: Annotated[View[float], SERIES_COUNT]  # m: the compression without a force, from now to the sample's end
-    answer: Annotated[View[float], FINE]  # m/(N sample): g times a sample's length
+    answer: Annotated[View[float], SERIES_COUNT]  # m/(N sample): g times a sample's length
     whole: Annotated[View[float], GIVE_COUNT]  # its products over a step of a whole sample,
     known: int  # 1: where they are known
     power: Annotated[View[float], FINE]  # of the step's length
@@ -96,7 +96,8 @@ class CoupledGroup(Record):
     member: Annotated[View[int], GROUP]  # places among the contacts
     known: Annotated[View[int], GROUP]  # `settled` of those whose answers to each other are known, 0: none
     gain: Annotated[View[float], GROUP]  # of the gestures then
-    answer: Annotated[View3D[float], GROUP, GROUP, FINE]  # m/(N sample): of the point of a row to the force of a column
+    # m/(N sample): of the point of a row to the force of a column
+    answer: Annotated[View3D[float], GROUP, GROUP, SERIES_COUNT]
     observed: Annotated[View2D[float], GROUP, FINE]  # m: how each point would move without them
     moments: Annotated[View2D[float], GROUP, FINE]  # N s: what `step_together` finds
     # Of a step:

@@ -96,70 +96,45 @@ def _by_lines(count: int, *tables: Array) -> Array:
 
 
 _WORK = np.array([CARDINAL.T @ (n / np.maximum(n + np.arange(NODES), 1)) for n in range(FINE)])
-_FREE = _by_lines(
+FREE = _by_lines(
     FREE_COUNT, GAUSS ** _N[:, None], _N[:, None] * GAUSS ** _LESS[:, None], np.stack([_N**0, _N], 1), _WORK
 )
 NODE_RATES, END, WORK = NODES, 2 * NODES, 2 * NODES + 2
-"""Places of a motion's products, by t^n: behind its values at the nodes of a unit step their rates, value and rate at
-its end, and the work int_0^1 l_j(t) n t^(n-1) dt of a force along it."""
+"""Tables of the products of a motion (FREE_COUNT), by t^n, and their places: behind its values at the nodes of a unit
+step their rates, value and rate at its end, and the work int_0^1 l_j(t) n t^(n-1) dt of a force along it."""
 
-_ON, _CLOSING = _by_lines(SERIES_COUNT, BINOMIAL), _by_lines(SERIES_COUNT, -POWERS.T)
+ON = _by_lines(SERIES_COUNT, BINOMIAL)
+"""Tables of the power series of a motion from the end of a unit step on, by that from its beginning on."""
 
-_GIVE = _by_lines(GIVE_COUNT, _derived(_TO_NODE), TO_END, _derived(TO_END), _derived(_DOUBLE), _MISSED)
+CLOSING = _by_lines(SERIES_COUNT, -POWERS.T)
+"""Tables of the power series by which a compression grows while the point moves as the sample's Legendre polynomials
+with such coefficients say: the negative of theirs."""
+
+GIVE = _by_lines(GIVE_COUNT, _derived(_TO_NODE), TO_END, _derived(TO_END), _derived(_DOUBLE), _MISSED)
 TO_ENDS, TAKEN, MISSED = NODES * NODES, NODES * NODES + 2 * NODES, 2 * NODES * NODES + 2 * NODES
-"""Places of an answer's products, by t^n. At 3 i + j the derivative of int_0^t (t - s)^n l_j(s) ds at GAUSS[i]; that
-integral up to 1, then its derivative there, for each l_j; at 3 i + j n int_0^1 l_i(t) int_0^t (t - s)^(n-1) l_j(s) ds
-dt; and, for each node, what is missed of a force that lasts."""
+"""Tables of the products of an answer (GIVE_COUNT), by t^n, and their places. At 3 i + j the derivative of
+int_0^t (t - s)^n l_j(s) ds at GAUSS[i]; that integral up to 1, then its derivative there, for each l_j; at 3 i + j n
+int_0^1 l_i(t) int_0^t (t - s)^(n-1) l_j(s) ds dt; and, for each node, what is missed of a force that lasts."""
 
-_PUSH = _by_lines(
+PUSH = _by_lines(
     PUSH_COUNT,
     *(
         np.array([[BINOMIAL[n, k] * TO_END[n - k, j] if k <= n else 0.0 for k in range(FINE)] for n in range(FINE)])
         for j in range(NODES)
     ),
 )
-"""FINE columns for each node: the power series, from the step's end on, of what its force takes off."""
+"""Tables of FINE columns for each node (PUSH_COUNT): the power series, from the step's end on, of what its force takes
+off."""
 
 
 @kernel
-def put_free(series: View[float], products: View[float]) -> None:
-    """Set the products of a motion (FREE_COUNT), by its power series."""
-    _put(series, _FREE, FREE_COUNT, products)
-
-
-@kernel
-def put_on(series: View[float], on: View[float]) -> None:
-    """Set the power series (SERIES_COUNT) of a motion from the end of a unit step on, by that from its beginning on."""
-    _put(series, _ON, SERIES_COUNT, on)
-
-
-@kernel
-def put_closing(coefficients: View[float], series: View[float]) -> None:
-    """Set the power series (SERIES_COUNT) by which a compression grows while the point moves as the sample's Legendre
-    polynomials with such coefficients say: the negative of theirs."""
-    _put(coefficients, _CLOSING, SERIES_COUNT, series)
-
-
-@kernel
-def put_give(series: View[float], products: View[float]) -> None:
-    """Set the products of an answer (GIVE_COUNT), by its power series."""
-    _put(series, _GIVE, GIVE_COUNT, products)
-
-
-@kernel
-def put_push(series: View[float], products: View[float]) -> None:
-    """Set what forces at the nodes take off a motion after the step (PUSH_COUNT), by the answer's power series."""
-    _put(series, _PUSH, PUSH_COUNT, products)
-
-
-@kernel
-def _put(series: View[float], tables: View[float], count: int, products: View[float]) -> None:
-    """Set the sums of tables times a power series."""
+def put(series: View[float], tables: View[float], products: View[float]) -> None:
+    """Set the sums of tables times a power series, or times other coefficients."""
     factors = (
         series[0], series[1], series[2], series[3], series[4], series[5], series[6],
         series[7], series[8], series[9], series[10], series[11], series[12], series[13],
     )  # fmt: skip
-    put_few(products, tables, factors, count)
+    put_few(products, tables, factors, len(products))
 
 
 @kernel

@@ -5,7 +5,7 @@ sample is one, too (contact/coupled.py). The longest piece for which the branch 
 bisection, then the branch changes. A branch that holds for no time at all is left at once.
 """
 
-from ..contact.power_series import BINOMIAL, POWERS, QUADRATURE, QUADRATURE_WEIGHTS
+from ..contact.power_series import BINOMIAL, POWERS, QUADRATURE, QUADRATURE_WEIGHTS, value_at
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
@@ -70,15 +70,6 @@ def step_located(friction: Friction, observed: View[float], moments: View[float]
 
 
 @kernel
-def _value(series: View[float], t: float) -> float:
-    """Return a power series at t."""
-    value = 0.0
-    for n in range(FINE - 1, -1, -1):
-        value = value * t + series[n]
-    return value
-
-
-@kernel
 def _longest(friction: Friction, at: float, left: float) -> tuple[float, float]:
     """Return the longest piece for which the branch holds, and the branch after it; the piece's force is kept.
 
@@ -125,7 +116,7 @@ def _fill(friction: Friction, at: float, eta: float) -> None:
     drive, normal = friction.drive, friction.normal
     for i in range(2):
         t = eta * (THIRD if i == 0 else 1.0)
-        friction.gap[i] = drive[0] + (drive[1] - drive[0]) * (at + t) - _value(friction.motion, t)
+        friction.gap[i] = drive[0] + (drive[1] - drive[0]) * (at + t) - value_at(friction.motion, t)[0]
         friction.load[i] = normal[0] + (normal[1] - normal[0]) * (at + t)
     fill_give(friction, eta)
 

@@ -6,7 +6,7 @@ each node's own slopes, and three equations are solved by their determinants. Wh
 curvature over its change: where that is bounded well enough, as mostly after the first, another one is spared.
 """
 
-from ..contact.collocation import INTEGRAL, raised
+from ..contact.collocation import INTEGRAL, law_with_slopes
 from ..contact.step_record import Step
 from ..native.jit import kernel, noinline_kernel
 
@@ -31,16 +31,6 @@ def _times(matrix: tuple[Three, ...], f: Three) -> Three:
         matrix[1][0] * f[0] + matrix[1][1] * f[1] + matrix[1][2] * f[2],
         matrix[2][0] * f[0] + matrix[2][1] * f[1] + matrix[2][2] * f[2],
     )
-
-
-@kernel
-def _law(x: float, v: float, k: float, mu: float, a: float) -> Three:
-    """Return the contact force (N) and its slopes over x and v."""
-    slack = 1.0 + mu * v
-    if x <= 0.0 or slack <= 0.0:
-        return 0.0, 0.0, 0.0
-    rate = k * raised(x, a - 1.0)
-    return rate * x * slack, a * rate * slack, mu * rate * x
 
 
 @kernel
@@ -101,17 +91,16 @@ def solve_free_mass(
 
     lightness: h over the mass, s/kg; law: k, mu, a. step.free_x, step.free_v: compressions and rates without the force.
     """
-    k, mu, a = law
-    f = step.f[0], step.f[1], step.f[2]
+    a, f = law[2], (step.f[0], step.f[1], step.f[2])
     moved = h * (lightness * _MOST_TWICE + mobility * _MOST_ONCE)  # m: the most by which 1 N moves a node
     sped = lightness * _MOST_ONCE + mobility
     for _ in range(2):
         before = 0.0
         for n in range(_ITERATIONS):
             x, v = _compressions(step, f, h, lightness, mobility)
-            r0, s0, d0 = _law(x[0], v[0], k, mu, a)
-            r1, s1, d1 = _law(x[1], v[1], k, mu, a)
-            r2, s2, d2 = _law(x[2], v[2], k, mu, a)
+            r0, s0, d0 = law_with_slopes(x[0], v[0], law)
+            r1, s1, d1 = law_with_slopes(x[1], v[1], law)
+            r2, s2, d2 = law_with_slopes(x[2], v[2], law)
             d = _change((s0, s1, s2), (d0, d1, d2), (r0 - f[0], r1 - f[1], r2 - f[2]), h, lightness, mobility)
             f = f[0] + d[0], f[1] + d[1], f[2] + d[2]
             change = max(abs(d[0]), abs(d[1]), abs(d[2]))

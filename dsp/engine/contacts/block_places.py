@@ -13,13 +13,13 @@ from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of
 from ...contact.block_tables import (
     AT_BEGIN,
     AT_END,
-    answer_of,
     go_on_from_end,
     mix_tables,
     settle_tables,
     take_answers,
     take_missed,
 )
+from ...contact.coupled import answer_of
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import FINE
 from ...resonator.fed import LINE

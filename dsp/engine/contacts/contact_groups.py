@@ -1,6 +1,7 @@
 """Coupled contacts are solved sample by sample, those that share objects together."""
 
-from ...contact.coupled_group import answer_with, step_together
+from ...contact.coupled import answer_of
+from ...contact.coupled_group import step_together
 from ...contact.coupled_records import GROUP, CoupledGroup
 from ...contact.coupled_step import HELD
 from ...native.jit import kernel, noinline_kernel
@@ -157,4 +158,5 @@ def _find_answer(state: State, group: CoupledGroup, i: int, j: int) -> None:
     """Find how the points of contact i answer the force of contact j: on all objects that both touch."""
     contact, other = state.contacts[group.member[i]], state.contacts[group.member[j]]
     find_transfer(state, contact, other)
-    answer_with(group, i, j, state.scratch.receptance, 1.0 / state.rate, gain_of(state, other) / contact.now.gain)
+    gain = gain_of(state, other) / contact.now.gain
+    answer_of(state.scratch.receptance, gain / state.rate, group.answer[i, j])

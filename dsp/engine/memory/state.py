@@ -11,6 +11,7 @@ from ...contact.accuracy import DEFAULT
 from ...contact.block_records import ROWS, Block, Net
 from ...contact.coupled_records import CoupledGroup
 from ...contact.lanes_record import Lanes
+from ...contact.step_record import SERIES_COUNT
 from ...karman.layout import SHEETS, TABLE_VALUES, Sheet, Space
 from ...native.pages import own_zeros
 from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32, i16, i32
@@ -246,7 +247,7 @@ class Scratch(Record):
     share: Annotated[View[float], QUANTUM]  # of one object in one channel
     power: Annotated[View[float], MODES_PER_OBJECT]
     moments: Annotated[View[float], MOMENTS]
-    fine: Annotated[View[float], FINE]
+    fine: Annotated[View[float], SERIES_COUNT]  # FINE of them, and room
     observed: Annotated[View[float], FINE]
     net: Net  # rolls that are solved in blocks together
     lanes: Lanes  # those that are alone on their objects, several together

@@ -6,8 +6,8 @@ from numba import njit
 
 from carom.dsp.contact.accuracy import LIGHT_TOLERANCE
 from carom.dsp.contact.collocation import elastic
-from carom.dsp.contact.coupled import ContactLaw, begin_coupled, respond_with
-from carom.dsp.contact.coupled_group import answer_with, step_together
+from carom.dsp.contact.coupled import ContactLaw, answer_of, begin_coupled, respond_with
+from carom.dsp.contact.coupled_group import step_together
 from carom.dsp.contact.coupled_records import COUPLED_GROUP
 from carom.dsp.lab.coupled import MEMBER, Case, bank_of, motion_and_energy, restart, ring_on, simulate
 from carom.dsp.resonator.bank import Point, inject_fine, observe, receptance, transfer_receptance
@@ -30,7 +30,7 @@ def _run(contacts, group, bank, shapes, strikers, rate, tolerance, out):
         for j in range(n):
             if i != j:
                 transfer_receptance(modes, points[j], points[i], work, seen)
-                answer_with(group, i, j, seen, 1.0 / rate, 1.0)
+                answer_of(seen, 1.0 / rate, group.answer[i, j])
     for t in range(len(out)):
         for i in range(n):
             observe(modes, points[i], work, group.observed[i])
