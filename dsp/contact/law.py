@@ -199,9 +199,10 @@ def longest_time(v_in: float, m: float, k: float, mu: float, a: float) -> float:
 # The public functions compile the same kernels as functions of their own.
 
 
-@elementwise
-def _restitution(w: float) -> float:
-    return restitution_of(w)
+_restitution = elementwise(restitution_of)
+_paper_release = elementwise(paper_release_of)
+_compression = elementwise(trajectory)
+_longest_time = elementwise(longest_time)
 
 
 @elementwise
@@ -209,16 +210,6 @@ def _release(v_in: float, mu: float) -> float:
     w = mu * v_in
     # w may have overflowed where 1/mu has not.
     return -1.0 / mu if w >= _STRONG_DISSIPATION else -v_in * restitution_of(w)
-
-
-@elementwise
-def _paper_release(v_in: float, mu: float) -> float:
-    return paper_release_of(v_in, mu)
-
-
-@elementwise
-def _compression(v: float, v_in: float, m: float, k: float, mu: float, a: float) -> float:
-    return trajectory(v, v_in, m, k, mu, a)
 
 
 @elementwise
@@ -235,11 +226,6 @@ def _force(x: float, v: float, k: float, mu: float, a: float) -> float:
 @elementwise
 def _potential_energy(x: float, k: float, a: float) -> float:
     return _times_power(k, x, a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
-
-
-@elementwise
-def _longest_time(v_in: float, m: float, k: float, mu: float, a: float) -> float:
-    return longest_time(v_in, m, k, mu, a)
 
 
 def restitution(v_in: ArrayLike, mu: ArrayLike) -> Array:

@@ -82,6 +82,9 @@ def _zeta(t: float, whole: float, span: float, w: float, a: float) -> float:
     return zeta
 
 
+_node_slowness = elementwise(_slowness)
+
+
 @elementwise
 def _contact_time(v_in: float, m: float, k: float, mu: float, a: float) -> float:
     w = mu * v_in
@@ -125,11 +128,6 @@ def _releasing(w: float) -> float:
 @elementwise
 def _unit(v_in: float, m: float, k: float, a: float) -> float:
     return time_scale(v_in, m, k, a)
-
-
-@elementwise
-def _node_slowness(zeta: float, span: float, w: float, a: float) -> float:
-    return _slowness(zeta, span, w, a)
 
 
 @elementwise

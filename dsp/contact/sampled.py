@@ -1,7 +1,7 @@
 """The sampled methods that the paper compares, on the rigid wall, and its two corrections.
 
-A method is one function `step(x, v, acceleration, h, m, k, mu, a)` that returns the three a step of h seconds later;
-a new one takes a place in METHODS and in `step`. Equations are those of Papetti, Avanzini, Rocchesso 2011 (see law.py).
+A method is one function of a contact and a step of h seconds that returns x, v and the acceleration after it; a new one
+takes a place in METHODS and in `step`. Equations are those of Papetti, Avanzini, Rocchesso 2011 (see law.py).
 Verlet and Heun keep the acceleration of their predicted state for the next step, as printed there. Verlet's is taken
 with the velocity of the half step: it converges with order 1, and with its order of 2 only without dissipation.
 
@@ -39,6 +39,10 @@ _NEWTON_STEPS = 100
 _SOLVED = 1e-14  # relative change of the acceleration that ends Newton's method
 
 
+State = tuple[float, float, float]
+"""Compression (m), its velocity (m/s), and the acceleration (m/s^2) as the method keeps it."""
+
+
 class Sampled(Record):
     """A contact that is being stepped through."""
 
@@ -60,31 +64,30 @@ SAMPLED = dtype_of(Sampled)
 
 
 @kernel
-def acceleration_of(x: float, v: float, m: float, k: float, mu: float, a: float) -> float:
+def acceleration_of(contact: Sampled, x: float, v: float) -> float:
     """Return -f(x, v)/m in m/s^2: equations (1) and (2)."""
-    return -k / m * x**a * (1.0 + mu * v) if x > 0.0 else 0.0
+    return -contact.k / contact.m * x**contact.a * (1.0 + contact.mu * v) if x > 0.0 else 0.0
 
 
 @kernel
-def am1(
-    x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
-) -> tuple[float, float, float]:
+def am1(contact: Sampled, h: float) -> State:
     """Step by one-step Adams-Moulton (trapezoid rule), equation (23): safeguarded Newton's method on the new
     acceleration."""
-    p = x + h * v + 0.25 * h * h * acceleration
-    q = v + 0.5 * h * acceleration
+    p = contact.x + h * contact.v + 0.25 * h * h * contact.acceleration
+    q = contact.v + 0.5 * h * contact.acceleration
     if p <= 0.0:
         return p, q, 0.0
     # Contact ends the bracket on the left; on the right any acceleration does that the law can't hold against.
     low = -4.0 * p / (h * h)
-    high = max(0.0, acceleration_of(p, q, m, k, mu, a))
+    high = max(0.0, acceleration_of(contact, p, q))
     for _ in range(_NEWTON_STEPS):
-        if _am1_residual(high, p, q, h, m, k, mu, a) >= 0.0:
+        if _am1_residual(contact, high, p, q, h) >= 0.0:
             break
         high *= 2.0
-    new = min(max(acceleration, low), high)
+    new = min(max(contact.acceleration, low), high)
+    k, mu, a = contact.k, contact.mu, contact.a
     for _ in range(_NEWTON_STEPS):
-        residual = _am1_residual(new, p, q, h, m, k, mu, a)
+        residual = _am1_residual(contact, new, p, q, h)
         if residual > 0.0:
             high = new
         else:
@@ -93,7 +96,7 @@ def am1(
         slope = 1.0
         if x1 > 0.0:
             v1 = q + 0.5 * h * new
-            slope += k / m * x1 ** (a - 1.0) * (a * (1.0 + mu * v1) * 0.25 * h * h + x1 * mu * 0.5 * h)
+            slope += k / contact.m * x1 ** (a - 1.0) * (a * (1.0 + mu * v1) * 0.25 * h * h + x1 * mu * 0.5 * h)
         step = residual / slope
         # Half the bracket where Newton's step leaves it, or has no slope to follow.
         if not low < new - step < high:
@@ -105,62 +108,53 @@ def am1(
 
 
 @kernel
-def _am1_residual(new: float, p: float, q: float, h: float, m: float, k: float, mu: float, a: float) -> float:
-    return new - acceleration_of(p + 0.25 * h * h * new, q + 0.5 * h * new, m, k, mu, a)
+def _am1_residual(contact: Sampled, new: float, p: float, q: float, h: float) -> float:
+    return new - acceleration_of(contact, p + 0.25 * h * h * new, q + 0.5 * h * new)
 
 
 @kernel
-def verlet(
-    x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
-) -> tuple[float, float, float]:
+def verlet(contact: Sampled, h: float) -> State:
     """Step by velocity Verlet: equation (24)."""
-    x1 = x + h * v + 0.5 * h * h * acceleration
-    half = v + 0.5 * h * acceleration
-    new = acceleration_of(x1, half, m, k, mu, a)
+    x1 = contact.x + h * contact.v + 0.5 * h * h * contact.acceleration
+    half = contact.v + 0.5 * h * contact.acceleration
+    new = acceleration_of(contact, x1, half)
     return x1, half + 0.5 * h * new, new
 
 
 @kernel
-def heun(
-    x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
-) -> tuple[float, float, float]:
+def heun(contact: Sampled, h: float) -> State:
     """Step by Heun's method: equation (25)."""
-    predicted = v + h * acceleration
-    x1 = x + 0.5 * h * (v + predicted)
-    new = acceleration_of(x1, predicted, m, k, mu, a)
-    return x1, v + 0.5 * h * (acceleration + new), new
+    predicted = contact.v + h * contact.acceleration
+    x1 = contact.x + 0.5 * h * (contact.v + predicted)
+    new = acceleration_of(contact, x1, predicted)
+    return x1, contact.v + 0.5 * h * (contact.acceleration + new), new
 
 
 @kernel
-def rk4(
-    x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
-) -> tuple[float, float, float]:
+def rk4(contact: Sampled, h: float) -> State:
     """Step by the classic Runge-Kutta method of order 4: equation (26)."""
-    a1 = acceleration
+    x, v, a1 = contact.x, contact.v, contact.acceleration
     v2 = v + 0.5 * h * a1
-    a2 = acceleration_of(x + 0.5 * h * v, v2, m, k, mu, a)
+    a2 = acceleration_of(contact, x + 0.5 * h * v, v2)
     v3 = v + 0.5 * h * a2
-    a3 = acceleration_of(x + 0.5 * h * v2, v3, m, k, mu, a)
+    a3 = acceleration_of(contact, x + 0.5 * h * v2, v3)
     v4 = v + h * a3
-    a4 = acceleration_of(x + h * v3, v4, m, k, mu, a)
+    a4 = acceleration_of(contact, x + h * v3, v4)
     x1 = x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4)
     v1 = v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-    return x1, v1, acceleration_of(x1, v1, m, k, mu, a)
+    return x1, v1, acceleration_of(contact, x1, v1)
 
 
-# The one parameter over eight chooses between methods that have eight.
 @kernel
-def step(
-    method: int, x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
-) -> tuple[float, float, float]:
-    """Take a step of the method of that number."""
-    if method == 0:
-        return am1(x, v, acceleration, h, m, k, mu, a)
-    if method == 1:
-        return verlet(x, v, acceleration, h, m, k, mu, a)
-    if method == 2:
-        return heun(x, v, acceleration, h, m, k, mu, a)
-    return rk4(x, v, acceleration, h, m, k, mu, a)
+def step(contact: Sampled, h: float) -> State:
+    """Take a step of the contact's method."""
+    if contact.method == 0:
+        return am1(contact, h)
+    if contact.method == 1:
+        return verlet(contact, h)
+    if contact.method == 2:
+        return heun(contact, h)
+    return rk4(contact, h)
 
 
 @kernel
@@ -195,16 +189,14 @@ def step_sampled(contact: Sampled, h: float) -> bool:
     It ends at the first sample with x <= 0, or where the state is not finite; a hybrid one also where v has passed the
     release velocity, as there is no x(v) beyond.
     """
-    x, v, acceleration = step(
-        contact.method, contact.x, contact.v, contact.acceleration, h, contact.m, contact.k, contact.mu, contact.a
-    )
+    x, v, acceleration = step(contact, h)
     lasts = x > 0.0 and math.isfinite(v)
     if lasts and contact.correction & _HYBRID and v < contact.v_in:
         lasts = v > contact.v_least
         if lasts:
             x = trajectory(v, contact.v_in, contact.m, contact.k, contact.mu, contact.a)
             if contact.method in _FROM_STATE:
-                acceleration = acceleration_of(x, v, contact.m, contact.k, contact.mu, contact.a)
+                acceleration = acceleration_of(contact, x, v)
     if not lasts and math.isfinite(v) and not math.isnan(contact.v_out):
         x = 0.0
         v = contact.v_out

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..native.jit import CFunction, carray, kernel, to_fixed_tuple
+from ..native.jit import CFunction, Kernel, carray, kernel, to_fixed_tuple
 from .checks import Array
 
 
@@ -15,7 +15,8 @@ class Elementwise(CFunction):
     """A function of numbers that takes arrays which broadcast, as a NumPy ufunc does; float64 in and out."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        inner, count = kernel(function), function.__code__.co_argcount
+        inner = function if isinstance(function, Kernel) else kernel(function)
+        function, count = inner.py_func, inner.py_func.__code__.co_argcount
 
         def each(rows: int, values: int, size: int) -> None:
             arguments, found = carray(rows, (size, count), np.float64), carray(values, (size,), np.float64)
@@ -35,5 +36,6 @@ class Elementwise(CFunction):
 
 
 def elementwise(function: Callable[..., Any]) -> Callable[..., Array]:
-    """Make a function of numbers take arrays, a decorator; the module's are compiled together, as its C functions."""
+    """Make a function of numbers, or a kernel of the same module, take arrays, a decorator; the module's are compiled
+    together, as its C functions."""
     return Elementwise(function)

@@ -175,7 +175,7 @@ def _push_on(state: State, contact: Contact) -> None:
     glide_push(state, contact, float(QUANTUM))
     contact.coupled.push = contact.push
     if contact.push != 0.0:
-        add_static(state, contact)
+        add_static(state, contact, contact.push)
 
 
 @noinline_kernel

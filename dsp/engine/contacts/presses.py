@@ -26,7 +26,7 @@ def lay_on(state: State, contact: Contact) -> None:
     observe_points(state, contact)
     contact.push = 0.0
     glide_push(state, contact, state.position - 1 + QUANTUM - contact.start - contact.fraction)
-    add_static(state, contact)
+    add_static(state, contact, contact.push)
 
 
 @kernel
@@ -81,11 +81,11 @@ def _gap_at(contact: Contact, left: float) -> float:
 
 
 @kernel
-def add_static(state: State, contact: Contact) -> None:
-    """Record the static deflection of the objects under the push at the quantum's end, so that the mix can subtract
-    it."""
+def add_static(state: State, contact: Contact, force: float) -> None:
+    """Record the static deflection of the objects under a contact's force (N) at the quantum's end, so that the mix can
+    subtract it."""
     for side in range(2):
         if contact.point[side].slot >= 0:
             obj = state.objects[contact.point[side].slot]
             for channel in range(2):
-                obj.static[channel] += contact.now.gain * contact.push * contact.static[side, channel]
+                obj.static[channel] += contact.now.gain * force * contact.static[side, channel]

@@ -33,6 +33,7 @@ from ..memory.records import SLID, Contact, Slide
 from ..memory.state import COUPLING, LEAD, QUANTUM, ROLLING, State
 from .contact_list import give_room_back
 from .coupled_rolls import LEAST, LEAVING, NEVER, couple_roll, may_feel, position_of
+from .presses import add_static
 from .rolls import feed_of
 from .trace import trace_friction
 
@@ -134,11 +135,7 @@ def lead_slide(state: State, contact: Contact, changed: bool) -> None:
     friction.dynamic, friction.stribeck = law.dynamic, law.stribeck
     friction.static = max(law.static, law.dynamic)
     stiffen(friction, law.tangential)
-    for side in range(2):
-        if contact.point[side].slot >= 0:
-            obj = state.objects[contact.point[side].slot]
-            for channel in range(2):
-                obj.static[channel] += contact.now.gain * slide.along * slide.pull * contact.static[side, channel]
+    add_static(state, contact, slide.along * slide.pull)
 
 
 @kernel

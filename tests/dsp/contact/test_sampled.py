@@ -113,8 +113,11 @@ def test_the_papers_release_is_used_within_its_bound(w, uses):
 
 
 def test_am1_solves_its_implicit_step():
-    x, v, acceleration = sampled.am1.py_func(1e-5, 0.8, -1e4, 1 / PAPER_RATE, 0.01, 1e9, 0.5, 1.5)
-    assert acceleration == pytest.approx(sampled.acceleration_of.py_func(x, v, 0.01, 1e9, 0.5, 1.5), rel=1e-12)
+    contact = np.zeros(1, sampled.SAMPLED)[0]
+    for name, value in dict(x=1e-5, v=0.8, acceleration=-1e4, m=0.01, k=1e9, mu=0.5, a=1.5).items():
+        contact[name] = value
+    x, v, acceleration = sampled.am1(contact, 1 / PAPER_RATE)
+    assert acceleration == pytest.approx(sampled.acceleration_of(contact, x, v), rel=1e-12)
 
 
 def test_a_method_or_correction_that_is_not_there_is_named():
