@@ -130,11 +130,6 @@ def _unit(v_in: float, m: float, k: float, a: float) -> float:
     return time_scale(v_in, m, k, a)
 
 
-@elementwise
-def _node_velocity(w: float, U: float) -> float:
-    return velocity_of(w, U)
-
-
 def contact_time(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
     """Return the duration tau of a contact in s, within a relative error of 1e-13.
 
@@ -169,9 +164,9 @@ def force_nodes(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[A
     times, impulses, duration = [], [], 0.0
     for span, sign in ((compressing, 1.0), (releasing, -1.0)):
         durations = _WEIGHTS * _node_slowness(_NODES, span, sign * w, a)
-        velocity = _node_velocity(sign * w, span * (1.0 - Z))
         times.append(_running() @ durations)
-        impulses.append(_WEIGHTS * (a + 1.0) * span * (1.0 + sign * w * velocity) * Z / _NODES)
+        loss = np.exp(sign * w * span * (1.0 - Z))  # 1 + w u
+        impulses.append(_WEIGHTS * (a + 1.0) * span * loss * Z / _NODES)
         duration += durations.sum()
     t = np.concatenate([times[0], duration - times[1][::-1]])
     impulse = np.concatenate([impulses[0], impulses[1][::-1]])
