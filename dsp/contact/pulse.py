@@ -14,7 +14,7 @@ from ..native.jit import kernel
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.elementwise import elementwise
 from .closed_form import slowness_at, spans_of, velocity_of
-from .law import checked_law, force_scale, potential, restitution_of, time_scale
+from .law import checked_law, force_scale, potential, restitution, restitution_of, time_scale
 
 _WIDEST = 3.4  # of the variable of the double exponential rule: nodes end 4e-21 from 0 and 1
 _COUNT = 141
@@ -121,11 +121,6 @@ def _compressing(w: float) -> float:
 
 
 @elementwise
-def _releasing(w: float) -> float:
-    return spans_of(w, restitution_of(w))[1]
-
-
-@elementwise
 def _unit(v_in: float, m: float, k: float, a: float) -> float:
     return time_scale(v_in, m, k, a)
 
@@ -159,7 +154,8 @@ def force_nodes(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[A
     law = (checked_scalar(name, value) for name, value in zip(names, (v_in, m, k, mu, a), strict=True))
     v_in, m, k, mu, a = map(float, checked_law(*law))
     w = mu * v_in
-    compressing, releasing = float(_compressing(w)), float(_releasing(w))
+    compressing = float(_compressing(w))
+    releasing = 1.0 + float(restitution(v_in, mu)) - compressing
     Z = _NODES ** (a + 1.0)
     times, impulses, duration = [], [], 0.0
     for span, sign in ((compressing, 1.0), (releasing, -1.0)):

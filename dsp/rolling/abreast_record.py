@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from ..native.typed import Record, View, View2D, dtype_of
+from ..native.typed import Record, View, View2D
 from ..numerics.legendre import AHEAD
 from .path import PIECES
 
@@ -42,6 +42,3 @@ class Abreast(Record):
     # Moments (N s) of the force over its weight.
     first: Annotated[View2D[float], AHEAD, ABREAST]
     tilt: Annotated[View2D[float], AHEAD, ABREAST]
-
-
-ABREAST_BODIES = dtype_of(Abreast)

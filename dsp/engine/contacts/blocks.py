@@ -257,16 +257,11 @@ def _can_be(state: State, contact: Contact) -> bool:
     if contact.trait.held == 1:
         return not glides(contact) and _stays(state, contact) and _has_place(state, contact)
     if contact.trait.along == 0:
-        blow = contact.trait.single == 1 and not _is_directed(contact)
+        directed = contact.point[0].directed > 0 or contact.point[1].directed > 0
+        blow = contact.trait.single == 1 and not directed  # drivers act along the normal alone
         return blow and _stays(state, contact) and is_long(contact.coupled) and _has_place(state, contact)
     roll = state.rolls[contact.roll]
     return roll.t > 0.0 and roll.m == roll.target.mass
-
-
-@kernel
-def _is_directed(contact: Contact) -> bool:
-    """True if a contact pushes an object in a direction: drivers act along the normal alone."""
-    return contact.point[0].directed > 0 or contact.point[1].directed > 0
 
 
 @kernel

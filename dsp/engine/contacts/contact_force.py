@@ -1,7 +1,6 @@
 """A contact's force: the solver that it gets, and what its force does to the modes, sample by sample.
 
-Every solver begins with `begin_contact`. A closed or sampled one goes on with an `_advance_...(state, contact, age)` of
-one signature, which leaves the force's moments over the sample and is true while the contact lasts; coupled ones are
+Every solver begins with `begin_contact`. A closed or sampled one goes on in `apply_contact_force`; coupled ones are
 solved before (contact_groups.py).
 """
 
@@ -192,7 +191,8 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
         if contact.solver == SAMPLING:
             lasts = _advance_sampled(state, contact)
         else:
-            lasts = _advance_closed(state, contact, age)
+            advance_pulse(contact.pulse, min(age, contact.pulse.duration), age - 1.0, scratch.moments)
+            lasts = age < contact.pulse.duration  # a duration that is not a number has no end
             end = begin + contact.pulse.duration
         trace_blow(state, contact, sample, begin, end)
         note_force(contact.forces, scratch.moments[0] * state.rate)
@@ -253,13 +253,6 @@ def _moments_of(moments: View[float]) -> int:
     for n in range(KEPT, FINE):
         beyond |= moments[n] != 0.0
     return FINE if beyond else KEPT if kept else 0
-
-
-@kernel
-def _advance_closed(state: State, contact: Contact, age: float) -> bool:
-    """Advance the closed form by a sample."""
-    advance_pulse(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.scratch.moments)
-    return age < contact.pulse.duration  # a duration that is not a number has no end
 
 
 @kernel

@@ -1,8 +1,7 @@
 """The life of a contact: a striker waits for its time, touches, and leaves; one that bounces comes back.
 
 A contact acts on one object, or on two that ring: then the striker is the second one's mass, and the opposite force
-goes into its modes. Flights of a bounce are parabolas, its restitution is the share of the speed that the contact
-leaves the striker. Near rest its weight acts in contact too, until its energy says that it can't leave any more.
+goes into its modes. What leaves, and what comes back, is told in flights.py.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Strikers that leave: the end of a touch, the flight of a bounce, and the striker that comes to rest on the object.
 
-Flights are parabolas. A bounce's restitution is the share of the speed that the contact leaves the striker. Near rest
-the striker's weight acts in contact too, until its energy says that it can't leave any more.
+Flights of a bounce are told in bounces.py. Near rest the striker's weight acts in contact too, until its energy says
+that it can't leave any more.
 """
 
 import math

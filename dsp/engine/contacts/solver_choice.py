@@ -131,12 +131,6 @@ def moved_by(contact: Contact, other: Contact) -> float:
 
 
 @kernel
-def _is_blow(contact: Contact) -> bool:
-    """True if a contact neither rolls, slides nor is a swarm."""
-    return contact.trait.along == 0 and contact.trait.swarms == 0
-
-
-@kernel
 def is_moved(state: State, contact: Contact) -> bool:
     """True if the others that touch a contact's objects may move it by more than the accuracy asked for."""
     residual: float = RESIDUAL[0 if holds_steps(state) else state.choices.accuracy]
@@ -146,7 +140,8 @@ def is_moved(state: State, contact: Contact) -> bool:
             index = state.objects[contact.point[side].slot].contact
             while index >= 0:
                 other = state.contacts[index]
-                if index != contact.index and other.touching == 1 and _is_blow(other):
+                blow = other.trait.along == 0 and other.trait.swarms == 0
+                if index != contact.index and other.touching == 1 and blow:
                     moved += moved_by(contact, other)
                 index = other.next
     return moved > residual

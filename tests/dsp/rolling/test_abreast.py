@@ -5,9 +5,10 @@ import pytest
 from numba import njit
 
 from carom.dsp.lab import roll
+from carom.dsp.native.typed import dtype_of
 from carom.dsp.numerics.legendre import AHEAD
 from carom.dsp.rolling.abreast import step_abreast
-from carom.dsp.rolling.abreast_record import ABREAST, ABREAST_BODIES
+from carom.dsp.rolling.abreast_record import ABREAST, Abreast
 from carom.dsp.rolling.body import goes_abreast
 from carom.dsp.rolling.roll_record import ROLL
 from tests.dsp.rolling.test_sample_step import sliding
@@ -41,7 +42,7 @@ def gone(bodies, quanta, begin):
     together, moments = np.zeros(len(bodies), ROLL), np.zeros((len(bodies), quanta * AHEAD, 4))
     for k, body in enumerate(bodies):
         together[k] = body
-    assert _go(np.zeros(1, ABREAST_BODIES)[0], together, quanta, begin, float(RATE), moments) == 0
+    assert _go(np.zeros(1, dtype_of(Abreast))[0], together, quanta, begin, float(RATE), moments) == 0
     return moments, together
 
 
