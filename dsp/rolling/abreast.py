@@ -42,7 +42,6 @@ def step_abreast(abreast: Abreast, rolls: View[Roll], rate: float) -> None:
         if abreast.even[k] == 1:
             roll.span = h
         roll.impacts += abreast.met[k]
-        roll.samples += AHEAD
         stand(roll, (abreast.y[k], abreast.w[k], abreast.force[k]), abreast.origin[k] + AHEAD / rate, h)
 
 

@@ -10,9 +10,9 @@ A flight ends by a quadratic, piece of the path by piece. Contacts go by the col
 steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
 A roll that asks for more than EVENTS steps a second gets coarser ones, whose energy can't grow.
 
-One kind of body is an exception: up to `-60`, at sampling rates of 40 to 64 kHz, one that swings slowly on a path of
-many pieces goes by steps of a sample (sample_step.py), in contact and in flight; beside others as soon as it can
-(abreast.py).
+One kind of body is an exception: up to `-60`, at sampling rates of 40 to 64 kHz, one that swings slowly, under a law of
+exponent 3/2, on a path of many pieces goes by steps of a sample (sample_step.py), in contact and in flight, abreast of
+others (abreast.py): from the end of the stretch in which it is seen to be one.
 """
 
 import math
@@ -22,12 +22,11 @@ from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View2D
 from ..numerics.legendre import KEPT
 from ..schema import SPEED
-from .abreast_record import STEERS
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
 from .path import AHEAD, PIECES, extend_path, renew_path, restart_path
 from .roll_record import Roll
-from .sample_step import HERTZ, Body, follows, pass_on, step_sample
+from .sample_step import Body, follows, pass_on
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -50,7 +49,6 @@ _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
 _BUSY = 3.0  # samples a piece of the path: where they are shorter, a body begins to go by samples
 _IDLE = 16.0  # and where they are longer, it ends: few steps of contact_step.py do, but each change is a small jump
-_LOOKS = 64  # samples from one look to the next, whether a body is to go on by these
 _SAME = 2.0**-16  # samples: times that are nearer count as one
 
 
@@ -200,13 +198,13 @@ def share_of(roll: Roll) -> float:
 
 
 @kernel
-def next_event(roll: Roll) -> None:
-    """Advance the body by one event: a flight or a part of one, or a step in contact."""
+def next_event(roll: Roll, most: float) -> None:
+    """Advance the body by one event, of some seconds at most: a flight or a part of one, or a step in contact."""
     steer(roll)
     modulate(roll)
     least = roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0
     wanted = min(max(roll.next, least), _LONGEST) if roll.touching == 1 else _LONGEST
-    longest = min(0.999 * look_ahead(roll, _ROOM * wanted), _LONGEST)
+    longest = min(0.999 * look_ahead(roll, _ROOM * wanted), _LONGEST, most)
     roll.since = roll.t
     if roll.touching == 1:
         step_contact(roll, longest, least)
@@ -300,25 +298,23 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
     """Fill in the moments (N s) of the force over each frame.
 
     moments: (frames, KEPT) float64. Frame n is the sample from origin + n/rate to
-    origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other.
+    origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other. A body that is to go by
+    samples stops at the end.
     """
     frames = len(moments)
     for n in range(frames):
         for i in range(KEPT):
             moments[n, i] = 0.0
-    end = origin + frames / rate
+    end, near, waits = origin + frames / rate, _SAME / rate, False
     for _ in range(_MOST_EVENTS):
         stop = roll.since + roll.span
+        roll.samples = 1 if waits and abs(end - stop) < near else 0
         add_quadratic(roll.force, roll.since, roll.span, roll.given, min(stop, end), origin, rate, moments)
         roll.given = max(roll.given, min(stop, end))
-        if stop >= end or roll.ended == 1:
+        if stop >= end or roll.samples == 1 or roll.ended == 1:
             break
-        if roll.samples == 0 and _begins_by_samples(roll, 1.0 / rate):
-            roll.samples = 1
-        if roll.samples > 0:
-            _fill_by_samples(roll, origin, rate, moments)
-        else:
-            next_event(roll)
+        waits = _begins_by_samples(roll, 1.0 / rate)
+        next_event(roll, end - stop if waits else math.inf)
 
 
 @kernel
@@ -352,52 +348,9 @@ def is_even(roll: Roll) -> bool:
 
 
 @kernel
-def first_sample(roll: Roll, origin: float, rate: float) -> float:
-    """Return the time in samples from an origin (s) at which a body is that goes by samples, however it is rounded."""
-    return math.floor(max((roll.t - origin) * rate, 0.0) / _SAME + 0.5) * _SAME
-
-
-@kernel
 def goes_abreast(roll: Roll, origin: float, rate: float) -> bool:
-    """True if a body goes on by whole samples from an origin (s) on, under a law of exponent 3/2, and will not end
-    soon: it may go beside others (abreast.py)."""
-    runs = roll.samples > 0 and roll.fade == 1.0 and roll.target.speed > 0.0 and roll.a == HERTZ
-    return runs and first_sample(roll, origin, rate) == 0.0 and _goes_by_samples(roll, 1.0 / rate)
-
-
-@noinline_kernel
-def _fill_by_samples(roll: Roll, origin: float, rate: float, moments: View2D[float]) -> None:
-    """Add the moments of the force by steps of a sample, from where a body is on; where it is to go by others, end
-    there."""
-    at = first_sample(roll, origin, rate)
-    frame, frames = int(at), len(moments)
-    share = frame + 1.0 - at  # of the first frame
-    even, resized = is_even(roll), roll.path.radius != roll.target.radius
-    state = path_at(roll)[0], roll.y, roll.w, roll.step.f[0] if roll.touching == 1 else 0.0
-    h, pace = share / rate, rate / share
-    while frame < frames:
-        if (roll.samples % _LOOKS == 0 or resized) and not _goes_by_samples(roll, 1.0 / rate):
-            roll.samples = 0
-            break
-        if not even and roll.samples % STEERS == 0:
-            steer(roll)
-            modulate(roll)
-            roll.span = 0.0
-        if roll.ended == 1:
-            break
-        before = state[3]
-        state, first, tilt = step_sample(roll, state, h, pace)
-        moments[frame, 0] += first
-        moments[frame, 1] += (1.0 - share) * first + share * tilt
-        roll.impacts += 1 if before == 0.0 < state[3] else 0
-        roll.s += roll.modulated_speed * h
-        roll.span += h
-        h, pace, share = 1.0 / rate, rate, 1.0
-        roll.samples += 1
-        frame += 1
-    if even:
-        roll.span = 1.0 / rate
-    stand(roll, (state[1], state[2], state[3]), origin + frame / rate, 1.0 / rate)
+    """True if a body goes by samples from an origin (s) on, abreast of others (abreast.py)."""
+    return roll.samples == 1 and abs(roll.t - origin) * rate < _SAME and _goes_by_samples(roll, 1.0 / rate)
 
 
 @kernel

