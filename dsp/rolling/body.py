@@ -313,20 +313,13 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
         roll.given = max(roll.given, min(stop, end))
         if stop >= end or roll.samples == 1 or roll.ended == 1:
             break
-        waits = _begins_by_samples(roll, 1.0 / rate)
+        waits = _goes_by_samples(roll, 1.0 / rate, _BUSY)
         next_event(roll, end - stop if waits else math.inf)
 
 
 @kernel
-def _begins_by_samples(roll: Roll, period: float) -> bool:
-    """True if a step a sample, of a period (s), does, and the path's pieces are short."""
-    ahead = _BUSY * AHEAD * period
-    return follows(roll, period) and look_ahead(roll, ahead) < ahead
-
-
-@kernel
-def _goes_by_samples(roll: Roll, period: float) -> bool:
-    """True if a body that goes by samples, of a period (s), may go on so, and the next pieces are not long."""
+def _goes_by_samples(roll: Roll, period: float, bound: float) -> bool:
+    """True if a step a sample, of a period (s), does, and the next pieces of the path are short: so many samples."""
     if not follows(roll, period):
         return False
     path, first, way = roll.path, roll.piece, -roll.along
@@ -334,7 +327,7 @@ def _goes_by_samples(roll: Roll, period: float) -> bool:
     for n in range(first, first + AHEAD, 4):  # four that do not wait for one another
         a, b, c, d = n & (PIECES - 1), n + 1 & (PIECES - 1), n + 2 & (PIECES - 1), n + 3 & (PIECES - 1)
         way += (path.length[a] + path.length[b]) + (path.length[c] + path.length[d])
-    return way < _IDLE * AHEAD * period * roll.modulated_speed
+    return way < bound * AHEAD * period * roll.modulated_speed
 
 
 @kernel
@@ -350,7 +343,7 @@ def is_even(roll: Roll) -> bool:
 @kernel
 def goes_abreast(roll: Roll, origin: float, rate: float) -> bool:
     """True if a body goes by samples from an origin (s) on, abreast of others (abreast.py)."""
-    return roll.samples == 1 and abs(roll.t - origin) * rate < _SAME and _goes_by_samples(roll, 1.0 / rate)
+    return roll.samples == 1 and abs(roll.t - origin) * rate < _SAME and _goes_by_samples(roll, 1.0 / rate, _IDLE)
 
 
 @kernel
