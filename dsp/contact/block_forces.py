@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from ..native.jit import kernel, noinline_kernel
+from ..native.jit import kernel
 from ..native.typed import Items
 from .block_records import Block, Net, Tables
 from .block_sizes import FORCES, MOTIONS, NODES_PER_PART
@@ -33,23 +33,11 @@ def find_forces(contacts: Items[Member], blocks: Items[Block], net: Net, size: i
         first = NODES_PER_PART * part
         # Most are pairs: the loops for two are unrolled.
         if size == 2:
-            solved = solved and _solve_pair(contacts, blocks, net, first)
+            solved = solved and _solve_together(contacts, blocks, net, 2, first)
         else:
-            solved = solved and _solve_several(contacts, blocks, net, size, first)
+            solved = solved and _solve_together(contacts, blocks, net, size, first)
     for i in range(size):
         blocks[net.block[i]].solved = 1 if solved else 0
-
-
-@noinline_kernel
-def _solve_pair(contacts: Items[Member], blocks: Items[Block], net: Net, first: int) -> bool:
-    """Do what `_solve_together` does for two contacts."""
-    return _solve_together(contacts, blocks, net, 2, first)
-
-
-@noinline_kernel
-def _solve_several(contacts: Items[Member], blocks: Items[Block], net: Net, size: int, first: int) -> bool:
-    """Do what `_solve_together` does for more."""
-    return _solve_together(contacts, blocks, net, size, first)
 
 
 @kernel
