@@ -29,7 +29,6 @@ EXCEPTIONS = {
     "bodies/string.py:string": "a face: its keywords are a preset's keys",
     "bodies/plate.py:plate": "a face: its keywords are a preset's keys",
     "lab/roll.py:make_roll": "a face: keywords with defaults",
-    "contact/sampled.py:step": "chooses between methods of eight parameters",
     "resonator/simd_ring.py:push": "an intrinsic: its typing context, and arrays one by one",
     "resonator/simd_ring.py:_ring_blown": "an intrinsic's code, instruction by instruction",
     "resonator/simd_answers.py:ring_answering": "an intrinsic's code, instruction by instruction",
