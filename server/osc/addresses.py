@@ -161,7 +161,7 @@ _OBJECTS = (
     Verb(
         "/object/NAME/free",
         "removes it, and the copies for its notes, once silent, or with 1 at once (a 70 ms fade); its name is free",
-        optional=(Number("at_once", 0, 1, default=0),),
+        optional=(Number("at_once", 0, 1, default=0, whole=True),),
     ),
 )
 
@@ -247,7 +247,7 @@ _SERVER = (
     Verb(
         "/sync",
         "answers /synced id once everything sent before it is done",
-        (Number("id", -(2**31), 2**31 - 1),),
+        (Number("id", -(2**31), 2**31 - 1, whole=True),),
         scored=False,
     ),
     Verb(
@@ -262,11 +262,16 @@ _SERVER = (
         "/record",
         "1: records into a new file of the server's folder, by that name or else the day and time, and answers "
         "/done /record FILE FIRST; 0: ends that, and answers /done /record FILE FIRST END, in samples",
-        (Number("on", 0, 1),),
+        (Number("on", 0, 1, whole=True),),
         keys=(Word("name"),),
         scored=False,
     ),
-    Verb("/dump", "1: prints messages, cut at 2,000 characters; 0: no more", (Number("on", 0, 1),), scored=False),
+    Verb(
+        "/dump",
+        "1: prints messages, cut at 2,000 characters; 0: no more",
+        (Number("on", 0, 1, whole=True),),
+        scored=False,
+    ),
     Verb("/quit", "ends the server", scored=False),
 )
 

@@ -48,6 +48,8 @@ def test_manners(server: Running):
                 client.ask(address)
         with pytest.raises(CommandError, match=r"id = '0\.5'"):
             client.ask("/sync", "0.5")
+        with pytest.raises(CommandError, match=r"id = 1\.5: expected a whole number"):
+            client.ask("/sync", 1.5)  # /synced 1 would tell somebody else
 
 
 def test_bundles_with_times_are_kept_apart(tmp_path):
