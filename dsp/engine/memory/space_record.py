@@ -15,6 +15,8 @@ KNOTS = FRAMES // AHEAD
 PATHS = 7
 """Ways of a sound to the listener: the direct one, and by each of six walls."""
 LATE_LINES = 16
+WALLS_TOLD = 12
+"""Numbers that a command tells of the walls and of the late part."""
 LATE_FRAMES = 16_384
 """Frames of each line of the late part. A power of two."""
 
@@ -93,6 +95,8 @@ class Space(Record):
     low: Annotated[View[float], 3]  # m: the room's corner
     high: Annotated[View[float], 3]  # m: the one across
     reflected: float  # amplitude
+    walls_change: int  # 1: walls that are heard fade in this quantum, and others come; 2: these come in
+    walls_told: Annotated[View[float], WALLS_TOLD]  # what comes
     fading: int  # 1: after a panic
     faded: int
     panicked: int  # samples: what left before fades

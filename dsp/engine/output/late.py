@@ -10,7 +10,7 @@ import math
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
-from ..memory.space_record import LATE_FRAMES, LATE_LINES, LINES, PATHS
+from ..memory.space_record import FRAMES, LATE_FRAMES, LATE_LINES, LINES, PATHS, WALLS_TOLD
 from ..memory.state import QUANTUM, State
 from .fade import fade_length, left_of
 
@@ -20,8 +20,34 @@ _SILENCE = 1e-12  # energy of a quantum
 @noinline_kernel
 def furnish(state: State, told: View[float]) -> None:
     """Give space its walls and its late part: walls, corners (m), amplitude reflected, T60 (s; 0: none), that of high
-    frequencies, and the amplitude of the late part at its beginning."""
+    frequencies, and the amplitude of the late part at its beginning.
+
+    Where something sounds, what comes by the old ones fades in this quantum, and what comes by the new in the next one.
+    """
     space = state.surroundings
+    for k in range(WALLS_TOLD):
+        space.walls_told[k] = told[k]
+    if space.on == 1 and _is_any_line_heard(state):
+        space.walls_change = 1
+    else:
+        let_walls_come(state)
+
+
+@kernel
+def _is_any_line_heard(state: State) -> bool:
+    """True if something may be on its way, by which the ear would hear that walls change."""
+    space = state.surroundings
+    for n in range(LINES):
+        if space.lines[n].used == 1 and space.lines[n].last > state.position - FRAMES:
+            return True
+    return space.late.on == 1 and space.late.energy > _SILENCE
+
+
+@noinline_kernel
+def let_walls_come(state: State) -> None:
+    """Give space the walls and the late part that were told."""
+    space = state.surroundings
+    told = space.walls_told
     space.walls = int(told[0])
     for i in range(3):
         space.low[i], space.high[i] = told[1 + i], told[4 + i]
@@ -60,6 +86,8 @@ def hear_late(state: State) -> None:
     scale = 1.0 / math.sqrt(channels) if space.layout == 0 and channels > 2 else 1.0
     for n in range(QUANTUM):
         left = left_of(state.rate, space.faded + n + 1) if space.fading == 1 else 1.0
+        if space.walls_change == 1:
+            left *= 1.0 - (n + 1) / QUANTUM
         for k in range(LATE_LINES):
             taken = late.sound[k, (late.at - late.lengths[k]) % LATE_FRAMES]
             late.memory[k] = taken + late.pole[k] * (late.memory[k] - taken)

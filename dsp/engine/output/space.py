@@ -4,7 +4,7 @@ from ...native.jit import kernel, noinline_kernel
 from ..memory.space_record import KNOTS, LINES, Line
 from ..memory.state import QUANTUM, State
 from .fade import fade_length
-from .late import hear_late
+from .late import hear_late, let_walls_come
 from .space_lines import pose_at
 from .space_paths import feed_late, hear_path
 
@@ -29,8 +29,16 @@ def hear_space(state: State) -> None:
     for n in range(LINES):
         if space.lines[n].used == 1:
             _hear_line(state, space.lines[n], end)
+    if space.walls_change == 2:
+        for n in range(QUANTUM):
+            space.late.fed[n] *= (n + 1) / QUANTUM
     if space.late.on == 1:
         hear_late(state)
+    if space.walls_change == 1:
+        let_walls_come(state)
+        space.walls_change = 2
+    else:
+        space.walls_change = 0
     if space.fading == 1:
         space.faded += QUANTUM
         if space.faded >= fade_length(state.rate):

@@ -39,7 +39,8 @@ _EASY = 1.0  # dB up to which one filter takes it all
 def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool:
     """Hear a way of a line in this quantum; return True if there was, or may soon be, something to hear."""
     space, rate = state.surroundings, state.rate
-    if path.known == 1 and path.still == 1 and _stays(space, line):
+    comes = wall > 0 and path.known == 0 and space.walls_change == 2
+    if path.known == 1 and path.still == 1 and _stays(space, line) and not (wall > 0 and space.walls_change == 1):
         return _hear_still(state, line, path)
     found = space.weights  # room for 7
     begin, slope = path.place, path.slope
@@ -54,6 +55,9 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
     if path.known == 0:
         begin, slope = place - QUANTUM, 1.0
     first, second = _aim(state, path, wall, found)
+    if comes:  # in this quantum: gains go as lines
+        for channel in range(state.output.channels):
+            path.gain[channel] = 0.0
     jumps = not _FLEES * QUANTUM < place - begin < _JUMP * QUANTUM
     for ear in range(2):
         jumps |= abs(space.aim[ear] - path.longer[ear]) > _TURNS
@@ -166,7 +170,8 @@ def _aim(state: State, path: Path, wall: int, found: View[float]) -> tuple[float
     poles of the air's two filters."""
     space = state.surroundings
     far = found[6]
-    gain = (space.reflected if wall > 0 else 1.0) / max(far, NEAREST)
+    share = (0.0 if space.walls_change == 1 else space.reflected) if wall > 0 else 1.0
+    gain = share / max(far, NEAREST)
     ahead, left, up = _turned(space.listener.now, found[0] / far, found[1] / far, found[2] / far)
     channels = state.output.channels
     for channel in range(channels):

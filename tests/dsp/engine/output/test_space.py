@@ -7,6 +7,7 @@ import pytest
 
 from carom.dsp.bodies import Modes, listed
 from carom.dsp.engine.memory.commands import Command, Handle, Kind
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.dsp.engine.support import RATE, bell, free, panic, strike
 
@@ -249,6 +250,30 @@ def _late_alone(place) -> np.ndarray:
     engine.send([listen(), room, put(handle, place)])
     strike(engine, handle)
     return engine.process(9_600).astype(float)
+
+
+@pytest.mark.parametrize("layout", [PAN, BINAURAL])
+def test_walls_come_and_go_without_a_click(layout):
+    """A tone of 200 Hz goes on while a floor, a room and other rooms come and go: its fourth differences are at most
+    those of a gain that goes as a line over a quantum, 2/64 of all that is heard. Those of a step are 3 of it."""
+    engine = Engine(RATE, 2)
+    handle = engine.add(tone(200.0))
+    engine.send([listen(layout), put(handle, (1.0, 0.5, 0.0))])
+    strike(engine, handle)
+    engine.process(12_000)
+    room = (6.0, -5, -4, -1.5, 5, 4, 1.5, 0.8, 0.5, 0.5, 1.0, 0.01)
+    other = (6.0, -2, -3, -1.0, 2, 4, 1.8, 0.9, 1.5, 1.0, 3.0, 0.01)
+    loudest = abs(engine.process(4_800)).max()
+    for walls in ((1.0, 0, 0, -1.2, 0, 0, 0, 1.0), room, other, (0.0,), room, (0.0,)):
+        engine.send([furnish(*walls)])
+        sound = engine.process(4_800)
+        loudest = max(loudest, abs(sound).max())  # what fades belongs to the sound before
+        assert _highest(sound) < 2 / QUANTUM * loudest
+
+
+def _highest(sound: np.ndarray) -> float:
+    """Return the greatest fourth difference of a sound."""
+    return float(abs(np.diff(sound.astype(float), 4, axis=0)).max())
 
 
 @pytest.mark.parametrize("far", [0.5, 3.0, 4.9])
