@@ -1,7 +1,7 @@
 """The life of a contact: a striker waits for its time, touches, and leaves; one that bounces comes back.
 
 A contact acts on one object, or on two that ring: then the striker is the second one's mass, and the opposite force
-goes into its modes. What leaves, and what comes back, is told in flights.py.
+goes into its modes. flights.py has the strikers that leave and come back.
 """
 
 import math

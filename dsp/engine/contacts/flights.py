@@ -1,6 +1,6 @@
 """Strikers that leave: the end of a touch, the flight of a bounce, and the striker that comes to rest on the object.
 
-Flights of a bounce are told in bounces.py. Near rest the striker's weight acts in contact too, until its energy says
+bounces.py has the flights of a bounce. Near rest the striker's weight acts in contact too, until its energy says
 that it can't leave any more.
 """
 
