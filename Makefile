@@ -41,7 +41,6 @@ coverage: $(DEV)  ## all tests, and which lines of the Python side they run (ker
 lint: $(DEV)  ## linters, import contracts and types
 	@$(BIN)/ruff check --quiet .
 	@$(BIN)/ruff format --quiet --check .
-	@$(BIN)/python -m tests.docstrings
 	@$(CHECK) vendor.github-workflows .github/workflows/*.yml
 	@$(CHECK) custom.github-workflows-require-timeout .github/workflows/*.yml
 	@$(CHECK) vendor.github-issue-forms .github/ISSUE_TEMPLATE/bug.yml .github/ISSUE_TEMPLATE/idea.yml
