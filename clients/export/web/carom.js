@@ -1,13 +1,15 @@
 // A scene that Carom has baked, in a page: no server, no special headers.
 
 import { unpacked as plain } from "./lzma.js";
+import { sumOf } from "./sum.js";
 import { decoded } from "./tables.js";
 import { joined } from "./wasm.js";
 
-const MAGIC = "carom 1\n";
-const HEAD = 12; // bytes before the map
+const MAGIC = "carom 2\n";
+const SUM = 32; // bytes of the checksum
+const HEAD = MAGIC.length + SUM + 8; // bytes before the map
 const STORE = "carom"; // of decoded files, in browsers
-const NAME = "carom"; // of the section in which an engine has its name
+const NAME = "carom"; // of the section in which an engine has its rules
 const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma", worklet: "worklet.js.lzma" };
 
 /** The content of a file that was compressed as LZMA, which the browser keeps when it is decoded; last: what is done then. */
@@ -26,22 +28,40 @@ async function fetched(url, last = (content) => content) {
   return buffer;
 }
 
-/** The map and the data in the file of a baked scene; the map has the tables of mode shapes with their values. */
-function unpacked(buffer) {
-  const text = new TextDecoder();
-  if (text.decode(new Uint8Array(buffer, 0, 8)) !== MAGIC) throw new Error("expected a scene that Carom has baked");
-  const length = new DataView(buffer).getUint32(8, true);
-  const map = JSON.parse(text.decode(new Uint8Array(buffer, HEAD, length)));
+/** What an engine says of itself and of all its scenes. */
+function rulesOf(module) {
+  const [told] = WebAssembly.Module.customSections(module, NAME);
+  return JSON.parse(new TextDecoder().decode(told));
+}
+
+/** The map and the data in the file of a baked scene, for an engine of some rules; the map has the tables of mode shapes
+ * with their values. An Error says why the file is none. */
+function unpacked(buffer, rules) {
+  const text = new TextDecoder(), bytes = new Uint8Array(buffer);
+  if (text.decode(bytes.subarray(0, MAGIC.length)) !== MAGIC) throw new Error("expected a scene that Carom has baked");
+  const rest = new Uint8Array(bytes.length - SUM);
+  rest.set(bytes.subarray(0, MAGIC.length));
+  rest.set(bytes.subarray(MAGIC.length + SUM), MAGIC.length);
+  const sum = [...bytes.subarray(MAGIC.length, MAGIC.length + SUM)].map((each) => each.toString(16).padStart(2, "0")).join("");
+  if (sumOf(rest) !== sum) throw new Error("the scene is damaged: its bytes are not those of its checksum; expected it as it was exported");
+  const length = new DataView(buffer).getUint32(HEAD - 8, true);
+  const map = JSON.parse(text.decode(bytes.subarray(HEAD, HEAD + length)));
+  expectOwn(rules, map);
   const data = buffer.slice(HEAD + length);
+  let left = 16 * rules.state.shapes;
+  for (const [, rows, columns, terms] of map.tables) {
+    const isTable = [rows, columns, terms].every((each) => Number.isInteger(each) && each > 0) && rows * columns <= rules.state.shapes;
+    left -= rows * columns;
+    if (!isTable || terms > rows || left < 0) throw new Error(`a table of ${rows} by ${columns}, of ${terms} terms: none of mode shapes`);
+  }
   const values = decoded(map.tables, new Uint8Array(data), map.coded);
-  map.tables = map.tables.map(([first], n) => [first, values[n]]);
-  return { map, data };
+  const tables = map.tables.map(([first], n) => [first, values[n]]);
+  return { map: { ...map, ...rules, engine: map.engine, tables }, data };
 }
 
 /** An Error says that a scene is of another engine: what it has for the memory would lie in wrong places there. */
-function expectOwn(module, map) {
-  const [name] = WebAssembly.Module.customSections(module, NAME);
-  if (new TextDecoder().decode(name) === map.engine) return;
+function expectOwn(rules, map) {
+  if (rules.engine === map.engine) return;
   throw new Error(`the scene is of another engine; expected ${FILES.engine} and ${FILES.scene} of one export`);
 }
 
@@ -54,8 +74,7 @@ export class Carom extends EventTarget {
       fetched(at(FILES.scene)),
       fetched(at(FILES.worklet)),
     ]);
-    const found = unpacked(scene);
-    expectOwn(module, found.map);
+    const found = unpacked(scene, rulesOf(module));
     const worklet = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
     return { module, ...found, worklet };
   }
@@ -64,7 +83,7 @@ export class Carom extends EventTarget {
   static async open(context, { files, folder, live = true } = {}) {
     const found = files ?? (await Carom.fetch(folder));
     const { module, map, data, worklet } = found;
-    expectOwn(module, map);
+    expectOwn(rulesOf(module), map);
     if (context.sampleRate !== map.rate) {
       throw new Error(`sampleRate = ${context.sampleRate}: expected ${map.rate}: new AudioContext({ sampleRate: ${map.rate} })`);
     }
@@ -78,10 +97,11 @@ export class Carom extends EventTarget {
     super();
     Object.assign(this, { context, node, map, asked: new Map(), count: 0 });
     this.ready = new Promise((done, fail) => {
-      node.onprocessorerror = () => {
-        this.stopped = new Error("the engine has stopped");
+      this.stop = (reason) => {
+        this.stopped = new Error(reason);
         for (const waiting of [{ fail }, ...this.asked.values()]) waiting.fail(this.stopped);
       };
+      node.onprocessorerror = () => this.stop("the engine has stopped");
       this.done = done;
     });
     node.port.onmessage = ({ data }) => this.hear(data);
@@ -120,6 +140,7 @@ export class Carom extends EventTarget {
   }
 
   hear(told) {
+    if (told.stopped) this.stop(told.stopped);
     if (told.ready) this.done(told);
     const waiting = this.asked.get(told.ask);
     this.asked.delete(told.ask);
