@@ -30,8 +30,8 @@ Words = NDArray[np.uint64]
 _WORD = np.dtype(np.uint64).itemsize
 PULSES: int = STATE.fields["pulses"][1]  # type: ignore[index]
 """The place of the tables of pulses in the engine's memory, in bytes."""
-PULSE_TABLES: int = STATE["pulses"].fields["work"][1]  # type: ignore[index]
-"""Bytes of these tables without their values."""
+PULSE_TABLES: int = STATE["pulses"].fields["left"][1]  # type: ignore[index]
+"""Bytes of these tables without their values, and what an engine counts of them."""
 PULSE_VALUES: int = PULSES + STATE["pulses"].fields["values"][1]  # type: ignore[index]
 """The place of their values."""
 

@@ -60,6 +60,7 @@ FRAMES = 14_400
 LONGEST = 1.0
 """s of CPU that one may take, beyond what the scene takes as it is."""
 SANE = ["-std=gnu11", "-g", "-O2", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"]
+MODULE = __spec__.name
 TINY = "tests.clients.export.tiny"
 
 _LINE = re.compile(r"(\d+) ([rpn]) (\d+) ([^:]*): (.*)")
@@ -107,8 +108,8 @@ def write_scenes(folder: Path) -> None:
 
 def build(folder: Path, tiny: bool = False) -> Path:
     """Return the program that changes scenes, compiled in a folder with them."""
-    words = [sys.executable, "-m", __name__, "--write", str(folder), *(["--tiny"] if tiny else [])]
-    subprocess.run(words, env=ENGINE, check=True)
+    words = [sys.executable, "-m", MODULE, "--write", str(folder), *(["--tiny"] if tiny else [])]
+    subprocess.run(words, env=ENGINE, check=True, stdout=subprocess.DEVNULL)
     sources = Path(__file__).parents[2] / "clients" / "export" / "c"
     program = folder / "mutate"
     words = ["cc", *SANE, "-I", str(sources), str(Path(__file__).with_name("mutate.c")), str(folder / "libcarom.a")]

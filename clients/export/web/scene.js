@@ -151,8 +151,7 @@ export class Scene {
     this.next = map.batches.length;
   }
 
-  /** Write a batch's words and tables of mode shapes into the engine's memory, but what it does not let go now; expects:
-   * an Error says that it is none of a scene. */
+  /** Write a batch's words and tables of mode shapes into the engine's memory, where nothing uses it; expects: or an Error. */
   write([, runs, , , firstTable, endTable], expects = false) {
     this.runs(runs, MAY_WRITE, expects);
     for (const [first, values] of this.map.tables.slice(firstTable, endTable)) {
