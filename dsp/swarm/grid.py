@@ -119,7 +119,7 @@ def lay_pulse(
     octave, b = step // STEPS, y - step
     length, phases = table.length[octave], table.phases[octave]
     m = int(at)
-    if m < table.lead[octave]:
+    if m < table.lead[octave] or m - table.lead[octave] + length > len(grid):
         return 0
     x = (at - m) * phases
     phase = int(x)
