@@ -56,6 +56,14 @@ _REFUSALS = (Refused, EngineFull, TooMuch, PresetError)
 _MOST_PRINTED = 1_000  # texts that are remembered, so that none is repeated
 
 
+_UNLIMITED = fail("/limiter", "a client of another host can't turn it off: expected one of this machine, or --trust")
+
+
+def _unlimits(call: Call) -> bool:
+    """True if a call turns the limiter off."""
+    return bool(call.verb and call.verb.address == "/limiter" and call.message.args[:1] in (("off",), ("0",), (0,)))
+
+
 class Server:
     """A session that is played over OSC. `run` serves until /quit or `stop`."""
 
@@ -216,6 +224,9 @@ class Server:
             packet.rest.extend(partial(self._reply, fail(each.address, str(error)), source) for each in bundle.messages)
             return
         scored = [call for call in asked if call.verb is None or call.verb.scored]
+        if self.network.is_stranger(source):
+            packet.rest.extend(partial(self._reply, _UNLIMITED, source) for call in scored if _unlimits(call))
+            scored = [call for call in scored if not _unlimits(call)]
         if scored:  # a question that is answered amid a bundle leaves the session as it is
             pause = every_turn(partial(self._hear, source))
             try:

@@ -83,6 +83,10 @@ class Places(Generic[Holder]):
         if not holders:
             places.pop(host, None)
 
+    def quiet(self) -> list[Holder]:
+        """Return those that are quiet."""
+        return [holder for holders in self._quiet.values() for holder in holders]
+
     def is_free(self, host: str) -> bool:
         """True if a newcomer of a host finds a place that nobody has."""
         return len(self) < self.most and self._count(host) < self.most_of_host
