@@ -18,7 +18,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ...dsp.native.atomics import load_acquire, observe, publish, store_release
+from ...dsp.native.atomics import confirm, fence, load_acquire, observe, publish, store_release
 from ...dsp.native.jit import c_function, carray, external, kernel
 from ...dsp.native.typed import Record, View, dtype_of, i32
 
@@ -129,7 +129,9 @@ def drain(address: int) -> None:
         before = written
         written = _beyond(written, size)
         store_release(box.written, 0, written)
-        # `read` is loaded after `written` is stored: the reader may have found nothing a moment before.
+        # The reader may have found nothing a moment before. Each of the two tells what it has done, and then looks at
+        # what the other has: without a fence in both either look could come first, and the bell would not be rung.
+        fence()
         if load_acquire(box.read, 0) == before:
             _send(box.bell, start, 1)
 
@@ -200,7 +202,7 @@ class Intake:
         """
         taken: list[tuple[bytes, tuple[str, int], int]] = []
         read = int(self._read[0])
-        while len(taken) < _AT_ONCE and read != (written := observe(self._written)):
+        while len(taken) < _AT_ONCE and read != (written := confirm(self._written)):
             while read != written and len(taken) < _AT_ONCE:
                 at = 8 * (read % _WORDS)
                 size, group, port, host = _ENTRY.unpack_from(self._ring, at)
@@ -213,7 +215,7 @@ class Intake:
     @property
     def waits(self) -> bool:
         """True if a datagram has arrived that was not taken."""
-        return int(self._read[0]) != observe(self._written)
+        return int(self._read[0]) != confirm(self._written)
 
     def end(self, group: int, size: int) -> None:
         """Give back the room of a datagram of a size (bytes) and a group: it is carried out, or dropped."""

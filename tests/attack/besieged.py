@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +16,8 @@ from pathlib import Path
 from carom.server.osc import wire
 from carom.server.osc.framing import Slip
 from tests.support import Running, serving
+
+from . import Tried
 
 MEDIAN, WORST, ANSWER = 0.05, 0.5, 0.5
 """s: bounds of a blow's way by datagram, and of an answer over TCP."""
@@ -77,8 +79,13 @@ class Besieged:
         text = Path(f"/proc/{self.server.process.pid}/status").read_text()
         return int(text.partition("VmRSS:")[2].split()[0]) / 1e3
 
+    def tried(self, what: str) -> Tried:
+        """Return what was tried, and what was worse than promised."""
+        faults = tuple(self.faults(what))
+        return Tried(fine=len(self.blows) + len(self.streams) + len(self.pages) - len(faults), faults=faults)
+
     def faults(self, what: str) -> list[str]:
-        """Return what was worse than promised, and begin anew."""
+        """Return what was worse than promised."""
         found = []
         if self.server.process.poll() is not None:
             found.append(f"{what}: the server has ended: {self.server.process.returncode}")
@@ -99,10 +106,10 @@ class Besieged:
         self.blows, self.streams, self.pages = [], [], []
 
 
-def _took(begun: float, ask: object) -> float:
+def _took(begun: float, ask: Callable[[], object]) -> float:
     """Return how long a question took; 60 s where it got no answer."""
     try:
-        ask()  # type: ignore[operator]
+        ask()
     except OSError:
         return 60.0
     return time.monotonic() - begun
@@ -128,7 +135,9 @@ def besieged() -> Iterator[Besieged]:
                     client.ask("/object/new", f"o{n}", preset, timeout=30.0)
             found = Besieged(server, page)
             for _ in range(5):
-                found.measure_blow(), found.measure_stream(), found.measure_page()
+                found.measure_blow()
+                found.measure_stream()
+                found.measure_page()
             found.begin()
             found.memory = found.resident
             yield found

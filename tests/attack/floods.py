@@ -7,10 +7,12 @@ import random
 import socket
 import sys
 import time
+from collections.abc import Iterator
 
 from carom.server.osc import wire
 from carom.server.osc.wire import Message
 
+from . import Tried, kind
 from .besieged import ENEMIES, besieged, enemy
 
 KINDS = {
@@ -31,27 +33,22 @@ KINDS["all"] = [each for kind in KINDS.values() for each in kind]
 """Packets of each kind of flood."""
 
 
-def run(seed: int, seconds: float) -> tuple[int, list[str]]:
-    """Send one flood after another; return how many blows were tried, and what was worse than promised."""
-    chance, tried, faults = random.Random(seed), 0, []
-    end = time.monotonic() + seconds
+@kind("floods", 3)
+def run(chance: random.Random) -> Iterator[Tried]:
+    """Yield what each of the floods, in any order, did to others."""
     with besieged() as town:
-        kinds = list(KINDS)
-        while time.monotonic() < end:
-            if not kinds:
-                kinds = list(KINDS)
-            kind = kinds.pop(chance.randrange(len(kinds)))
-            town.begin()
-            with enemy(__name__, ENEMIES[0], town.server.port, kind, chance.getrandbits(30)):
-                time.sleep(0.7)
-                until = time.monotonic() + min(3.0, seconds / len(KINDS) - 0.7)
-                while time.monotonic() < until:
-                    town.measure_blow()
-                    time.sleep(chance.uniform(0.0, 0.04))
-            town.measure_stream(), town.measure_page()
-            tried += len(town.blows)
-            faults += town.faults(f"flood of {kind}")
-    return tried, faults
+        while True:
+            for name in chance.sample(list(KINDS), len(KINDS)):
+                town.begin()
+                with enemy(__name__, ENEMIES[0], town.server.port, name, chance.getrandbits(30)):
+                    time.sleep(0.7)
+                    until = time.monotonic() + 2.0
+                    while time.monotonic() < until:
+                        town.measure_blow()
+                        time.sleep(chance.uniform(0.0, 0.04))
+                    town.measure_stream()
+                    town.measure_page()
+                yield town.tried(f"flood of {name}")
 
 
 def flood(host: str, port: int, kind: str, seed: int) -> None:

@@ -8,17 +8,20 @@ import socket
 import ssl
 import sys
 from collections import deque
+from collections.abc import Iterator
 from contextlib import suppress
 
+from . import Tried, kind
 from .besieged import ENEMIES, anybody
 from .slow_clients import hold_out
 
 _MOST = 5_000
 
 
-def run(seed: int, seconds: float) -> tuple[int, list[str]]:
-    """Have thousands of handshakes begin; return how many questions were tried, and what was worse than promised."""
-    return hold_out(__name__, "half handshakes", seed, seconds)
+@kind("half_handshakes", 2)
+def run(chance: random.Random) -> Iterator[Tried]:
+    """Yield how others fared, second by second, while thousands of handshakes began."""
+    return hold_out(__name__, "half handshakes", chance)
 
 
 def hello() -> bytes:

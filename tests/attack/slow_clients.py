@@ -8,10 +8,12 @@ import socket
 import sys
 import time
 from collections import deque
+from collections.abc import Iterator
 
 from carom.server.osc import wire
 from carom.server.osc.framing import Slip
 
+from . import Tried, kind
 from .besieged import ENEMIES, besieged, enemy
 
 _MOST = 5_000  # connections at once
@@ -29,24 +31,25 @@ WORDS = {
 """Bytes that each kind of client says before it falls silent."""
 
 
-def run(seed: int, seconds: float) -> tuple[int, list[str]]:
-    """Have thousands of clients come; return how many questions were tried, and what was worse than promised."""
-    return hold_out(__name__, "slow clients", seed, seconds)
+@kind("slow_clients", 2)
+def run(chance: random.Random) -> Iterator[Tried]:
+    """Yield how others fared, second by second, while thousands of clients came."""
+    return hold_out(__name__, "slow clients", chance)
 
 
-def hold_out(enemies: str, what: str, seed: int, seconds: float) -> tuple[int, list[str]]:
-    """Measure how others fare while a module's enemies come; return as `run`."""
-    chance, faults = random.Random(seed), []
-    with besieged() as town:
-        with enemy(enemies, town.server.port, town.page, chance.getrandbits(30)):
-            time.sleep(1.0)
-            end = time.monotonic() + seconds
+def hold_out(enemies: str, what: str, chance: random.Random) -> Iterator[Tried]:
+    """Yield how others fare while a module's enemies come."""
+    with besieged() as town, enemy(enemies, town.server.port, town.page, chance.getrandbits(30)):
+        time.sleep(1.0)
+        while True:
+            town.begin()
+            end = time.monotonic() + 2.0
             while time.monotonic() < end:
-                town.measure_blow(), town.measure_stream(), town.measure_page()
+                town.measure_blow()
+                town.measure_stream()
+                town.measure_page()
                 time.sleep(chance.uniform(0.0, 0.05))
-            faults = town.faults(what)
-        tried = len(town.blows) + len(town.streams) + len(town.pages)
-    return tried, faults
+            yield town.tried(what)
 
 
 def come(port: int, page: int, seed: int) -> None:

@@ -7,7 +7,6 @@ import runpy
 import subprocess
 import sys
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -21,9 +20,10 @@ from carom.dsp.native import compiling, store, targets
 from carom.dsp.native.code import load
 from carom.dsp.native.compiling import bitcode, compiled
 from carom.dsp.native.images import image_of
-from carom.dsp.native.sources import compiler_digest, key, sources
+from carom.dsp.native.sources import key, sources
 from carom.dsp.native.store import Store
 from carom.dsp.native.targets import LEVELS, ProcessorError, Target, processors, system
+from tests.dsp.native.conftest import MODULE, doubled
 
 FILES = {
     "__init__.py": "",
@@ -122,37 +122,6 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
     }
 
 
-MODULE = """
-from ctypes import c_int64
-from carom.dsp.native.jit import c_function
-
-@c_function(c_int64, c_int64)
-def double(x):
-    return 2 * x
-"""
-
-
-@pytest.fixture
-def doubling(tmp_path, monkeypatch):
-    """A module with a C function, and a cache of its own; `load` knows neither from before."""
-    (tmp_path / "doubling.py").write_text(MODULE)
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "cache" / name)
-    monkeypatch.setattr("carom.dsp.native.sources.BEGAN", time.time_ns())
-    load.cache_clear()
-    yield "doubling"
-    sys.modules.pop("doubling", None)
-    load.cache_clear()
-
-
-def doubled(module: str) -> tuple[int, str]:
-    """Return the function's value for 21 in a new start, and where its code came from."""
-    load.cache_clear()
-    sys.modules.pop(module, None)
-    sys.modules["carom.dsp.native.sources"].BEGAN = time.time_ns()  # the fixture gives back what it was
-    return importlib.import_module(module).double(21), load(module).origin
-
-
 def test_only_what_is_compiled_is_announced(doubling, monkeypatch, caplog):
     monkeypatch.setattr("carom.dsp.native.compile_notice._LONG", 0.0)
     with caplog.at_level(logging.WARNING):
@@ -234,48 +203,6 @@ def test_code_that_needs_what_the_system_lacks_is_compiled_here(doubling, tmp_pa
     file.unlink()
     Store(tmp_path / "objects").write_unit(file.parent.name, file.name.split(".")[0], "image", made.content())
     assert doubled(doubling) == (42, "compiled")
-
-
-@pytest.mark.parametrize("file", ["cache", "cache/carom/code/units", "cache/carom/code/translations"])
-def test_a_cache_that_cannot_be_written_is_said_once_and_the_code_runs(doubling, tmp_path, caplog, file):
-    (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
-    (tmp_path / file).write_text("a file, where a folder is needed")
-    store._passing_cache.cache_clear()
-    with caplog.at_level(logging.WARNING):
-        assert doubled(doubling) == (42, "compiled")
-        assert doubled(doubling)[0] == 42
-    assert caplog.text.count("cannot write the code cache") == 1
-
-
-def test_files_of_an_older_version_in_the_cache_are_left_alone(doubling, tmp_path):
-    """The layout was code/MODULE/KEY/FILE: it may still be in use."""
-    older = tmp_path / "cache" / "carom" / "code" / doubling / "0123456789abcdef"
-    older.mkdir(parents=True)
-    (older / "linux-x86-64-v3.bc").write_bytes(b"BC")
-    (older / "linux-x86-64-v3.0123.o").write_bytes(b"ELF")
-    assert doubled(doubling) == (42, "compiled")
-    assert doubled(doubling) == (42, "cache")
-    assert len(list(older.iterdir())) == 2
-
-
-def test_what_was_not_used_for_longest_goes_when_the_cache_is_full(doubling, tmp_path, monkeypatch):
-    assert doubled(doubling) == (42, "compiled")
-    kept = Store(tmp_path / "cache" / "carom" / "code", compiler_digest())
-    for number in range(3):
-        kept.write_unit(f"unit{number}", "source", "bc", bytes(1000))
-        kept.write_translation(f"translation{number}", bytes(1000))
-    for path in [*kept.root.glob("units/*"), *kept.root.glob("translations/*/translation*")]:
-        os.utime(path, (1e9, 1e9))
-    os.utime(next(kept.root.glob("translations/*/translation1")), (1e8, 1e8))
-    kept.read_translation("translation1")
-    os.utime(kept.root / "units" / "unit2")
-    assert doubled(doubling) == (42, "cache")  # its unit is in use now
-    size = sum(path.stat().st_size for folder in ("units", "translations") for path in kept.root.glob(f"{folder}/*/*"))
-    monkeypatch.setattr(store, "_MOST", size - 3500)
-    kept.prune()
-    found = {path.name for path in [*kept.root.glob("units/unit*"), *kept.root.glob("translations/*/translation*")]}
-    assert found == {"unit2", "translation1"}
-    assert doubled(doubling) == (42, "cache")
 
 
 def test_sources_that_are_edited_while_they_are_compiled_are_compiled_again(doubling, tmp_path, monkeypatch):
@@ -389,8 +316,15 @@ def test_code_that_can_fail_is_refused(monkeypatch, tmp_path):
         compiled("raising")
 
 
-def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_taken(monkeypatch):
+@pytest.fixture
+def asked_anew():
+    """What this processor can do is asked for anew, and again after the test: its answer is kept."""
     processors.cache_clear()
+    yield
+    processors.cache_clear()
+
+
+def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_taken(asked_anew, monkeypatch):
     monkeypatch.setenv(targets.VARIABLE, "x86-64-v9")
     with pytest.raises(ProcessorError, match=r"CAROM_PROCESSOR = 'x86-64-v9': expected portable, or one of x86-64"):
         processors()
