@@ -35,6 +35,14 @@ test: $(DEV) lint  ## linters, types and all tests: some twenty minutes on two c
 portable: $(DEV)  ## all tests under each BLAS kernel and level of this processor, and as another user: hours
 	@$(BIN)/python .ci/passes --all
 
+.PHONY: checked
+MINUTES ?= 10
+SEED ?= 0
+checked: $(DEV)  ## engine tests and MINUTES=10 of random scores from SEED=0 on, by kernels that check their indices
+	@CAROM_CHECKED=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadfile --no-loadscope-reorder \
+	  $(addprefix tests/dsp/,contact engine friction karman resonator rolling runtime space spectral swarm) tests/server/scene
+	@$(BIN)/python -m tests.bench.checked --minutes $(MINUTES) --seed $(SEED)
+
 coverage: $(DEV)  ## all tests, and which lines of the Python side they run (kernels are compiled, and not seen)
 	@$(BIN)/coverage erase
 	@$(BIN)/coverage run -m pytest
