@@ -14,7 +14,7 @@ INSTALL := $(if $(UV),$(UV) pip install --quiet --python $(BIN)/python,\
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
 
-.PHONY: help demo quick test portable coverage serve bench chart levels sounds picture documents study lint clean
+.PHONY: help demo quick test portable attack coverage serve bench chart levels sounds picture documents study lint clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
@@ -88,6 +88,9 @@ picture: $(DEV)  ## take the picture of the page, in Chromium
 
 documents: $(DEV)  ## write the tables of all pages
 	@$(BIN)/python -m tests.documents.pages
+
+attack: $(DEV)  ## try to break what SECURITY.md promises, for 15 minutes, with a seed of its own
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.bench.attack
 
 study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simulators, meshes, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
