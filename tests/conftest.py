@@ -15,6 +15,7 @@ from hypothesis import settings
 
 from carom.clients.cli import main
 from carom.server.osc.score import read
+from tests import needs
 from tests.support import CAROM, Jack, Render, Running, render_lines, serving
 
 # The first example may compile a function, and another process may run: no example has a time limit.
@@ -89,9 +90,8 @@ def render_text(tmp_path) -> Render:
 @pytest.fixture
 def jack(monkeypatch) -> Iterator[Jack]:
     """A JACK server to be started, that clients find."""
-    pytest.importorskip("jack", reason="JACK's library is not installed", exc_type=OSError)
-    if not shutil.which("jackd"):
-        pytest.skip("jackd is not installed")
+    needs.program("jackd")
+    needs.module("jack")
     server = Jack(f"carom-test-{os.getpid()}")
     monkeypatch.setenv("JACK_DEFAULT_SERVER", server.name)
     monkeypatch.setenv("JACK_NO_START_SERVER", "1")

@@ -1,7 +1,6 @@
 """The house rules that a test can hold: packages, sizes, contents of the wheel."""
 
 import ast
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,6 +10,8 @@ else:
     import tomli as tomllib
 
 import pytest
+
+from tests import needs
 
 ROOT = Path(__file__).parents[1]
 CODE = ("dsp", "server", "clients", "presets", "tests")
@@ -77,10 +78,7 @@ def test_every_folder_is_packed():
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     folders = {ROOT / place: name for name, place in settings["package-dir"].items()}
     found = set()
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
-    if listed.returncode:
-        pytest.skip("no git checkout")
-    for name in listed.stdout.splitlines():
+    for name in needs.tracked():
         parent = (ROOT / name).parent
         for folder in (parent, *parent.parents):
             if folder in folders and parent.name not in ("charts", "sounds"):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests import needs
 from tests.bench import bench, contacts, extreme_groups, gestures, hours, ringing, rolled, rounds, slides, struck
 
 pytestmark = pytest.mark.slow
@@ -19,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 def test_the_c_reference_computes_the_same():
     reference = bench.compile_reference()
     if reference is None:
-        pytest.skip("no C compiler")
+        needs.skip("no C compiler is installed", "apt install gcc")
     bench.check(reference)
 
 

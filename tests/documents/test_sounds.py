@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from tests import needs
 from tests.documents.pages import ROOT
 from tests.documents.sounds import MOST_BYTES, RATE, SCENES, SOUNDS, bands, path, rendered, score
 
@@ -21,7 +22,7 @@ HEARD = -40.0  # dB below the loudest octave
 def test_a_sound_is_its_scores(name):
     """Length, octaves and loudness over time agree: a preset or a score that changed is heard."""
     if name in SCENES:
-        pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+        needs.module("mujoco")
     kept, rate = soundfile.read(path(name), always_2d=True)
     made = rendered(name)
     made = made.reshape(len(made), -1)

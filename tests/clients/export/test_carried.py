@@ -1,6 +1,5 @@
 """Exports where no compiler can be imported: by the code that a wheel carries, to the bytes of one with a compiler."""
 
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +8,7 @@ import pytest
 
 from carom.dsp.errors import NoCodeError
 from carom.dsp.native import carried, code, store, targets
+from tests import needs
 from tests.clients.export.conftest import TINY
 from tests.clients.export.pages import ENGINE
 from tests.test_sdist import REFUSES
@@ -62,7 +62,7 @@ def exported(script: str, folder: Path, *words: object, **own: str) -> "subproce
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler is installed")
+@needs.without("cc")
 def test_an_export_without_a_compiler_has_the_same_bytes(tmp_path: Path) -> None:
     """All files of a page and of a library are those of an export with a compiler."""
     wanted, made, code = tmp_path / "wanted", tmp_path / "made", tmp_path / "objects"
