@@ -16,10 +16,13 @@ from hypothesis import settings
 from carom.clients.cli import main
 from carom.server.osc.score import read
 from tests import needs
+from tests.needs import ROOT
 from tests.support import CAROM, Jack, Render, Running, render_lines, serving
 
 # The first example may compile a function, and another process may run: no example has a time limit.
-settings.register_profile("carom", deadline=None)
+# Hypothesis keeps the examples that failed in the checkout, if it may.
+_WRITABLE = os.access(ROOT, os.W_OK)
+settings.register_profile("carom", deadline=None, **({} if _WRITABLE else {"database": None}))
 settings.load_profile("carom")
 
 # In the background of a shell interrupts are ignored, which the processes that tests start would inherit.
@@ -27,7 +30,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Hundreds of processes start; one that renders a blow takes 1.1 s of CPU without bytecode, 0.3 s with it. Where it may
 # not be written beside the sources, this run keeps it in a folder of its own.
-if sys.dont_write_bytecode:
+if sys.dont_write_bytecode or not _WRITABLE:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.environ["PYTHONPYCACHEPREFIX"] = tempfile.mkdtemp(prefix="carom-bytecode-")
     atexit.register(shutil.rmtree, os.environ["PYTHONPYCACHEPREFIX"], ignore_errors=True)
