@@ -35,8 +35,8 @@ sys.exit(main())
 
 
 def limited(size: int) -> tuple[str, ...]:
-    """Return words that begin Carom's command line, in a process whose files end after so many bytes, as on a full disk;
-    it cuts neither bytecode nor machine code that others would find."""
+    """Return words that begin Carom's command line, in a process whose files end after so many bytes, as on a full
+    disk; it cuts neither bytecode nor machine code that others would find."""
     return sys.executable, "-c", LIMITED, str(size)
 
 

@@ -120,9 +120,7 @@ def test_a_system_without_a_sequencer_is_told_in_one_line_with_what_to_do(capfd,
 def test_a_python_for_which_rtmidi_has_no_wheel_is_told_what_brings_it(monkeypatch):
     monkeypatch.delenv("MIDO_BACKEND", raising=False)
     monkeypatch.setattr("carom.server.midi.ports.find_spec", lambda _: None)
-    with pytest.raises(
-        ServeError, match=r"^midi: python-rtmidi is missing: pip install python-rtmidi; .*libasound2-dev"
-    ):
+    with pytest.raises(ServeError, match=r"^midi: python-rtmidi is missing: pip install .*libasound2-dev"):
         Ports(["virtual"], print)
 
 
