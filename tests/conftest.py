@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -40,10 +41,43 @@ REAL_TIME = {"jack", "play", "serving", "server", "time"}
 """Fixtures and names in a test's module that say that it waits for a clock."""
 
 
+PROCESSOR = (
+    "clients/export/test_carried.py",
+    "documents/test_sounds.py",
+    "dsp/bodies",
+    "dsp/fitting",
+    "dsp/mesh",
+    "dsp/spectral",
+    "presets",
+)
+"""Tests of what BLAS, LAPACK and FFT compute, and of sounds that depend on it."""
+
+PLACE = (
+    "clients/test_cli.py",
+    "clients/test_completion.py",
+    "clients/test_strike.py",
+    "dsp/native",
+    "server/audio",
+    "server/files/test_log.py",
+    "server/midi",
+    "server/test_server.py",
+    "test_habits.py",
+    "test_house.py",
+    "test_readme.py",
+)
+"""Tests that start programs, write files, look at the checkout, or ask the system for rights."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Try a test again that fails in real time, up to twice: a busy machine may have been late."""
+    """Mark what other machines can tell. Try a test again that fails in real time, up to twice: a busy machine may have
+    been late."""
+    folder = Path(__file__).parent
     for item in items:
         assert isinstance(item, pytest.Function)
+        name = item.path.relative_to(folder).as_posix()
+        for mark, places in (("processor", PROCESSOR), ("place", PLACE)):
+            if name.startswith(places):
+                item.add_marker(mark)
         if REAL_TIME & {*vars(item.module), *item.fixturenames}:
             item.add_marker(pytest.mark.flaky(reruns=2, reruns_delay=2))
 
