@@ -61,6 +61,14 @@ def test_dsp_is_made_of_packages():
     assert all((each / "__init__.py").exists() for each in (ROOT / "dsp").iterdir() if any(each.glob("*.py")))
 
 
+def test_a_skip_says_how_to_get_what_it_lacks():
+    """By the words of `needs` alone: programs and modules have the commands that bring them there."""
+    own = {Path(__file__), ROOT / "tests" / "needs.py"}
+    for path in sorted(set((ROOT / "tests").rglob("*.py")) - own):
+        text = path.read_text(encoding="utf-8")
+        assert "pytest.skip(" not in text and "importorskip" not in text, f"{named(path)}: expected a call of needs"
+
+
 @pytest.mark.slow
 def test_no_command_is_read_by_position():
     for path in sources():

@@ -22,7 +22,7 @@ from pathlib import Path
 from carom.clients.export import c, web
 from carom.clients.export.scene import bake_scene
 from carom.dsp.native import compiling, targets, wasm
-from carom.presets import Presets
+from carom.presets import Presets, stored
 from carom.server.osc.score import parse
 from carom.server.render import Options
 from tests.clients.export.make_scene import use
@@ -31,6 +31,7 @@ from tests.clients.export.make_scene import use
 SCENE = """
 folder, module = Path(sys.argv[1]), sys.argv[2]
 use(module)
+stored.folder = lambda: folder.parent / "modes"  # none of another BLAS's, that this one finds in the user's cache
 c._FLAGS = tuple(each for each in c._FLAGS if each != "-O2")  # sooner
 text = "0 /object/new a church-bell\\n0 /object/a/impact 1\\n0.01 /object/a/rain 500\\n"
 scene = bake_scene(parse(text.encode(), "score"), text, "bell", Presets(), Options(seconds=0.1), print)
