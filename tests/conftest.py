@@ -30,11 +30,15 @@ settings.load_profile("carom")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Hundreds of processes start; one that renders a blow takes 1.1 s of CPU without bytecode, 0.3 s with it. Where it may
-# not be written beside the sources, this run keeps it in a folder of its own.
+# not be written beside the sources, this run keeps it in a folder of its own; so it does with what Matplotlib keeps at
+# home, and would complain of.
+_own = tempfile.mkdtemp(prefix="carom-tests-")
+atexit.register(shutil.rmtree, _own, ignore_errors=True)
 if sys.dont_write_bytecode or not _WRITABLE:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    os.environ["PYTHONPYCACHEPREFIX"] = tempfile.mkdtemp(prefix="carom-bytecode-")
-    atexit.register(shutil.rmtree, os.environ["PYTHONPYCACHEPREFIX"], ignore_errors=True)
+    os.environ["PYTHONPYCACHEPREFIX"] = f"{_own}/bytecode"
+if not os.access(os.path.expanduser("~"), os.W_OK):
+    os.environ.setdefault("MPLCONFIGDIR", f"{_own}/matplotlib")
 
 
 REAL_TIME = {"jack", "play", "serving", "server", "time"}
