@@ -36,7 +36,8 @@ class OutFile:
         self.begun = False
         self._target = path.resolve()  # what a symbolic link leads to
         self._new = not path.exists()
-        self.descriptor = os.open(path, os.O_RDWR | os.O_CREAT | (os.O_EXCL if anew else 0), 0o666)
+        binary = getattr(os, "O_BINARY", 0)  # or else Windows writes 0x0A as 0x0D 0x0A
+        self.descriptor = os.open(path, os.O_RDWR | os.O_CREAT | binary | (os.O_EXCL if anew else 0), 0o666)
         if fcntl and stat.S_ISREG(os.fstat(self.descriptor).st_mode):
             try:
                 fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

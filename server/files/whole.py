@@ -91,13 +91,15 @@ def appearing(out: Path, durable: bool = False) -> Iterator[int]:
     descriptor, name = tempfile.mkstemp(prefix=f"{out.name}.", suffix=".part", dir=out.parent)
     part = Path(name)
     try:
-        yield descriptor
+        try:
+            yield descriptor
+            if durable:
+                os.fsync(descriptor)
+        finally:
+            os.close(descriptor)  # Windows renames no file that is open
         umask = os.umask(0)
         os.umask(umask)
         os.chmod(part, 0o666 & ~umask)  # mkstemp's are private
-        if durable:
-            os.fsync(descriptor)
         os.replace(part, out)
     finally:
-        os.close(descriptor)
         part.unlink(missing_ok=True)

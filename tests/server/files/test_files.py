@@ -76,7 +76,9 @@ def test_a_file_that_is_closed_twice_leaves_others_open(tmp_path, kind):
     keeper.start()
     keeper.close()
     kept = (tmp_path / "out").read_bytes()
-    other = os.open(tmp_path / "other", os.O_RDWR | os.O_CREAT)  # gets the number that has become free
+    other = os.open(
+        tmp_path / "other", os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0)
+    )  # gets the number that has become free
     keeper.close()
     os.fstat(other)
     os.close(other)

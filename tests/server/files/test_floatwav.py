@@ -24,8 +24,13 @@ from carom.server.render import Options, render
 FRAMES = np.random.default_rng(1).normal(0.0, 0.1, (1_000, 2)).astype("f4")
 
 
+def opened(path: Path) -> int:
+    """Return the descriptor of a new file of bytes."""
+    return os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0))
+
+
 def written(path: Path, *parts: np.ndarray) -> Path:
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT)
+    descriptor = opened(path)
     with FloatWav(descriptor, 44_100, 2) as file:
         for part in parts:
             file.write(part)
@@ -110,7 +115,7 @@ def test_pcm_renders_are_plain_wav(tmp_path, format):
 
 
 def test_a_file_can_be_read_while_it_grows(tmp_path):
-    descriptor = os.open(tmp_path / "x.wav", os.O_RDWR | os.O_CREAT)
+    descriptor = opened(tmp_path / "x.wav")
     file = FloatWav(descriptor, 44_100, 2)
     for count in range(3):
         assert soundfile.info(tmp_path / "x.wav").frames == 1_000 * count
@@ -133,7 +138,7 @@ def test_a_header_counts_any_number_of_frames(tmp_path, frames):
 
 def test_a_disk_that_fills_up_leaves_the_file_whole(tmp_path, monkeypatch):
     path = tmp_path / "x.wav"
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT)
+    descriptor = opened(path)
     file = FloatWav(descriptor, 44_100, 2)
     file.write(FRAMES)
     room = 3_000
@@ -167,7 +172,7 @@ def test_a_header_keeps_its_size():
 def test_any_number_of_channels_comes_back(tmp_path, channels):
     """More than two have no places of loudspeakers, which the extensible format says."""
     frames = np.random.default_rng(channels).normal(0.0, 0.1, (500, channels)).astype("f4")
-    descriptor = os.open(tmp_path / "x.wav", os.O_RDWR | os.O_CREAT)
+    descriptor = opened(tmp_path / "x.wav")
     with FloatWav(descriptor, 44_100, channels) as file:
         file.write(frames[:100])
         file.write(frames[100:])
