@@ -1,5 +1,6 @@
 """The command line, as a user runs it."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 import soundfile
 
+from carom import Client
 from carom.presets.library import BUILT_IN
 from tests.support import CAROM, Running
 
@@ -75,6 +77,40 @@ def test_a_render_with_a_budget(carom, tmp_path, place):
 def test_an_early_end_of_the_reader_is_no_error(tmp_path):
     run = subprocess.run(f"{' '.join(CAROM)} presets | head -1", shell=True, capture_output=True, text=True)
     assert (run.stdout, run.stderr) == ("objects:\n", "")
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (("presets",), 0), (("--help",), 0), (("presets", "church-bel"), 1), (("rendre",), 2),
+        (("render", "silent.txt", "out.wav", "--seconds", "0.1", "--normalize", "-1"), 0),
+    ],
+)  # fmt: skip
+def test_a_command_does_its_work_where_nobody_reads_what_it_says(tmp_path, words, code):
+    (tmp_path / "silent.txt").write_text("0 /object/new a wood-block\n")
+    reading, writing = os.pipe()
+    os.close(reading)
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    run = subprocess.run([*CAROM, *words], cwd=tmp_path, env=buffered, stdout=writing, stderr=writing)
+    os.close(writing)
+    assert run.returncode == code
+    assert words[0] != "render" or soundfile.info(tmp_path / "out.wav").frames == 4800
+
+
+def test_a_server_plays_on_where_nobody_reads_its_warnings(tmp_path):
+    reading, writing = os.pipe()
+    os.close(reading)
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    words = [*CAROM, "serve", "--device", "none", "--port", "0", "--bind", "0.0.0.0", "--record", "out.wav"]  # it warns
+    run = subprocess.Popen(words, cwd=tmp_path, env=buffered, stdout=subprocess.PIPE, stderr=writing, text=True)
+    with run as server:
+        os.close(writing)
+        port = int(server.stdout.readline().split(",")[0].rsplit(":", 1)[1])
+        with Client(port=port) as client:
+            client.ask("/sync", 1)
+            client.ask("/quit")
+        assert server.wait(30) == 0
+    assert soundfile.info(tmp_path / "out.wav").frames > 0
 
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
