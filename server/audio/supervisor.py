@@ -145,13 +145,11 @@ class Player:
         if thread == 0 or not hasattr(os, "sched_setscheduler"):
             return
         real_time = {os.SCHED_FIFO: "fifo", os.SCHED_RR: "rr"}
-        try:
-            if os.sched_getscheduler(thread) not in real_time:
-                with suppress(PermissionError):
+        with suppress(OSError):  # the thread has ended, or the system does not tell
+            if _policy(thread) not in real_time:
+                with suppress(OSError):  # it is not permitted
                     os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(priority()))
-            self.scheduling = real_time.get(os.sched_getscheduler(thread), "other")
-        except OSError:
-            pass  # the thread has ended
+            self.scheduling = real_time.get(_policy(thread), "other")
 
     def rest(self) -> None:
         """Stop running the engine, whatever the device does; a call of it that hangs is not waited for."""
@@ -175,9 +173,15 @@ class Player:
             logging.getLogger(__name__).warning("the device does not close: it is left open")
 
 
+def _policy(thread: int) -> int:
+    """Return the scheduling of a thread, without what it says of processes that it may fork."""
+    return os.sched_getscheduler(thread) & ~getattr(os, "SCHED_RESET_ON_FORK", 0)
+
+
 def priority() -> int:
-    """Return the priority of SCHED_FIFO that this process may give a thread; 0, which the system refuses, if none."""
+    """Return the priority of SCHED_FIFO to ask for: at most what this process's limit gives. Where that gives none, a
+    capability still may."""
     import resource
 
     limit = resource.getrlimit(resource.RLIMIT_RTPRIO)[0]
-    return _PRIORITY if os.geteuid() == 0 or limit < 0 else min(limit, _PRIORITY)
+    return min(limit, _PRIORITY) if os.geteuid() != 0 and limit > 0 else _PRIORITY

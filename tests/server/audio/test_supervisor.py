@@ -231,8 +231,28 @@ def test_a_thread_that_ends_while_it_is_looked_at_is_no_fault(monkeypatch):
     player.close()
 
 
+@pytest.mark.skipif(not hasattr(os, "sched_setscheduler"), reason="another system's scheduler")
+@pytest.mark.parametrize(("policy", "said"), [(0, "other"), (1, "fifo"), (2, "rr"), (0x4000_0001, "fifo")])
+def test_a_user_without_rights_is_told_how_the_thread_runs(monkeypatch, policy, said):
+    """A thread that rtkit has raised says besides that what it forks is not."""
+    engine = Engine(48_000)
+    player = Player(engine, "none", 0, None)
+    within(5, lambda: engine.thread)
+    asked = []
+
+    def refuse(_thread: int, _policy: int, parameter: os.sched_param) -> None:
+        asked.append(parameter.sched_priority)
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(os, "sched_getscheduler", lambda _: policy)
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    assert player.look() == [] and player.scheduling == said
+    assert asked == ([] if policy else [player_module._PRIORITY])
+    player.close()
+
+
 @pytest.mark.parametrize(
-    ("user", "limit", "expected"), [(0, 0, 70), (1000, 0, 0), (1000, 20, 20), (1000, 95, 70), (1000, -1, 70)]
+    ("user", "limit", "expected"), [(0, 0, 70), (1000, 0, 70), (1000, 20, 20), (1000, 95, 70), (1000, -1, 70)]
 )
 def test_no_priority_is_asked_for_beyond_what_is_given(monkeypatch, user, limit, expected):
     resource = pytest.importorskip("resource")
