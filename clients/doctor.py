@@ -7,6 +7,9 @@ from collections.abc import Iterator
 from contextlib import closing
 from importlib.util import find_spec
 
+from ..dsp.errors import COMPILER
+from ..dsp.native import targets
+from ..dsp.native.store import user_cache, usual_cache
 from ..dsp.runtime.engine import Engine
 from ..presets import PresetError, Presets
 from ..server.audio.portaudio import NONE_FOUND, AudioError, devices
@@ -39,9 +42,16 @@ def _engine() -> Finding:
     started = time.perf_counter()
     engine = Engine(48_000)
     seconds = time.perf_counter() - started
-    origin = {"package": "came with the package", "cache": "is in the cache", "compiled": "was compiled now"}
-    code = f"code {engine.code.key} for {engine.code.processor} {origin[engine.code.origin]}"
-    return True, f"engine: {code}, ready in {seconds:.2f} s (Python {sys.version.split()[0]})", ""
+    origin, runs, wanted = engine.code.origin, engine.code.processor, targets.processors()[0]
+    words = {"package": "came with the package", "cache": "is in the cache", "compiled": "was compiled now"}
+    asked = f", as {targets.VARIABLE} asks," if targets.VARIABLE in os.environ else ""
+    where = f" in {user_cache()}" if origin != "package" and user_cache() != usual_cache() else ""
+    code = f"code {engine.code.key} for {runs}{asked} {words[origin]}{where}"
+    said = f"engine: {code}, ready in {seconds:.2f} s (Python {sys.version.split()[0]})"
+    if runs == wanted or wanted.startswith(targets.PORTABLE):
+        return True, said, ""
+    helps = {"cache": COMPILER, "package": "pip install . in a checkout, which compiles for this processor"}
+    return None, f"{said}; this processor can do {wanted}", helps[origin]
 
 
 def _presets() -> Finding:

@@ -58,13 +58,17 @@ def held() -> set[str]:
     return {target for _, listed in said["lists"].values() for target in listed["units"]}
 
 
+def came_along() -> bool:
+    """True if portable code came along, and plays here."""
+    return targets()[0].is_portable and place(stores.PACKAGED).exists()
+
+
 def unpacked(kept: Store) -> bool:
     """Write what came along into a store, once in a process; False where nothing did, or other code plays here.
 
     NoCodeError if the file cannot be read.
     """
-    file = place(stores.PACKAGED)
-    return targets()[0].is_portable and file.exists() and _unpack(file, kept.root)
+    return came_along() and _unpack(place(stores.PACKAGED), kept.root)
 
 
 @cache

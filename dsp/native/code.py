@@ -1,9 +1,13 @@
 """Machine code of modules with functions of C: mapped from the package or the user's cache, else compiled now.
 
-It is looked for by a hash of the module's sources. Neither numba nor llvmlite is imported where it is found.
+It is looked for by a hash of the module's sources. Of what came along the best is taken that this machine runs; of the
+cache, which may have code that was asked for once, or of a machine that shares it, only this machine's own level, as
+long as that can be compiled. Neither numba nor llvmlite is imported where code is found.
 """
 
 import importlib
+import logging
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -11,12 +15,11 @@ from typing import NamedTuple
 from ..errors import COMPILER, NoCodeError
 from . import carried
 from . import store as stores
-from .digests import digest
 from .images import Image, image_of
 from .jit import CFunction
 from .mapping import addresses_of, mapped
 from .sources import hash_of
-from .store import Store, user_cache
+from .store import Store, image_key, user_cache
 from .targets import Target, targets
 
 
@@ -35,22 +38,28 @@ def load(module: str) -> Code:
 
     NoCodeError where it is in neither, and there is no compiler.
     """
-    packaged = Store(stores.PACKAGED)
-    found = _found(module, packaged, "package")
+    all, own = targets(), targets()[:1]
+    found = _found(module, Store(stores.PACKAGED), "package", all)
     if found:
         return found
     kept = Store(user_cache())
-    found = _found(module, kept, "cache")
-    if found is None and carried.unpacked(kept):
-        found = _found(module, kept, "cache")
+    found = _found(module, kept, "cache", own)
+    if found is None and carried.came_along():
+        found = _found(module, kept, "cache", all)
+        if found is None and carried.unpacked(kept):
+            found = _found(module, kept, "cache", all)
     if found:
         return found
     try:
         compiling = importlib.import_module(f"{__package__}.compiling")  # it imports llvmlite, later numba
     except ModuleNotFoundError as error:
-        raise NoCodeError(lacking(module, targets()[0])) from error
+        why, found = lacking(module, own[0]), _found(module, kept, "cache", all)
+        if found is None:
+            raise NoCodeError(why) from error
+        logging.getLogger(__name__).warning("%s plays by code for %s: %s", module, found.processor, why)
+        return found
     with kept.alone(module):
-        made: Code = _found(module, kept, "cache") or compiling.compiled(module)
+        made: Code = _found(module, kept, "cache", own) or compiling.compiled(module)
     return made
 
 
@@ -58,11 +67,6 @@ def functions_of(module: str) -> list[CFunction]:
     """Return the C functions that a module defines."""
     values = vars(importlib.import_module(module)).values()
     return [each for each in values if isinstance(each, CFunction) and each.py_func.__module__ == module]
-
-
-def image_key(units: list[str]) -> str:
-    """Return the name by which an image of units is kept."""
-    return digest(f"{units} {hash_of([f'{__package__}.images'])}")
 
 
 def loaded(module: str, name: str, target: Target, image: Image, file: Path, origin: str) -> Code:
@@ -74,18 +78,18 @@ def loaded(module: str, name: str, target: Target, image: Image, file: Path, ori
     return Code({each: at + place for each, place in image.functions.items()}, name, target.processor, origin)
 
 
-def _found(module: str, kept: Store, origin: str) -> Code | None:
-    """Return the code of a module's C functions, if it lies in a store."""
+def _found(module: str, kept: Store, origin: str, wanted: Sequence[Target]) -> Code | None:
+    """Return the code of a module's C functions for the first of some targets for which it lies in a store."""
     for name, listed in kept.lists(module):
         if listed.sources and name == hash_of(listed.sources):
-            for target in targets():
+            for target in wanted:
                 units = listed.units.get(str(target), [])
                 key = image_key(units)
                 held = kept.unit_file(key, str(target), "image") if units else None
                 image = image_of(held[1]) if held else None
                 if held and image and addresses_of(image.needs) is not None:
                     if origin == "cache":
-                        kept.use_list(module, name, key)
+                        kept.use_list(module, name)
                     return loaded(module, name, target, image, held[0], origin)
     return None
 

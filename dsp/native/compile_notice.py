@@ -1,4 +1,4 @@
-"""Progress of compiling for users: a line on a terminal that moves, else one line in the log. Loading shows nothing."""
+"""Progress of compiling for users: a line on a terminal that moves, else lines in the log. Loading shows nothing."""
 
 import logging
 import sys
@@ -6,8 +6,10 @@ import time
 from threading import Event, Thread
 from typing import TextIO
 
-_LONG = 2.0  # s of compiling after which something is said
+_SOON = 0.5  # s of compiling after which a terminal shows it
+_LONG = 2.0  # s of compiling after which the log has it
 _PERIOD = 0.5  # s between two looks
+_LINES = 20.0  # s between two lines in the log
 _TRANSLATION = 0.8  # share of the time in which kernels are translated; units are compiled meanwhile, and afterwards
 _WIDTH = 79  # characters of a terminal's line
 
@@ -24,11 +26,13 @@ def progress() -> tuple[float, float]:
 class CompileNotice:
     """A notice for the user of kernels that are translated and units that are compiled, while it is entered.
 
-    kernels: how many are expected; 0 for code that takes so little time that no progress is shown.
+    kernels: how many are expected; 0 for code that takes so little time that no progress is shown. kept: later starts
+    find the code.
     """
 
-    def __init__(self, kernels: int) -> None:
+    def __init__(self, kernels: int, kept: bool = True) -> None:
         self._expected = kernels
+        self._first = "the first time only" if kept else "as each time"
         self._kernels = self._units = self._waiting = 0
         self._share = 0.0
         self._begun = time.monotonic()
@@ -75,11 +79,14 @@ class CompileNotice:
             self._thread.join()
 
     def _watch(self) -> None:
-        if self._done.wait(_LONG):
+        terminal = sys.stderr if self._expected and sys.stderr is not None and sys.stderr.isatty() else None
+        if self._done.wait(_SOON if terminal else _LONG):
             return
-        terminal = sys.stderr if sys.stderr is not None and sys.stderr.isatty() else None
-        if not self._expected or terminal is None:
-            _log.warning("compiling the engine; only the first start takes so long")
+        if terminal is None:
+            wait = "a minute or two" if self._expected else "some seconds"
+            _log.warning("compiling the engine, %s: it takes %s", self._first, wait)
+            while self._expected and not self._done.wait(_LINES):
+                _log.warning("%s", self._text())
             return
         self._show(terminal)
         while not self._done.wait(_PERIOD):
@@ -88,10 +95,13 @@ class CompileNotice:
         terminal.flush()
 
     def _show(self, terminal: TextIO) -> None:
-        share, left = self.progress(time.monotonic())
-        text = f"compiling the engine, the first time only: {share:4.0%}, about {max(1.0, left):.0f} s left"
-        terminal.write(f"\r{text:{_WIDTH}}")
+        terminal.write(f"\r{self._text():{_WIDTH}}")
         terminal.flush()
+
+    def _text(self) -> str:
+        share, left = self.progress(time.monotonic())
+        known = f", about {max(1.0, left):.0f} s left" if share > 0.0 else ""
+        return f"compiling the engine, {self._first}: {share:4.0%}{known}"
 
 
 _running: CompileNotice | None = None

@@ -14,12 +14,12 @@ from pathlib import Path
 import llvmlite.binding as llvm
 
 from . import carried, whole
-from .code import Code, functions_of, image_key, loaded
+from .code import Code, functions_of, loaded
 from .compile_notice import CompileNotice
 from .images import Image, image_of, link
 from .portable import functions
 from .sources import compiler_digest, hash_of, sources
-from .store import Listed, Store, user_cache
+from .store import Listed, Store, image_key, is_kept, user_cache
 from .targets import PORTABLE, Target, targets
 from .units import Unit
 from .workers import Workers
@@ -107,17 +107,18 @@ def units_of(module: str, target: Target) -> list[str]:
 def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[str, Listed]]:
     """Compile what the cache lacks of the machine code of modules for some targets, and return the keys of their lists
     and the lists."""
-    from .translation import translate_units  # it imports numba
-
     kept = Store(user_cache(), compiler_digest())
     lists = {}
     collecting = gc.isenabled()
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
     try:
         for module in modules:
-            functions, read = functions_of(module), sources(module)
-            name = hash_of(read)  # before anybody can edit them while they are compiled
-            with CompileNotice(KERNELS.get(module, 0)) as notice, Workers(kept, notice.compiled) as workers:
+            notice = CompileNotice(KERNELS.get(module, 0), is_kept(kept.root))
+            with notice, Workers(kept, notice.compiled) as workers:
+                from .translation import translate_units  # it imports numba
+
+                functions, read = functions_of(module), sources(module)
+                name = hash_of(read)  # before anybody can edit them while they are compiled
                 submit = partial(_submit, kept, workers, wanted, notice.submitted)
                 units = translate_units(functions, submit, notice.translated)
                 own = _own_functions(kept, workers, wanted, notice.submitted)

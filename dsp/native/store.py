@@ -14,7 +14,9 @@ appear whole, whoever reads them at the same time.
 import json
 import os
 import shutil
+import stat
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
@@ -24,6 +26,7 @@ from typing import NamedTuple
 import platformdirs
 
 from .digests import digest
+from .sources import hash_of
 from .targets import Target
 
 try:
@@ -35,34 +38,77 @@ PACKAGED = Path(__file__).parent / "objects"
 """The folder in which a wheel holds its code."""
 
 _FOLDERS = ("translations", "units", "modules")
-_MOST = 200e6  # bytes in the cache before what was not used for longest goes
+_MOST = 200e6  # bytes in the cache before what was not used for longest goes, and is not in use
+_IN_USE = 30 * 86_400.0  # s since a list was used last, in which its units and images stay
+_FRESH = 3_600.0  # s in which what was made or used stays: another process may compile, whose list is not written yet
 _VERSIONS_KEPT = 8  # of a module's list of units
 _COMPILERS_KEPT = 2
 
 
 def user_cache() -> Path:
-    """Return the folder of the user's cache; where it can't be written, one that goes with this process."""
-    root = platformdirs.user_cache_path("carom") / "code"
+    """Return the folder of the user's cache; where it can't be written, one of the user's among temporary files."""
+    why = _unwritable(usual_cache())
+    return _other_cache(why) if why else usual_cache()
+
+
+def usual_cache() -> Path:
+    """Return the folder of the user's cache, whether or not it can be written."""
+    return platformdirs.user_cache_path("carom") / "code"
+
+
+def is_kept(root: Path) -> bool:
+    """True if later processes find what lies in a folder of the cache."""
+    return root not in [Path(each.name) for each in _PASSING]
+
+
+def _unwritable(root: Path) -> str:
+    """Make the folders of a cache; say why they can't be written, if they can't."""
     try:
         for folder in (root, *(root / name for name in _FOLDERS)):
             folder.mkdir(parents=True, exist_ok=True)
             if not os.access(folder, os.W_OK):
-                return _passing_cache(f"no right to write {folder}")
-        return root
+                return f"no right to write {folder}"
     except OSError as error:
-        return _passing_cache(str(error))
+        return str(error)
+    return ""
 
 
 @cache
-def _passing_cache(why: str) -> Path:
-    text = "cannot write the code cache (%s): every start makes it anew; XDG_CACHE_HOME may name another folder"
-    _warn(text, why)
+def _other_cache(why: str) -> Path:
+    """Return a folder among temporary files that this user alone can write, kept from one start to the next; one that
+    goes with this process where that can't be had. Its code will run, so that others' folders are not taken."""
+    root = Path(tempfile.gettempdir()) / (f"carom-code-{os.getuid()}" if hasattr(os, "getuid") else "carom-code")
+    with suppress(FileExistsError):
+        root.mkdir(mode=0o700)
+        _warn("cannot write the code cache (%s): it is kept in %s; XDG_CACHE_HOME may name another folder", why, root)
+    refused = _foreign(root) or _unwritable(root)
+    if not refused:
+        return root
+    text = "cannot write the code cache (%s; %s): each start compiles anew; XDG_CACHE_HOME may name another folder"
+    _warn(text, why, refused)
     folder = tempfile.TemporaryDirectory(prefix="carom-code-")
     _PASSING.append(folder)  # it is removed at the end of the process
     return Path(folder.name)
 
 
+def _foreign(root: Path) -> str:
+    """Say why others than this user might write what a folder among temporary files holds, if they might."""
+    if not hasattr(os, "getuid"):
+        return ""  # Windows has a folder of temporary files for each user
+    above, own = root.parent.stat(), root.lstat()
+    if above.st_mode & 0o022 and not above.st_mode & stat.S_ISVTX:
+        return f"others may rename what is in {root.parent}"
+    if not stat.S_ISDIR(own.st_mode) or own.st_uid != os.getuid() or own.st_mode & 0o077:
+        return f"{root} is not this user's alone"
+    return ""
+
+
 _PASSING: list[tempfile.TemporaryDirectory[str]] = []
+
+
+def image_key(units: list[str]) -> str:
+    """Return the name by which an image of units is kept."""
+    return digest(f"{units} {hash_of([f'{__package__}.images'])}")
 
 
 class Listed(NamedTuple):
@@ -136,29 +182,40 @@ class Store:
         _write(self._module(module) / key / "listed.json", json.dumps(listed._asdict()).encode())
         _remove_but(self._module(module).glob("*"), _VERSIONS_KEPT)
 
-    def use_list(self, module: str, key: str, image: str) -> None:
-        """Note that a module's list, its units and an image of them are in use."""
-        _touch(self._unit(image))
-        for name, listed in self.lists(module):
-            if name == key:
-                _touch(self._module(module) / key)
-                for unit in {unit for units in listed.units.values() for unit in units}:
-                    _touch(self._unit(unit))
+    def use_list(self, module: str, key: str) -> None:
+        """Note that a module's list is in use, and so its units and images."""
+        _touch(self._module(module) / key)
+
+    def use_unit(self, key: str) -> None:
+        """Note that a unit, or what is kept like one, is in use."""
+        _touch(self._unit(key))
 
     def prune(self) -> None:
-        """Remove the units and translations that were not used for longest, where there are too many."""
+        """Remove the units and translations that were not used for longest, where there are too many. What a list in
+        use names stays, whatever its size, and what is being made."""
         _remove_but(self.root.glob("translations/*"), _COMPILERS_KEPT)
-        kept = [*self.root.glob("units/*"), *self.root.glob("translations/*/*")]
+        kept, now = [*self.root.glob("units/*"), *self.root.glob("translations/*/*")], time.time()
         sizes = {path: _size(path) for path in kept}
-        total = sum(sizes.values())
+        total, used = sum(sizes.values()), self._units_in_use(now)
         for path in sorted(kept, key=_last_used):
-            if total <= _MOST:
+            if total <= _MOST or now - _last_used(path) < _FRESH:
                 break
+            if path.name in used:
+                continue
             total -= sizes[path]
             if path.is_dir():
                 shutil.rmtree(path, ignore_errors=True)
             else:
                 path.unlink(missing_ok=True)
+
+    def _units_in_use(self, now: float) -> set[str]:
+        """Return the keys of the units that lists in use name, and of their images."""
+        found: set[str] = set()
+        for module in self.root.glob("modules/*"):
+            for key, listed in self.lists(module.name):
+                if now - _last_used(module / key) < _IN_USE:
+                    found.update(*listed.units.values(), map(image_key, listed.units.values()))
+        return found
 
     @contextmanager
     def alone(self, module: str) -> Iterator[None]:
@@ -179,10 +236,10 @@ class Store:
         return self.root / "modules" / module
 
 
-def _warn(text: str, value: object) -> None:
+def _warn(text: str, *values: object) -> None:
     import logging  # slow to load
 
-    logging.getLogger(__name__).warning(text, value)
+    logging.getLogger(__name__).warning(text, *values)
 
 
 def _write(file: Path, content: bytes) -> None:

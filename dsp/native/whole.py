@@ -51,7 +51,9 @@ class Whole(NamedTuple):
         for name, listed in kept.lists(self.module):
             units = listed.units.get(str(self.target), [])
             if units and name == hash_of(listed.sources):
-                return kept.read_unit(self.key(units), str(self.target), KIND)
+                key = self.key(units)
+                kept.use_unit(key)
+                return kept.read_unit(key, str(self.target), KIND)
         return None
 
     def key(self, units: list[str]) -> str:

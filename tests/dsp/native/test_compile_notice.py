@@ -2,6 +2,7 @@
 
 import io
 import logging
+import re
 import sys
 import time
 
@@ -18,6 +19,7 @@ class Terminal(io.StringIO):
 
 @pytest.fixture(autouse=True)
 def soon(monkeypatch):
+    monkeypatch.setattr(compile_notice, "_SOON", 0.0)
     monkeypatch.setattr(compile_notice, "_LONG", 0.0)
     monkeypatch.setattr(compile_notice, "_PERIOD", 0.01)
 
@@ -47,17 +49,20 @@ def test_a_terminal_sees_progress_and_keeps_no_line_of_it(monkeypatch):
 def test_what_takes_little_is_not_mentioned(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr(compile_notice, "_LONG", 10.0)
+    monkeypatch.setattr(compile_notice, "_SOON", 10.0)
     compiles(10, 100)
     assert terminal.getvalue() == ""
 
 
-def test_without_a_terminal_one_line_is_logged(caplog):
+def test_without_a_terminal_a_line_is_logged_and_then_one_now_and_then(caplog, monkeypatch):
     with caplog.at_level(logging.WARNING):
         compiles(50, 100)
-    assert [record.getMessage() for record in caplog.records] == [
-        "compiling the engine; only the first start takes so long"
-    ]
+    first = "compiling the engine, the first time only: it takes a minute or two"
+    assert [record.getMessage() for record in caplog.records] == [first]
+    monkeypatch.setattr(compile_notice, "_LINES", 0.02)
+    with caplog.at_level(logging.WARNING):
+        compiles(50, 100)
+    assert re.fullmatch(r"compiling the engine, .*: +\d+%, about \d+ s left", caplog.messages[-1])
 
 
 def test_units_count_beside_kernels_and_no_share_falls():
