@@ -7,14 +7,21 @@ import subprocess
 import sys
 import sysconfig
 import tarfile
+import threading
 import zipfile
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
+from carom.dsp.native.targets import processors
 from tests.test_house import ROOT
 
 COMPILED = re.findall(r'^    "(carom\.[\w.]+)",$', (ROOT / "setup.py").read_text(), re.M)
 """The modules whose machine code a wheel holds."""
+
+FOLDERS = ("carom", "carom/dsp", "carom/server")
+"""Folders of packages, as they are installed."""
 
 ONLY_HERE = (".ci/", ".github/", ".gitignore", ".pre-commit-config.yaml")
 
@@ -132,16 +139,81 @@ def test_an_sdist_holds_the_repository(tree, tmp_path):
     assert "CHANGELOG.md" in names and "presets/scores/demo.png" in names
 
 
-@pytest.fixture(scope="module")
-def wheel(tree, tmp_path_factory):
-    """A wheel for this processor. Its Python has no numba: pip builds apart from what is installed, and lends what a
-    build needs by PYTHONPATH."""
-    folder = tmp_path_factory.mktemp("wheel")
-    lent = os.environ | {"PYTHONPATH": sysconfig.get_path("purelib"), "CAROM_WHEEL": "machine"}
-    build = f"import setuptools.build_meta as build; build.build_wheel({str(folder)!r})"
-    subprocess.run([sys._base_executable, "-c", build], cwd=tree, check=True, capture_output=True, env=lent)
+def built(tree, folder, kind):
+    """Build a wheel of a kind as pip does; return its file, and what a terminal shows.
+
+    Its Python has no numba: pip builds apart from what is installed, and lends what a build needs by PYTHONPATH. It
+    shows nothing of what a build says.
+    """
+    if not hasattr(os, "openpty"):
+        pytest.skip("this system has no pseudo-terminals, one of which is looked at")
+    lent = os.environ | {"PYTHONPATH": sysconfig.get_path("purelib")}
+    lent.pop("CAROM_WHEEL", None)
+    words = [sys._base_executable, "-c", f"import setuptools.build_meta as build; build.build_{kind}({str(folder)!r})"]
+    ours, theirs = os.openpty()
+
+    def take_terminal():
+        import fcntl
+        import termios
+
+        os.setsid()
+        fcntl.ioctl(theirs, termios.TIOCSCTTY, 0)
+
+    shown = []
+
+    def look():
+        with suppress(OSError):  # the last program that had it open has ended
+            while read := os.read(ours, 1 << 16):
+                shown.append(read)
+
+    looking = threading.Thread(target=look)
+    looking.start()
+    subprocess.run(words, cwd=tree, check=True, capture_output=True, env=lent, preexec_fn=take_terminal)
+    os.close(theirs)
+    looking.join()
+    os.close(ours)
     (archive,) = folder.glob("*.whl")
-    return archive
+    return archive, b"".join(shown).decode()
+
+
+@pytest.fixture(scope="module")
+def built_wheel(tree, tmp_path_factory):
+    return built(tree, tmp_path_factory.mktemp("wheel"), "wheel")
+
+
+@pytest.fixture(scope="module")
+def wheel(built_wheel):
+    """A wheel for this processor."""
+    return built_wheel[0]
+
+
+@pytest.mark.slow
+def test_a_terminal_sees_what_pip_hides(built_wheel):
+    lines = built_wheel[1].replace("\r", "").strip().split("\n")
+    assert lines[0] == f"carom: compiling the engine for {processors()[0]}"
+    assert re.fullmatch(r"carom: compiled in \d+ s", lines[-1])
+
+
+@pytest.mark.slow
+def test_an_editable_package_is_found_from_every_folder(tree, tmp_path):
+    """Even beside a checkout of its name, and by type checkers: these read a .pth file, and run no finder."""
+    checkout = tmp_path / "carom"
+    shutil.copytree(tree, checkout)
+    (tmp_path / "wheel").mkdir()
+    archive, _ = built(checkout, tmp_path / "wheel", "editable")
+    site = tmp_path / "site"
+    with zipfile.ZipFile(archive) as packed:
+        packed.extractall(site)
+    links = Path((site / "carom-links.pth").read_text().strip())
+    modules = {".".join(file.relative_to(links).parts)[:-3] for name in FOLDERS for file in (links / name).glob("*.py")}
+    assert {"carom.__init__", "carom.scene", "carom.dsp.errors", "carom.server.status"} <= modules
+    (checkout / "clients" / "face" / "added.py").touch()
+    words = f"import site; site.addsitedir({str(site)!r}); import carom, carom.dsp.errors, carom.added; "
+    words += "print(carom.__file__, carom.dsp.__file__)"
+    expected = f"{links}/carom/__init__.py {links}/carom/dsp/__init__.py\n"
+    for folder in (tmp_path, checkout, checkout / "clients"):
+        run = [sys._base_executable, "-c", words]
+        assert subprocess.run(run, cwd=folder, check=True, stdout=subprocess.PIPE, text=True).stdout == expected
 
 
 @pytest.mark.slow

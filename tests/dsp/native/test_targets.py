@@ -11,7 +11,7 @@ from carom.dsp.native.images import link
 from carom.dsp.native.jit import c_function
 from carom.dsp.native.store import Store
 from carom.dsp.native.system import clock_ns, flush_denormals, monotonic_ns, pause_ns, restore_denormals, thread_id
-from carom.dsp.native.targets import ARM, LEVELS, WHEEL, Target, built
+from carom.dsp.native.targets import ARM, LEVELS, WHEEL, Target, built, targets
 from carom.dsp.native.translation import translator
 from carom.dsp.native.units import for_image, optimised
 
@@ -74,4 +74,4 @@ def test_code_for_another_system_is_kept_beside_and_not_taken(tmp_path, monkeypa
     compiling.build(["carom.dsp.native.system"], (other,), tmp_path / "objects")
     ((_, listed),) = Store(tmp_path / "objects").lists("carom.dsp.native.system")
     assert list(listed.units) == [str(other)] and "carom.dsp.native.platforms" in listed.sources
-    assert code._found("carom.dsp.native.system", Store(tmp_path / "objects"), "package") is None
+    assert code._found("carom.dsp.native.system", Store(tmp_path / "objects"), "package", targets()) is None
