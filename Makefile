@@ -14,7 +14,7 @@ INSTALL := $(if $(UV),$(UV) pip install --quiet --python $(BIN)/python,\
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
 
-.PHONY: help demo quick test coverage serve bench chart levels sounds picture documents study lint clean
+.PHONY: help demo quick test portable coverage serve bench chart levels sounds picture documents study lint clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
@@ -31,6 +31,9 @@ test: $(DEV) lint  ## linters, types and all tests: some twenty minutes on two c
 	@echo "all tests: $$(cat $(LAST) 2>/dev/null || echo 'some twenty minutes on two cores'); make quick runs the fast ones"
 	@begun=$$(date +%s); OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder || exit; \
 	  echo "$$((($$(date +%s) - begun + 59) / 60)) minutes the last time" >$(LAST)
+
+portable: $(DEV)  ## all tests under each BLAS kernel and level of this processor, and as another user: hours
+	@$(BIN)/python .ci/passes --all
 
 coverage: $(DEV)  ## all tests, and which lines of the Python side they run (kernels are compiled, and not seen)
 	@$(BIN)/coverage erase

@@ -61,7 +61,7 @@ def _begin(gesture: Gesture) -> _Method:
     lasts = " A gesture of that `id` that goes on (None: the object's own) is steered." if gesture.along else ""
     method.__doc__ = (
         f"Begin a gesture that {gesture.help.replace(' it', ' the object', 1)}.\n\n"
-        f"{first}: {gesture.what or f'{gesture.argument.bounds}; {gesture.argument.help}'}.{lasts}"
+        f"{first}: {gesture.what or f'{gesture.argument.allowed}; {gesture.argument.help}'}.{lasts}"
     )
     given = inspect.signature(method).parameters.values()
     named = [each.replace(name=first) if each.name == "value" else each for each in given]

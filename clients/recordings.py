@@ -46,7 +46,7 @@ def found(paths: list[Path]) -> list[Path]:
 
 
 def read(path: Path, mixed: bool = False) -> Recording:
-    """Read a recording: its loudest channel, or all of them mixed.
+    """Read a recording: the channel in which most rises and decays, or all of them mixed.
 
     RecordingError if it cannot be used, OSError if it cannot be read.
     """
@@ -60,17 +60,36 @@ def read(path: Path, mixed: bool = False) -> Recording:
             )
         samples, rate = soundfile.read(path, always_2d=True)
     except soundfile.LibsndfileError as error:
-        raise RecordingError(f"{path}: {str(error.error_string).rstrip('.')}: expected a sound file") from None
+        why = str(error.error_string).rstrip(".")
+        expected = f"expected a sound file; `ffmpeg -i {path.name} {path.stem}.wav` converts what it can read"
+        raise RecordingError(f"{path}: {why}: {expected}") from None
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:
         raise RecordingError(f"{path}: {rate} Hz: expected {LOWEST_RATE} to {HIGHEST_RATE} Hz")
     if not len(samples):
         raise RecordingError(f"{path}: empty: expected the sound of a strike")
     notes = []
-    loudest = int(np.argmax(np.sum(np.nan_to_num(samples) ** 2, axis=0)))
+    taken = 0
     if mixed:
-        samples, loudest = samples.mean(axis=1, keepdims=True), 0
+        samples = samples.mean(axis=1, keepdims=True)
     elif samples.shape[1] > 1:
-        notes.append(f"{path}: {samples.shape[1]} channels: the loudest one, channel {loudest + 1}, is taken")
+        taken = int(np.argmax(_unsteady(samples, rate)))
+        notes.append(f"{path}: {samples.shape[1]} channels: channel {taken + 1} is taken, where most rises and decays")
     if rate < 32_000:
         notes.append(f"{path}: {rate} Hz: nothing is known above {rate / 2000:g} kHz")
-    return Recording(path, np.ascontiguousarray(samples[:, loudest]), rate, tuple(notes))
+    return Recording(path, np.ascontiguousarray(samples[:, taken]), rate, tuple(notes))
+
+
+def _unsteady(samples: NDArray[np.float64], rate: float) -> NDArray[np.float64]:
+    """Return the energy (channels,) of samples (n, channels) above what each channel has all along, as hum and hiss.
+
+    It is summed over windows of a period of 50 Hz that exceed by 3 dB the level that nine of ten windows exceed: noise
+    alone does not. Where no channel rises so far, the loudest has most.
+    """
+    window = min(int(rate / 50), len(samples))
+    count = len(samples) // window
+    plain = np.nan_to_num(samples[: count * window]).reshape(count, window, -1)
+    energies = np.sum(np.square(plain - plain.mean(axis=(0, 1))), axis=1)
+    steady = np.quantile(energies, 0.1, axis=0)
+    risen = np.where(energies > 2.0 * steady, energies - steady, 0.0)
+    found: NDArray[np.float64] = np.sum(risen + 1e-9 * energies, axis=0)
+    return found

@@ -5,59 +5,12 @@ addresses that steer gestures, OSCQuery's ranges, the ranges of presets, the met
 the documentation. To add a parameter to a gesture, add it to the gesture's `keys` here and read it in the kernel.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 from .numerics.constants import FULL_SCALE_PRESSURE, STANDARD_GRAVITY
+from .numerics.quantities import Parameter as Parameter
 from .sizes import CAPACITY
-
-
-class Parameter(NamedTuple):
-    """A number that users give: its name, the range that is allowed (bounds included), its unit and its meaning."""
-
-    name: str
-    low: float
-    high: float
-    unit: str = ""
-    help: str = ""
-    default: float | None = None
-    """The value where none is given; None: it comes from the striker or the object, or it must be given."""
-    useful: tuple[float, float] | None = None
-    """The range that a fader should cover, by ratios where it spans more than a factor of 30; None: all there is."""
-    steerable: bool = False
-    """A running gesture takes a new value."""
-    glide: float = 0.0
-    """Time constant in s with which a running gesture approaches a new value; 0: at once."""
-    whole: bool = False
-    """Only whole numbers are allowed."""
-    steered: str = ""
-    """The time at which a running gesture takes a new value, if not at once."""
-
-    @property
-    def bounds(self) -> str:
-        """The range, with the unit; six digits that do not say a whole number are all of them."""
-        ends = (f"{end:g}" if float(f"{end:g}") == end or end % 1 else f"{end:.0f}" for end in (self.low, self.high))
-        return f"{' to '.join(ends)} {self.unit}".rstrip()
-
-    def __str__(self) -> str:
-        usual = f", usually {self.useful[0]:g} to {self.useful[1]:g}" if self.useful else ""
-        return f"{self.name} {self.bounds}".rstrip() + usual
-
-    @property
-    def by_ratios(self) -> bool:
-        """True if equal steps of it are equal ratios in the engine."""
-        return self.unit in ("dB", "semitones")
-
-    def in_engine(self, value: float) -> float:
-        """Return a value as the engine takes it: dB as an amplitude, semitones as a ratio of frequencies, others
-        unchanged."""
-        if self.unit == "dB":
-            return float(10.0 ** (value / 20.0))
-        if self.unit == "semitones":
-            return float(2.0 ** (value / 12.0))
-        return value
-
 
 DROPS, SPEEDS, ENERGIES, FALLS = 1, 2, 3, 4
 """Laws of a swarm's blows: drops of rain; grains at the speeds of a gas; a power law of energies; grains that fall."""
@@ -148,7 +101,7 @@ POINT = tuple(
 )  # fmt: skip
 """The place of a gesture on an object that has a surface, in place of the position: the nearest point of it."""
 BY_POINT = tuple(
-    each._replace(name=f"by_{each.name}", help=f"{each.name} of the point of that object on which it rests")
+    replace(each, name=f"by_{each.name}", help=f"{each.name} of the point of that object on which it rests")
     for each in POINT
 )
 """The same of the object that strikes, or on which it rests: only a rest's is steered."""
@@ -161,7 +114,7 @@ DIRECTION = tuple(
 )  # fmt: skip
 """The direction of a blow's force, or of a slide's friction, at a point of a surface, in place of the normal."""
 BY_DIRECTION = tuple(
-    each._replace(name=f"by_{each.name}", help=f"the same of that object's: {each.name[-1]}") for each in DIRECTION
+    replace(each, name=f"by_{each.name}", help=f"the same of that object's: {each.name[-1]}") for each in DIRECTION
 )
 """The same of the object that strikes."""
 GAIN = Parameter(
@@ -173,8 +126,8 @@ LOAD = Parameter(
     useful=(0.1, 50.0), steerable=True, glide=0.1,
 )  # fmt: skip
 RESISTANCE = Parameter(
-    "resistance", 0.0, 1e9, "N s/m", "of the ground under a support; 0: it is rigid; the support's if not given",
-    useful=(0.0, 1e5),
+    "resistance", 0.01, 1e9, "N s/m", "of the ground under a support; 0: it is rigid; the support's if not given",
+    useful=(0.1, 1e5), or_zero=True,
 )  # fmt: skip
 BY_RADIUS = Parameter(
     "by_radius", 1e-4, 10.0, "m",
@@ -216,7 +169,7 @@ BOUNCE = Gesture(
     "bounce", "drops or throws the striker on it, which bounces until it rests", HEIGHT,
     (
         THROW,
-        GRAVITY._replace(steered="from its next flight on"),
+        replace(GRAVITY, steered="from its next flight on"),
         IRREGULARITY,
         SEED,
         Parameter("weight", 0, 1, "", "1: gravity acts in every contact too, not only near rest", default=0.0),
@@ -226,7 +179,7 @@ BOUNCE = Gesture(
 ROLL = Gesture(
     "roll", "rolls the striker over it until 0, or steers the roll of that id (NAME if none)", SPEED,
     (
-        MASS._replace(steerable=True, glide=0.02),
+        replace(MASS, steerable=True, glide=0.02),
         RADIUS,
         ROUGHNESS,
         Parameter(
@@ -262,17 +215,17 @@ SPIN = Gesture(
             "flat", 0.001, 1.0, "", "length of the flat on its rim that hits once a turn, as a share of the radius",
             default=0.2, steerable=True, steered="from its next contact on",
         ),
-        IRREGULARITY._replace(help="how much its contacts differ in time and strength"),
-        GRAVITY._replace(steered="from its next contact on"),
+        replace(IRREGULARITY, help="how much its contacts differ in time and strength"),
+        replace(GRAVITY, steered="from its next contact on"),
         SEED,
     ),
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
     "slide", "drags the striker over it until 0, or steers the slide of that id (NAME if none): a scrape, a rub, a bow",
-    SPEED._replace(help="at which the striker slips over the surface; 0 stops it"),
+    replace(SPEED, help="at which the striker slips over the surface; 0 stops it"),
     (
-        FORCE._replace(help="that presses it on; its weight if not given"),
+        replace(FORCE, help="that presses it on; its weight if not given"),
         Parameter(
             "sweep", -1.0, 100.0, "m/s", "at which the contact moves over the object: 0 for a bow, which stays, "
             "or goes along its travel as it slips; -1: the slip's", useful=(0.0, 5.0), steerable=True, glide=0.02,
@@ -284,8 +237,8 @@ SLIDE = Gesture(
         Parameter("dynamic", 0.0, 10.0, "", "friction of a fast slip", useful=(0.0, 1.0), steerable=True),
         Parameter("stribeck", 1e-6, 100.0, "m/s", "slip halfway between them", useful=(0.001, 1.0), steerable=True),
         Parameter(
-            "tangential", 0.0, 1e12, "N/m", "stiffness of the contact along the surface, before it slips; 0: rigid",
-            useful=(0.0, 1e7), steerable=True,
+            "tangential", 1e-3, 1e12, "N/m", "stiffness of the contact along the surface, before it slips; 0: rigid",
+            useful=(1e2, 1e7), steerable=True, or_zero=True,
         ),
         Parameter(
             "along", 0.0, 1.0, "", "by how much of their shapes modes move along the slip: 1 for what is bowed, "
@@ -299,7 +252,7 @@ SLIDE = Gesture(
 REST = Gesture(
     "rest", "lays it on another object or on a support, until it is stopped: both ring shorter, and may buzz", LOAD,
     (
-        BY_POSITION._replace(help="the point of that object on which it rests", steerable=True, glide=POSITION.glide
+        replace(BY_POSITION, help="the point of that object on which it rests", steerable=True, glide=POSITION.glide
         ),
     ),
     fixed=("gain",), rests=True, what="another object, or a support: felt, foam, finger, palm or table",
@@ -321,7 +274,7 @@ MEMORY = Parameter(
     "memory", 1e-4, 10.0, "s", "for which one sets off others", default=0.05, useful=(0.001, 0.1), steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
-    "rain", "lets drops fall on it until it is stopped", RATE._replace(help="of drops, on average"),
+    "rain", "lets drops fall on it until it is stopped", replace(RATE, help="of drops, on average"),
     (
         Parameter(
             "size", 5e-5, 2e-3, "m", "mean diameter of the drops in the air, above 0.5 mm; 0.4 mm in moderate rain",
@@ -357,7 +310,7 @@ SHAKE = Gesture(
 )  # fmt: skip
 CRUMPLE = Gesture(
     "crumple", "crushes it: crackles of all energies, each as a blow of the striker, until it is stopped",
-    SPEED._replace(help="at which it is crushed; 0 pauses"),
+    replace(SPEED, help="at which it is crushed; 0 pauses"),
     (
         Parameter(
             "density", 1.0, 1e7, "1/m", "of crackles, over the length by which it is crushed", default=3000.0,
@@ -369,8 +322,8 @@ CRUMPLE = Gesture(
             "Sethna 1996)", default=1.5, useful=(1.0, 2.0), steerable=True,
         ),
         Parameter("decades", 0.1, 9.0, "", "of energy that they span", default=4.0, useful=(1.0, 6.0), steerable=True),
-        EXCITATION._replace(default=0.5),
-        MEMORY._replace(default=0.005),
+        replace(EXCITATION, default=0.5),
+        replace(MEMORY, default=0.005),
         VARIETY,
         SPREAD,
         SEED,
@@ -379,24 +332,24 @@ CRUMPLE = Gesture(
 )  # fmt: skip
 POUR = Gesture(
     "pour", "pours many of the striker on it, until it is stopped: rice, gravel, coins",
-    RATE._replace(help="of grains, on average"),
+    replace(RATE, help="of grains, on average"),
     (
-        HEIGHT._replace(help="from which they fall", default=0.2, useful=(0.02, 2.0), steerable=True),
+        replace(HEIGHT, help="from which they fall", default=0.2, useful=(0.02, 2.0), steerable=True),
         VARIETY,
-        SPREAD._replace(default=0.3),
+        replace(SPREAD, default=0.3),
         SEED,
     ),
     swarms=FALLS,
 )  # fmt: skip
 STEP = Gesture(
     "step", "treads on it once, from heel to toe: crackles as the weight comes and goes, each as a blow of the striker",
-    FORCE._replace(help="the weight of who walks; it comes and goes as a foot's force does", useful=(100.0, 1500.0)),
+    replace(FORCE, help="the weight of who walks; it comes and goes as a foot's force does", useful=(100.0, 1500.0)),
     (
         Parameter(
             "crackles", 0.0, 1e4, "1/N", "for each change of the force; it changes by three times the weight in a step",
             default=0.5, useful=(0.05, 10.0), steerable=True,
         ),
-        DURATION._replace(help="of the foot on the ground", low=0.05, default=0.65, useful=(0.3, 2.0)),
+        replace(DURATION, help="of the foot on the ground", low=0.05, default=0.65, useful=(0.3, 2.0)),
         *(each for each in CRUMPLE.keys if each.name in ("energy", "steepness", "decades")),
         VARIETY,
         SPREAD,
@@ -407,13 +360,19 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter", "breaks it: it cracks and falls silent; its pieces, each as the striker, bounce until they lie still",
-    VELOCITY._replace(help="at which it hits something, and breaks; 0 does nothing"),
+    replace(VELOCITY, help="at which it hits something, and breaks; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "into which it breaks", default=60.0, whole=True),
-        HEIGHT._replace(help="up to which the pieces are as it breaks, each at its own", default=0.1),
+        replace(HEIGHT, help="up to which the pieces are as it breaks, each at its own", default=0.1),
         Parameter("steepness", 1.01, 3.0, "", "b, where as many pieces have a mass m as m^-b", default=1.35),
-        Parameter("wall_mass", 0.0, 1e6, "kg", "of all pieces as thick as the striker; 0: the object's", default=0.0),
-        Parameter("thick_mass", 0.0, 1e6, "kg", "of its thick parts besides: a foot, a bottom, a neck", default=0.0),
+        replace(
+            MASS, name="wall_mass", help="of all pieces as thick as the striker; 0: the object's", useful=None,
+            default=0.0, or_zero=True,
+        ),
+        replace(
+            MASS, name="thick_mass", help="of its thick parts besides: a foot, a bottom, a neck; 0: it has none",
+            useful=None, default=0.0, or_zero=True,
+        ),
         Parameter("thick_ratio", 0.1, 10.0, "times", "their thickness, in that of the striker", default=2.5),
         Parameter("thick_parts", 1, MOST_PIECES, "", "how many of these there are", default=1.0, whole=True),
         SPREAD,

@@ -1,7 +1,5 @@
 """The values that a command carries, as parameters: those of gestures, those that all of these share, and of ramps."""
 
-import numpy as np
-
 from .schema import (
     BY_DIRECTION,
     BY_POINT,
@@ -17,28 +15,31 @@ from .schema import (
     Parameter,
 )
 
+_MOST_PLACE = 2**53
+"""Of whole numbers that a float holds."""
+
 _SOUND = (
-    Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
-    Parameter("sound_serial", 0, np.inf, "", "its serial there; 0: it does not sound", default=0.0),
+    Parameter("sound", 0, _MOST_PLACE, "", "its place among the strikers that are laid out", default=0.0),
+    Parameter("sound_serial", 0, _MOST_PLACE, "", "its serial there; 0: it does not sound", default=0.0),
 )
 _PRESSED = Parameter(
-    "press", 0, np.inf, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
+    "press", 0, _MOST_PLACE, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
 )  # fmt: skip
-_PULSES = Parameter("pulses", 0, np.inf, "", "number of the table of a swarm's pulses", default=0.0)
-_WHOLE = Parameter("whole", 0.0, np.inf, "kg", "mass of what breaks", default=0.0)
-_FRICTION = Parameter("friction", 0.0, np.inf, "", "coefficient, of pieces on what they fall on", default=0.0)
+_PULSES = Parameter("pulses", 0, _MOST_PLACE, "", "number of the table of a swarm's pulses", default=0.0)
+_WHOLE = Parameter("whole", 0.0, 1e9, "kg", "mass of what breaks", default=0.0)
+_FRICTION = Parameter("friction", 0.0, 10.0, "", "coefficient, of pieces on what they fall on", default=0.0)
 _OWN_LAW = (
-    Parameter("own_stiffness", 0.0, np.inf, "N/m^a", "of pieces if they fall on nothing", default=0.0),
-    Parameter("own_dissipation", 0.0, np.inf, "s/m", "the same", default=0.0),
-    Parameter("own_level", 0.0, np.inf, "", "of pieces if they fall on nothing: as `level`", default=0.0),
+    Parameter("own_stiffness", 0.0, 1e21, "N/m^a", "of pieces if they fall on nothing", default=0.0),
+    Parameter("own_dissipation", 0.0, 1e6, "s/m", "the same", default=0.0),
+    Parameter("own_level", 0.0, 1e12, "", "of pieces if they fall on nothing: as `level`", default=0.0),
 )
 _LEVEL = Parameter(
-    "level", 0.0, np.inf, "", "of what breaks: factor on its gain, so that all of it sounds at one level", default=1.0
+    "level", 0.0, 1e12, "", "of what breaks: factor on its gain, so that all of it sounds at one level", default=1.0
 )  # fmt: skip
 _STAGE = Parameter(
     "stage", 0, 2, "", "of what breaks: 0 its cracks, 1 its pieces on an object, 2 on nothing", default=0.0
 )  # fmt: skip
-_DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning to the first contact", default=0.0)
+_DELAY = Parameter("delay", 0.0, 1e9, "s", "from the beginning to the first contact", default=0.0)
 
 _ON_SURFACE = (
     Parameter("on_surface", 0, 1, "", "1: at its point, 0: at its position", default=0.0, whole=True),
@@ -65,7 +66,7 @@ def _own(gesture: Gesture) -> dict[str, Parameter]:
 OWN = {name: _own(gesture) for name, gesture in GESTURES.items()}
 """Parameters of each gesture that not every gesture has, by name."""
 
-_AFTER = Parameter("after", 0.0, np.inf, "s", "until it begins; 0: what was asked for before ends", default=0.0)
+_AFTER = Parameter("after", 0.0, 1e9, "s", "until it begins; 0: what was asked for before ends", default=0.0)
 
 OF_RAMPS = {each.name: each for each in (OVER, CURVE, _AFTER)}
 """Parameters of a ramp, by name."""

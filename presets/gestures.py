@@ -22,7 +22,7 @@ _OTHERS = {"seed", *(each.name for each in schema.STRIKE)}
 def _fields(gesture: schema.Gesture) -> Fields:
     words = ("striker", "surface") if gesture.name in ON_SURFACE else ("striker",)
     numbers = (gesture.argument, *(key for key in gesture.keys if key.name not in _OTHERS))
-    named = {each.name: Quantity(each.low, each.high, each.unit) for each in numbers}
+    named = {each.name: Quantity.of(each) for each in numbers}
     return {**dict.fromkeys(words, Name()), **named}
 
 

@@ -142,12 +142,17 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
 
 def _values(model: Mapping[str, Any], said: Mapping[str, Any], buffer: bytes) -> dict[str, Any]:
     def array(number: int) -> Numbers:
+        if not isinstance(number, int) or number < 0:
+            raise ValueError(f"accessor {number!r}: expected a number from 0 on")
         accessor = said["accessors"][number]
         view = said["bufferViews"][accessor["bufferView"]]
         if "byteStride" in view or view.get("buffer", 0) != 0 or "sparse" in accessor:
             raise ValueError("expected arrays that are whole, in the file's own buffer")
         width, begin = _WIDTHS[accessor["type"]], view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-        values = np.frombuffer(buffer, _KINDS[accessor["componentType"]], accessor["count"] * width, begin)
+        count = accessor["count"]
+        if not isinstance(count, int) or count < 1 or not isinstance(begin, int) or begin < 0:
+            raise ValueError(f"count = {count!r}, at byte {begin!r}: expected at least 1, from 0 on")
+        values = np.frombuffer(buffer, _KINDS[accessor["componentType"]], count * width, begin)
         return values.reshape(-1, width) if width > 1 else values
 
     frequency, decay = (array(model[key]).astype(np.float64) for key in ("frequencies", "decayRates"))
@@ -162,7 +167,9 @@ def _values(model: Mapping[str, Any], said: Mapping[str, Any], buffer: bytes) ->
         "shapes": shapes.reshape(len(frequency), len(points), 3).transpose(1, 2, 0)[:, :, order],
     }
     if "indices" in model:
-        found["faces"] = array(model["indices"]).astype(np.int64).reshape(-1, 3)
+        found["faces"] = faces = array(model["indices"]).astype(np.int64).reshape(-1, 3)
+        if faces.min(initial=0) < 0 or faces.max(initial=0) >= len(points):
+            raise ValueError(f"indices from {faces.min()} to {faces.max()}: expected 0 to {len(points) - 1}")
     mass = model.get("massProperties", {}).get("mass")
     own = model.get("extras", {}).get("carom", {})
     if own:
@@ -172,8 +179,17 @@ def _values(model: Mapping[str, Any], said: Mapping[str, Any], buffer: bytes) ->
         found["normals"] = array(said["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]).astype(np.float64)
         found |= {key: own[key] for key in ("volume", "method", "notes")}
         mass = own["mass"]
+        sizes = {key: len(points) for key in ("areas", "curvature", "normals")}
+        for key, size in {**sizes, "edges": len(found.get("faces", ())), "resistance": len(frequency)}.items():
+            if len(found[key]) != size:
+                raise ValueError(f"{len(found[key])} {key}: expected {size}")
     if mass is not None:
         found["mass"] = float(mass)
+    for key, values in found.items():
+        if isinstance(values, np.ndarray) and not np.isfinite(values).all():
+            raise ValueError(f"{key}: expected finite numbers")
+    if not frequency.min(initial=1.0) > 0.0 or not decay.min(initial=0.0) >= 0.0:
+        raise ValueError("expected frequencies above 0, and no decay rate below")
     materials = said["extensions"][EXTENSION].get("acousticMaterials", [])
     if "material" in model:
         found |= {own: float(materials[model["material"]][key]) for key, own in _MATERIAL.items()}

@@ -111,6 +111,8 @@ def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, 
         raise MeshError(f"{path}: not a mesh that can be read: {_unread(path, error)}") from None
     if not bodies:
         raise MeshError(f"{path}: no triangles: expected a surface")
+    for each in bodies:
+        _require_faces(path, np.asarray(each.faces, np.int64), len(each.vertices))
     begin = np.cumsum([0, *(len(each.vertices) for each in bodies)])
     points = np.vstack([np.asarray(each.vertices, float) for each in bodies]) * (1.0 if scale is None else scale)
     numbered = zip(bodies, begin, strict=False)
@@ -118,6 +120,13 @@ def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, 
     if scale is None:
         _require_usual(path, points[np.unique(faces)])
     return points, faces, bodies
+
+
+def _require_faces(path: Path, faces: Indices, count: int) -> None:
+    """Raise MeshError for a face (m, 3) of points that are not among so many."""
+    wrong = faces[((faces < 0) | (faces >= count)).any(axis=1)]
+    if len(wrong):
+        raise MeshError(f"{path}: a face of points {wrong[0].tolist()}: expected numbers from 0 to {count - 1}")
 
 
 def _unread(path: Path, error: Exception) -> str:

@@ -75,7 +75,7 @@ def check(where: str, table: Mapping[str, object], fields: Fields, required: Seq
 # Contacts: strikers, and the surfaces and materials that they meet.
 
 LAW_FIELDS: Mapping[str, Quantity] = {
-    each.name: Quantity(each.low, each.high, each.unit) for each in (*schema.LAW, schema.RESTITUTION, schema.RADIUS)
+    each.name: Quantity.of(each) for each in (*schema.LAW, schema.RESTITUTION, schema.RADIUS)
 }
 LAW = ("mass", "stiffness", "exponent")
 BALL = ("material", "radius")
@@ -98,9 +98,7 @@ STRIKER: Fields = {
     **dict.fromkeys(SOUNDS, Section()),
     "slide": Section(),
 }
-SLIDE: Fields = {
-    each.name: Quantity(each.low, each.high, each.unit) for each in schema.SLIDE.keys if each.name in SLIDING
-}
+SLIDE: Fields = {each.name: Quantity.of(each) for each in schema.SLIDE.keys if each.name in SLIDING}
 """A striker's friction, the width of its contact and the radius of its tip, and whether its contact moves."""
 CLICK: Fields = {
     "shape": Choice(("sphere", "disc")),

@@ -9,9 +9,11 @@ from __future__ import annotations
 import re
 import reprlib
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..dsp.errors import CaromError
+from ..dsp.numerics.quantities import Parameter, Ranged
 from ..dsp.wording import suggestion
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
@@ -43,20 +45,28 @@ class Computed(float):
         return repr(float(f"{self:.6g}"))
 
 
-class Quantity(NamedTuple):
+@dataclass(frozen=True)
+class Quantity(Ranged):
     """A number in a range, bounds included, and its unit."""
 
     low: float
     high: float
     unit: str = ""
+    or_zero: bool = False
+
+    @classmethod
+    def of(cls, number: Parameter) -> Quantity:
+        """Return the range of a parameter."""
+        return cls(number.low, number.high, number.unit, number.or_zero)
 
     def __str__(self) -> str:
-        return f"a number from {self.low:g} to {self.high:g} {self.unit}".rstrip()
+        return self.expected
 
     def fit(self, value: object) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not self.low <= value <= self.high:
+        taken = None if isinstance(value, bool) or not isinstance(value, int | float) else self.within(value)
+        if taken is None:
             raise Unfit(value, self)
-        return float(value)
+        return taken
 
 
 class Whole(Quantity):

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,10 +16,14 @@ from hypothesis import settings
 
 from carom.clients.cli import main
 from carom.server.osc.score import read
+from tests import needs
+from tests.needs import ROOT
 from tests.support import CAROM, Jack, Render, Running, render_lines, serving
 
 # The first example may compile a function, and another process may run: no example has a time limit.
-settings.register_profile("carom", deadline=None)
+# Hypothesis keeps the examples that failed in the checkout, if it may.
+_WRITABLE = os.access(ROOT, os.W_OK)
+settings.register_profile("carom", deadline=None, **({} if _WRITABLE else {"database": None}))
 settings.load_profile("carom")
 
 # In the background of a shell interrupts are ignored, which the processes that tests start would inherit.
@@ -26,7 +31,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Hundreds of processes start; one that renders a blow takes 1.1 s of CPU without bytecode, 0.3 s with it. Where it may
 # not be written beside the sources, this run keeps it in a folder of its own.
-if sys.dont_write_bytecode:
+if sys.dont_write_bytecode or not _WRITABLE:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.environ["PYTHONPYCACHEPREFIX"] = tempfile.mkdtemp(prefix="carom-bytecode-")
     atexit.register(shutil.rmtree, os.environ["PYTHONPYCACHEPREFIX"], ignore_errors=True)
@@ -36,10 +41,43 @@ REAL_TIME = {"jack", "play", "serving", "server", "time"}
 """Fixtures and names in a test's module that say that it waits for a clock."""
 
 
+PROCESSOR = (
+    "clients/export/test_carried.py",
+    "documents/test_sounds.py",
+    "dsp/bodies",
+    "dsp/fitting",
+    "dsp/mesh",
+    "dsp/spectral",
+    "presets",
+)
+"""Tests of what BLAS, LAPACK and FFT compute, and of sounds that depend on it."""
+
+PLACE = (
+    "clients/test_cli.py",
+    "clients/test_completion.py",
+    "clients/test_strike.py",
+    "dsp/native",
+    "server/audio",
+    "server/files/test_log.py",
+    "server/midi",
+    "server/test_server.py",
+    "test_habits.py",
+    "test_house.py",
+    "test_readme.py",
+)
+"""Tests that start programs, write files, look at the checkout, or ask the system for rights."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Try a test again that fails in real time, up to twice: a busy machine may have been late."""
+    """Mark what other machines can tell. Try a test again that fails in real time, up to twice: a busy machine may have
+    been late."""
+    folder = Path(__file__).parent
     for item in items:
         assert isinstance(item, pytest.Function)
+        name = item.path.relative_to(folder).as_posix()
+        for mark, places in (("processor", PROCESSOR), ("place", PLACE)):
+            if name.startswith(places):
+                item.add_marker(mark)
         if REAL_TIME & {*vars(item.module), *item.fixturenames}:
             item.add_marker(pytest.mark.flaky(reruns=2, reruns_delay=2))
 
@@ -89,9 +127,8 @@ def render_text(tmp_path) -> Render:
 @pytest.fixture
 def jack(monkeypatch) -> Iterator[Jack]:
     """A JACK server to be started, that clients find."""
-    pytest.importorskip("jack", reason="JACK's library is not installed", exc_type=OSError)
-    if not shutil.which("jackd"):
-        pytest.skip("jackd is not installed")
+    needs.program("jackd")
+    needs.module("jack")
     server = Jack(f"carom-test-{os.getpid()}")
     monkeypatch.setenv("JACK_DEFAULT_SERVER", server.name)
     monkeypatch.setenv("JACK_NO_START_SERVER", "1")

@@ -22,6 +22,23 @@ CAROM = (sys.executable, "-m", "carom")
 
 Render = Callable[..., np.ndarray]
 
+LIMITED = """
+import os, resource, sys
+sys.dont_write_bytecode, os.environ["PYTHONDONTWRITEBYTECODE"] = True, "1"  # here, and in the processes that it starts
+from carom.clients.cli import main
+from carom.dsp.runtime.engine import prepare
+prepare()
+size = int(sys.argv.pop(1))
+resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+sys.exit(main())
+"""
+
+
+def limited(size: int) -> tuple[str, ...]:
+    """Return words that begin Carom's command line, in a process whose files end after so many bytes, as on a full
+    disk; it cuts neither bytecode nor machine code that others would find."""
+    return sys.executable, "-c", LIMITED, str(size)
+
 
 def render_lines(lines: list[Line], presets: Presets | None = None, **options) -> np.ndarray:
     """Render a score: its sound, float32 (frames, channels)."""

@@ -1,7 +1,6 @@
 """The house rules that a test can hold: packages, sizes, contents of the wheel."""
 
 import ast
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,6 +10,8 @@ else:
     import tomli as tomllib
 
 import pytest
+
+from tests import needs
 
 ROOT = Path(__file__).parents[1]
 CODE = ("dsp", "server", "clients", "presets", "tests")
@@ -60,6 +61,14 @@ def test_dsp_is_made_of_packages():
     assert all((each / "__init__.py").exists() for each in (ROOT / "dsp").iterdir() if any(each.glob("*.py")))
 
 
+def test_a_skip_says_how_to_get_what_it_lacks():
+    """By the words of `needs` alone: programs and modules have the commands that bring them there."""
+    own = {Path(__file__), ROOT / "tests" / "needs.py"}
+    for path in sorted(set((ROOT / "tests").rglob("*.py")) - own):
+        text = path.read_text(encoding="utf-8")
+        assert "pytest.skip(" not in text and "importorskip" not in text, f"{named(path)}: expected a call of needs"
+
+
 @pytest.mark.slow
 def test_no_command_is_read_by_position():
     for path in sources():
@@ -77,10 +86,7 @@ def test_every_folder_is_packed():
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     folders = {ROOT / place: name for name, place in settings["package-dir"].items()}
     found = set()
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
-    if listed.returncode:
-        pytest.skip("no git checkout")
-    for name in listed.stdout.splitlines():
+    for name in needs.tracked():
         parent = (ROOT / name).parent
         for folder in (parent, *parent.parents):
             if folder in folders and parent.name not in ("charts", "sounds"):

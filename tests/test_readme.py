@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import socket
 import subprocess
 import sys
@@ -15,6 +14,7 @@ import soundfile
 
 import carom
 from carom.server.osc.wire import DEFAULT_PORT
+from tests import needs
 from tests.documents.pages import PAGES, ROOT
 from tests.support import serving
 
@@ -94,8 +94,8 @@ class Reader:
 def test_its_examples_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = blocks(page, *_RUN)
-    if "oscsend" in "".join(text for _, text in found) and not shutil.which("oscsend"):
-        pytest.skip("oscsend is not installed")
+    if "oscsend" in "".join(text for _, text in found):
+        needs.program("oscsend")
     with ExitStack() as stack:
         reader = Reader(tmp_path, stack)
         for language, text in found:
@@ -115,8 +115,7 @@ def test_every_block_has_a_language():
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "supercollider")])
 def test_its_sclang_plays(page, tmp_path):
-    if not shutil.which("sclang"):
-        pytest.skip("sclang is not installed")
+    needs.program("sclang")
     ((_, text),) = blocks(page, "supercollider")
     with serving(tmp_path, "--device", "none") as server:
         script = tmp_path / "readme.scd"

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from carom.dsp.native.targets import processors
+from tests import needs
 from tests.test_house import ROOT
 
 COMPILED = re.findall(r'^    "(carom\.[\w.]+)",$', (ROOT / "setup.py").read_text(), re.M)
@@ -117,11 +118,8 @@ BOX = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory):
     """A copy of the repository: a build leaves files in its tree."""
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
-    if listed.returncode:
-        pytest.skip("no git checkout")
     tree = tmp_path_factory.mktemp("built") / "tree"
-    for name in (name for name in listed.stdout.splitlines() if (ROOT / name).is_file()):
+    for name in (name for name in needs.tracked() if (ROOT / name).is_file()):
         (tree / name).parent.mkdir(parents=True, exist_ok=True)
         (tree / name).write_bytes((ROOT / name).read_bytes())
     return tree

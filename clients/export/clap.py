@@ -35,7 +35,7 @@ def write_plugin(scenes: Sequence[Scene], folder: Path) -> Path:
     compiler = c.write_static(folder)
     for scene in scenes:
         (folder / f"{int(scene.baked.engine.rate)}.carom").write_bytes(scene.file())
-    (folder / "scene.h").write_text(described)
+    (folder / "scene.h").write_text(described, encoding="utf-8")
     for name in (*_SOURCES, *_HEADERS):
         shutil.copyfile(_FILES / name, folder / name)
     shutil.copytree(_FILES / "clap", folder / "clap", dirs_exist_ok=True)

@@ -189,11 +189,12 @@ def _verb(verb: Verb) -> dict[str, Any]:
 
 def _argument(each: Parameter | Word | Either | Note | Numbers) -> dict[str, Any]:
     if isinstance(each, Parameter):
-        said = {"name": each.name, "low": each.low, "high": each.high, "unit": each.unit, "bounds": each.bounds}
-        more = {"default": each.default, "whole": each.whole}
+        said = {"name": each.name, "low": each.low, "high": each.high, "unit": each.unit, "expected": each.expected}
+        least = each.low <= 0.0 and each.least
+        more = {"default": each.default, "whole": each.whole, "orZero": each.or_zero, "least": least}
         return said | {key: value for key, value in more.items() if value is not None and value is not False}
     if isinstance(each, Note):
-        return {"name": each.name, "low": each.low, "high": each.high, "unit": "", "bounds": "0 to 127"}
+        return {"name": each.name, "low": each.low, "high": each.high, "unit": "", "expected": "a number from 0 to 127"}
     words = {"words": each.words} if isinstance(each, Either) else {}
     return {"name": each.name, **words}
 

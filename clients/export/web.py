@@ -42,7 +42,7 @@ def write_page(scene: Scene, folder: Path) -> None:
     code, engine = engine_for(scene.baked)
     for file in sorted(_FILES.iterdir()):
         if file.suffix == ".js" and file.name not in WORKLET:
-            (folder / file.name).write_text(shortened(file.read_text()))
+            (folder / file.name).write_text(shortened(file.read_text(encoding="utf-8")), encoding="utf-8")
         elif file.suffix not in (".js", ".py"):
             shutil.copyfile(file, folder / file.name)
     (folder / "worklet.js.lzma").write_bytes(compressed(joined(WORKLET).encode()))
@@ -67,7 +67,7 @@ def shortened(script: str) -> str:
 
 def joined(names: Sequence[str]) -> str:
     """Return scripts that import from each other alone as one, shortened."""
-    lines = [line for name in names for line in shortened((_FILES / name).read_text()).splitlines()]
+    lines = [line for name in names for line in shortened((_FILES / name).read_text(encoding="utf-8")).splitlines()]
     return "\n".join(line for line in lines if not line.startswith("import ")) + "\n"
 
 

@@ -43,7 +43,7 @@ def _with_keys(method: Callable[..., None], keys: Iterable[Key]) -> Callable[...
 def _kind(key: Key) -> str:
     """Say which values a key takes."""
     if isinstance(key, Number):
-        return key.bounds
+        return key.allowed
     if isinstance(key, Vector):
         return f"x, y, z, each {key.axes[0].bounds}"
     return f"one of {', '.join(key.words)}" if isinstance(key, Either) else "a name"

@@ -26,6 +26,7 @@ from .clients.performer import Folders, Performer, chosen
 from .dsp.arguments import explain_all_arguments
 from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.memory.state import QUANTUM
+from .dsp.numerics.quantities import Range
 from .dsp.resonator.bank import top_of
 from .dsp.runtime.batch import Batch
 from .dsp.wording import near
@@ -36,7 +37,7 @@ from .server.bridge.checks import WorldError, require_kind, require_number
 from .server.bridge.gestures import template
 from .server.bridge.hearing import Hearing, Listener, Microphone, microphones_of
 from .server.bridge.requests import Lying, Request, Said, Slide, in_order
-from .server.bridge.simulation import Simulation
+from .server.bridge.simulation import RANGES, Simulation
 from .server.bridge.step import Contacts, Pose, Poses
 from .server.bridge.telling import PER_BLOW, tell
 from .server.closing import Closing
@@ -54,6 +55,7 @@ Blocks = NDArray[np.float32]
 _FADED = 16 * QUANTUM  # frames in which a panic fades
 _BUDGET = 1_000_000, 0  # steps and modes: any number, but counted, so that no striker is kept: the simulator moves it
 _LONGEST = 3600  # s of sound at once
+_RATE = Range(1.0, 1e6, "Hz")  # a render takes fewer
 _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 
@@ -102,7 +104,7 @@ class World(Grained, Closing):
     ) -> None:
         if (stems or contacts) and not keep:
             raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
-        require_number("rate", rate, math.ulp(0.0), math.inf, "a positive number of Hz")
+        require_number("rate", rate, _RATE)
         require_kind("hearing", hearing, Hearing)
         require_kind("listener", listener, Listener)
         require_kind("client", client, Client)
@@ -390,7 +392,7 @@ class World(Grained, Closing):
         """
         if self._scene is None:
             raise WorldError("restart: expected a World without a client")
-        require_number("time", time, -math.inf, math.inf, "a finite number")
+        require_number("time", time, RANGES["time"])
         self._scene.panic()
         self._process(_FADED + -self._frames % QUANTUM)
         self.simulation.begin(time - self._frames / self.rate)
@@ -406,7 +408,7 @@ class World(Grained, Closing):
 
         Return float32 (frames, channels), Pa. WorldError below 0 s and above an hour.
         """
-        require_number("seconds", seconds, 0.0, _LONGEST, f"0 to {_LONGEST}")
+        require_number("seconds", seconds, Range(0.0, _LONGEST, "s"))
         until = self.time + seconds
         self.simulation.wait(until)
         return self._up_to(until)

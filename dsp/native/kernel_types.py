@@ -8,6 +8,7 @@ import numba
 from numba.extending import intrinsic
 
 from . import numba_internals as internals
+from .checked import checked_intrinsic
 from .digests import name_of, own_digest
 from .jit import Kernel
 from .lowering import KINDS, OPTIONS
@@ -54,7 +55,7 @@ def type_of_kernel(kernel: Kernel[..., Any]) -> Any:
 
 def type_of_intrinsic(function: Callable[..., Any]) -> Any:
     """Return the type of an intrinsic that was met while something else is compiled."""
-    made = intrinsic(function)
+    made = intrinsic(checked_intrinsic(function))
     internals.refresh()
     return internals.type_of(made)
 

@@ -11,11 +11,12 @@ from typing import Any
 import llvmlite.binding as llvm
 
 from . import numba_internals as internals
+from .checked import options as checked_options
 from .digests import is_local, name_of, own_digest
 from .jit import CFunction, Kernel
 from .numba_internals import types
 
-_C: dict[str, Any] = {"nopython": True, "error_model": "numpy", "no_cpython_wrapper": True}
+_C: dict[str, Any] = {"nopython": True, "error_model": "numpy", "no_cpython_wrapper": True, **checked_options()}
 OPTIONS = _C | {"no_cfunc_wrapper": True}
 """numba's options for a kernel."""
 

@@ -24,8 +24,11 @@ from numba.core.registry import cpu_target
 from numba.core.runtime.context import NRTContext
 from numba.core.typed_passes import NativeLowering
 from numba.core.types.misc import unliteral
+from numba.cpython import slicing
 from numba.np import arrayobj
 from numba.np.unsafe.ndarray import to_fixed_tuple
+
+from .checked import changes
 
 __all__ = [
     "cgutils",
@@ -238,6 +241,7 @@ def quiet_compiler(mangle: Callable[[str, tuple[Any, ...]], str]) -> Iterator[No
         (CPUCallConv, "build_excinfo_struct", unplaced),
         (BaseContext, "get_abi_sizeof", remembered),
         (cpu_target.target_context, "cached_internal_func", _INTERNAL),
+        *changes(Lower, BaseContext, cgutils, slicing),
     ]
     with global_compiler_lock:
         before = [(where, name, getattr(where, name)) for where, name, _ in changed]

@@ -14,13 +14,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..sizes import NAME
-from . import BEGAN
+from . import BEGAN, CHECKED
 from .digests import digest
 
 _COMPILER = (
     *("digests", "kernel_types", "lowering", "numba_internals", "pickled", "platforms", "targets", "translation"),
     "units",
     "images",
+    *(["checked"] if CHECKED else []),
 )
 
 
@@ -45,9 +46,10 @@ def sources(module: str) -> list[str]:
 
 
 def hash_of(modules: list[str]) -> str:
-    """Return a hash of the sources of modules as they are now, and of the engine's sizes; empty where one of them is
-    gone. Where a file changed since this process began, the hash is one that no other process has."""
-    found = hashlib.sha256(NAME.encode())
+    """Return a hash of the sources of modules as they are now, of the engine's sizes and of whether kernels are
+    checked; empty where one of them is gone. Where a file changed since this process began, the hash is one that no
+    other process has."""
+    found = hashlib.sha256(f"{NAME}{' checked' * CHECKED}".encode())
     for name in modules:
         try:
             source = source_of(_file_of(name) or "")

@@ -67,9 +67,9 @@ def _leave_portaudio() -> None:
 
 def _library(name: str) -> str:
     """Return the path that a library was loaded from."""
-    for line in Path("/proc/self/maps").read_text().splitlines():
+    for line in Path("/proc/self/maps").read_text(encoding="utf-8", errors="surrogateescape").splitlines():
         if f"/lib{name}" in line:
-            return line.split()[-1]
+            return line.split(maxsplit=5)[-1]  # blanks in its path are its own
     raise OSError(f"lib{name} is not loaded")
 
 

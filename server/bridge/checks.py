@@ -1,12 +1,12 @@
 """Checks of what is told of a simulation, and the error that they raise."""
 
-import math
 import reprlib
 from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...dsp.numerics.quantities import Range
 from ..osc.arguments import Refused
 
 
@@ -17,10 +17,11 @@ class WorldError(Refused):
     """
 
 
-def require_number(name: str, value: object, low: float, high: float, wanted: str) -> None:
-    """Raise WorldError, which says which number is wanted, for a value that is no finite number from low to high."""
-    if not (isinstance(value, Real) and math.isfinite(value) and low <= float(value) <= high):
-        raise WorldError(f"{name} = {f'{value:g}' if isinstance(value, float) else repr(value)}: expected {wanted}")
+def require_number(name: str, value: object, within: Range) -> None:
+    """Raise WorldError for a value that is no number in a range."""
+    if not (isinstance(value, Real) and within.within(float(value)) is not None):
+        shown = f"{value:g}" if isinstance(value, float) else repr(value)
+        raise WorldError(f"{name} = {shown}: expected {within.expected}")
 
 
 def require_kind(name: str, value: object, kind: type) -> None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ...dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
 from ...dsp.contact.law import restitution
+from ...dsp.numerics.quantities import Range
 from ...dsp.schema import MASS, MOST_BLOWS
 from ...dsp.wording import expected
 from ...presets import Presets
@@ -37,7 +38,7 @@ _ROUNDS = 5  # for a speed and the restitution there
 _BOTH = 20.0 * math.log10(2.0)  # dB: two grains that hit each other sound at once
 _DULLEST = 0.02  # restitution
 _SLOWEST, _FASTEST = 1e-9, 100.0  # m/s
-_LEAST, _MOST = 1e-12, 1e12  # what can be told of a flow, in SI units
+_SHARE, _FLOW = Range(0.0, 1e3), Range(1e-12, 1e12, or_zero=True)  # of a strike path; of a flow, in SI units
 _SEEDS = 2**31
 _LAW = ("mass", "stiffness", "exponent", "restitution")
 _SUMS = ("count", "impulse", "energy", "momentum", "mass", "stiffness", "place", "square", "point")
@@ -175,9 +176,7 @@ class Grains:
         if not given:
             raise WorldError(f"{where}: expected speed, impulse or energy")
         for key, value in (("count", count), ("position", place or 0.0), *given.items()):
-            require_number(f"{where}: {key}", value, 0.0, math.inf, "a finite number that is not negative")
-            if key != "position" and value and not _LEAST <= value <= _MOST:
-                raise WorldError(f"{where}: {key} = {value}: expected 0, or from {_LEAST:g} to {_MOST:g}")
+            require_number(f"{where}: {key}", value, _SHARE if key == "position" else _FLOW)
         if not body.rings or not count or not all(given.values()):
             return
         mass, stiffness, _, exponent = self._presets.striker(self._kinds[name]).contact(body.material)

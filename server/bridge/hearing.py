@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from ...dsp.arguments import explain_all_arguments
 from ...dsp.contact.accuracy import DEFAULT, LEVELS
 from ...dsp.engine.memory.state import Quality
+from ...dsp.numerics.quantities import Range
 from ...dsp.wording import expected
 from .checks import WorldError, require_number
+from .rows import FARTHEST
 from .shapes import Vector
 from .tracking.microphones import MICROPHONE_STATE
 
 NEAREST = 0.1
 """m: a body that is nearer to a microphone is as loud as at this distance."""
-_MOST_DB = 1000.0
+_LEVEL, _COUNT, _PATTERN = Range(-1000.0, 1000.0, "dB"), Range(0, 10**9), Range(0.0, 1.0)
 _MOST_QUALITY = int(max(Quality))
 _CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
 
@@ -93,9 +95,9 @@ class Hearing:
         if not 1 <= len(self.microphones) <= 64:
             raise WorldError(f"microphones: {len(self.microphones)} of them: expected 1 to 64")
         for name in ("faintest", "masked"):
-            require_number(name, getattr(self, name), -_MOST_DB, _MOST_DB, f"-{_MOST_DB:g} to {_MOST_DB:g} dB")
+            require_number(name, getattr(self, name), _LEVEL)
         for name in ("blows", "gestures", "rests"):
-            require_number(name, getattr(self, name), 0, math.inf, "0 or more")
+            require_number(name, getattr(self, name), _COUNT)
         if str(self.accuracy) not in LEVELS:
             raise WorldError(f"accuracy = {self.accuracy}: {expected(self.accuracy, LEVELS)}")
         if self.quality not in range(_MOST_QUALITY + 1):
@@ -111,14 +113,14 @@ def _check(which: str, microphone: Microphone) -> None:
             raise WorldError(f"{which}: {name} = {vector!r}: expected three numbers")
     if microphone.direction is not None and not any(microphone.direction):
         raise WorldError(f"{which}: direction = {microphone.direction}: expected a vector that is not 0, or None")
-    require_number(f"{which}: pattern", microphone.pattern, 0.0, 1.0, "0 to 1")
+    require_number(f"{which}: pattern", microphone.pattern, _PATTERN)
 
 
 def _is_vector(value: object) -> bool:
-    """True for three finite numbers."""
+    """True for three numbers up to FARTHEST."""
     if not isinstance(value, Sequence | np.ndarray) or len(value) != 3:
         return False
-    return all(isinstance(each, Real) and math.isfinite(each) for each in value)
+    return all(isinstance(each, Real) and abs(each) <= FARTHEST for each in value)
 
 
 def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:

@@ -7,23 +7,27 @@ import numpy as np
 
 from ...dsp.native.jit import kernel, noinline_kernel
 from ...dsp.native.typed import Record, View, View2D, dtype_of
+from ...dsp.numerics.quantities import Range
 from .tracking.state import BODIES, POINTS, State
 
-LEAST_TOLD = {
-    "approach": -math.inf, "slip": 0.0, "depth": -math.inf, "force": -math.inf, "mass": np.finfo(float).tiny,
-    "restitution": 0.0, "friction": 0.0,
+RANGES = {
+    "approach": Range(-1e5, 1e5, "m/s"), "slip": Range(0.0, 1e5, "m/s"), "depth": Range(-1e5, 1e5, "m"),
+    "force": Range(-1e9, 1e9, "N"), "mass": Range(1e-15, 1e9, "kg"), "restitution": Range(0.0, 1.0),
+    "friction": Range(0.0, 1e6),
 }  # fmt: skip
-"""The least that each quantity of a touch may be that a simulator may tell, in their order in a row."""
-MOST_RESTITUTION = 1.0
+"""The range of each quantity of a touch that a simulator may tell, in their order in a row. A body may be lighter or
+heavier than what a gesture's striker may be: a blow has the nearest mass that it may have."""
+FARTHEST = 1e6
+"""m, m/s, rad/s: of a point, and of a body's place, velocity and spin along each axis, at most."""
 UNIT = 1e-3
 """Share by which a normal's or a quaternion's length may differ from 1."""
 
 _POINT, _NORMAL, _TOLD = 2, 5, 8  # places in a row of a touch, which begins with the numbers of both bodies
-TOUCH_ROW = _TOLD + len(LEAST_TOLD)
+TOUCH_ROW = _TOLD + len(RANGES)
 _PLACE, _TURN, _VELOCITY, _SPIN = 1, 4, 8, 11  # places in a row of a pose, which begins with the body's number
 POSE_ROW = _SPIN + 3
-_LEAST = np.array(list(LEAST_TOLD.values()))
-_MOST = np.where(np.array(list(LEAST_TOLD)) == "restitution", MOST_RESTITUTION, np.inf)
+_LEAST = np.array([each.low for each in RANGES.values()])
+_MOST = np.array([each.high for each in RANGES.values()])
 
 
 class Rows(Record):
@@ -59,26 +63,26 @@ def take_rows(state: State, rows: Rows) -> bool:
 @kernel
 def _can_be(row: View[float]) -> bool:
     """True for a touch that can be: what is not told of it is NaN."""
-    fits = _is_finite(row, _POINT, _TOLD) and _has_length(row, _NORMAL, _TOLD)
+    fits = _is_near(row, _POINT, _TOLD) and _has_length(row, _NORMAL, _TOLD)
     for k in range(len(_LEAST)):
         value = row[_TOLD + k]
-        fits = fits and (value != value or (abs(value) < math.inf and _LEAST[k] <= value <= _MOST[k]))
+        fits = fits and (value != value or _LEAST[k] <= value <= _MOST[k])
     return fits
 
 
 @kernel
 def _can_be_pose(row: View[float]) -> bool:
     """True for a pose that can be."""
-    return _is_finite(row, _PLACE, POSE_ROW) and _has_length(row, _TURN, _VELOCITY)
+    return _is_near(row, _PLACE, POSE_ROW) and _has_length(row, _TURN, _VELOCITY)
 
 
 @kernel
-def _is_finite(row: View[float], first: int, last: int) -> bool:
-    """True if numbers of a row are finite."""
-    finite = True
+def _is_near(row: View[float], first: int, last: int) -> bool:
+    """True if numbers of a row are at most FARTHEST."""
+    near = True
     for k in range(first, last):
-        finite = finite and abs(row[k]) < math.inf
-    return finite
+        near = near and abs(row[k]) <= FARTHEST
+    return near
 
 
 @kernel

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import Material, contact_between
+from ...dsp.numerics.quantities import Range
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
@@ -38,7 +39,11 @@ from .telling import (
 from .tracking.skins import round_of, skin_of
 from .tracking.state import BLOW, BODIES, CHANGING, EVENTS, LIE, MATERIALS, MOVE, POINTS, REST, new_state
 
-_NOT_NEGATIVE = "a number that is not negative"
+RANGES = {
+    "gravity": Range(0.0, 1e3, "m/s^2"), "rest": Range(0.0, 1e5, "m/s"), "start": Range(-1e9, 1e9, "s"),
+    "settle": Range(0.0, 1e9, "s"), "time": Range(-1e9, 1e9, "s"),
+}  # fmt: skip
+"""The ranges of the numbers that a simulation is made with, or told besides its steps."""
 
 
 class Simulation:
@@ -60,8 +65,8 @@ class Simulation:
         start: float = 0.0,
         progress: Progress | None = None,
     ) -> None:
-        for name, value, least in (("gravity", gravity, 0.0), ("rest", rest, 0.0), ("start", start, -math.inf)):
-            require_number(name, value, least, math.inf, "a finite number" if least < 0.0 else _NOT_NEGATIVE)
+        for name, value in (("gravity", gravity), ("rest", rest), ("start", start)):
+            require_number(name, value, RANGES[name])
         self._tell = tell.brief  # loaded now, or compiled
         self.bodies: list[Body] = []
         self._hits: tuple[int, list[Hit]] = 0, []  # of a step
@@ -299,7 +304,7 @@ class Simulation:
 
     def settle(self, seconds: float) -> None:
         """Tell no blow for a time (s) from now on, and from each time on at which it begins anew."""
-        require_number("settle", seconds, 0.0, math.inf, _NOT_NEGATIVE)
+        require_number("settle", seconds, RANGES["settle"])
         self._settle = seconds
         self.state["settles"] = self.time + seconds if seconds else -math.inf
 
@@ -309,7 +314,7 @@ class Simulation:
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Request]:
         """Take a step's contacts and poses; what is to be heard of what happened since the step before."""
-        comes = isinstance(time, float) and self.time < time < math.inf
+        comes = isinstance(time, float) and self.time < time <= RANGES["time"].high
         if comes and self._layer.lay(time, contacts, poses, self._numbers):
             found = self._tell(self._own_at)
             if found != NOT_TAKEN:
@@ -337,8 +342,9 @@ class Simulation:
         """Raise WorldError unless a step may come at a time. advice: what to do about it."""
         if not isinstance(time, float | Real):  # that it is a float is seen at once
             raise WorldError(f"{where}: time = {time!r}: expected a number")
-        if not self.time < time < math.inf:
-            raise WorldError(f"{where}: time = {time}: expected above {self.time}, that of the step before{advice}")
+        if not self.time < time <= RANGES["time"].high:
+            latest = f"above {self.time}, that of the step before, and at most {RANGES['time'].high:g} s"
+            raise WorldError(f"{where}: time = {time}: expected {latest}{advice}")
 
     def advance(self, time: float, points: int) -> list[Request]:
         """Take a step, as `step` does, where poses and so many contacts are in `state` already."""

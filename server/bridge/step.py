@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...dsp.arguments import explain_all_arguments
 from ...dsp.wording import expected
 from .checks import WorldError, array_of
-from .rows import LEAST_TOLD, MOST_RESTITUTION, POSE_ROW, ROWS, TOUCH_ROW, UNIT, rotation
+from .rows import FARTHEST, POSE_ROW, RANGES, ROWS, TOUCH_ROW, UNIT, rotation
 from .shapes import Vector
 from .tracking.state import POINTS, TOLD
 
@@ -86,8 +86,6 @@ Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
 Poses = Mapping[str, Pose]
 
 _ROWS: dict[str, tuple[int, ...]] = {"pair": (2,), "point": (3,), "normal": (3,), **dict.fromkeys(TOLD, ())}
-_WORDS = {"mass": "a positive number (kg)", "restitution": "0 to 1"}
-_NOT_NEGATIVE = "a finite number that is not negative"
 _TOUCHES, _POSES = {Touch}, {Pose}
 _HEAD, _TOUCH, _POSE = struct.Struct("=d3q"), struct.Struct(f"={TOUCH_ROW}d"), struct.Struct(f"={POSE_ROW}d")
 
@@ -193,13 +191,12 @@ def _check_contacts(state: NDArray[np.void], count: int, names: Sequence[str], w
     told = {name: state[name][0, :count] for name in _ROWS}
     lengths = np.linalg.norm(told["normal"], axis=1)
     wrong = {
-        "point": (~np.isfinite(told["point"]).all(axis=1), "finite numbers"),
+        "point": (~(np.abs(told["point"]) <= FARTHEST).all(axis=1), f"numbers up to {FARTHEST:g}"),
         "normal": (~(np.abs(lengths - 1.0) <= UNIT), "one of length 1"),
     }
-    for name, least in LEAST_TOLD.items():
-        values, most = told[name], MOST_RESTITUTION if name == "restitution" else math.inf
-        words = _WORDS.get(name, _NOT_NEGATIVE if least == 0.0 else "a finite number")
-        wrong[name] = ~(np.isnan(values) | (np.isfinite(values) & (values >= least) & (values <= most))), words
+    for name, within in RANGES.items():
+        values = told[name]
+        wrong[name] = ~(np.isnan(values) | ((values >= within.low) & (values <= within.high))), within.expected
     for name, (places, words) in wrong.items():
         for n in np.flatnonzero(places):
             a, b = (names[body] for body in told["pair"][n])
@@ -229,12 +226,12 @@ def checked_pose(pose: Pose, where: str) -> Pose:
         raise WorldError(f"{where}: {pose!r}: expected a Pose")
     for name, wanted, values in zip(Pose._fields, (3, 4, 3, 3), pose, strict=True):
         try:
-            whole = len(values) == wanted and all(map(math.isfinite, values))
+            whole = len(values) == wanted and all(abs(each) <= FARTHEST for each in values)
         except TypeError:
             whole = False
         if not whole:
             shown = tuple(values) if isinstance(values, Iterable) else values
-            raise WorldError(f"{where}: {name} = {shown}: expected {wanted} finite numbers")
+            raise WorldError(f"{where}: {name} = {shown}: expected {wanted} numbers up to {FARTHEST:g}")
     if abs(math.hypot(*pose.turn) - 1.0) > UNIT:
         raise WorldError(f"{where}: turn = {tuple(pose.turn)}: expected a quaternion of length 1")
     return pose

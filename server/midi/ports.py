@@ -5,6 +5,7 @@ import re
 import sys
 import threading
 from collections.abc import Callable, Sequence
+from importlib.util import find_spec
 from queue import SimpleQueue
 from typing import Any
 
@@ -105,7 +106,13 @@ def inputs() -> list[str]:
 
 
 def _require_system() -> None:
-    """Raise ServeError where Linux has no sequencer: ALSA would say so in lines of its own."""
+    """Raise ServeError where mido has nothing to hear by, or Linux no sequencer: ALSA would say so in lines of its
+    own."""
+    if "rtmidi" in os.environ.get("MIDO_BACKEND", "rtmidi") and not find_spec("rtmidi"):
+        raise ServeError(
+            "midi: python-rtmidi is missing: pip install python-rtmidi; where it has no wheel for this Python, "
+            "that takes a C++ compiler, and on Linux ALSA's headers (Debian: apt install g++ libasound2-dev)"
+        )
     if sys.platform == "linux" and "MIDO_BACKEND" not in os.environ and not os.path.exists(_SEQUENCER):
         raise ServeError(
             f"midi: there is no {_SEQUENCER}: expected ALSA's sequencer (as root: modprobe snd-seq), or JACK's MIDI: "

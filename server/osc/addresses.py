@@ -1,6 +1,7 @@
 """The address space: every address, declared once for checking, for the documents, for OSCQuery and for clients."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache, lru_cache
 from typing import NamedTuple
 
@@ -118,7 +119,7 @@ def _steering(name: str) -> Number:
     numbers = tuple(gestures_steered_by(name).values())
     ranges = [number.useful for number in numbers if number.useful]
     covers = (min(low for low, _ in ranges), max(high for _, high in ranges)) if len(ranges) == len(numbers) else None
-    return numbers[0]._replace(useful=covers)
+    return replace(numbers[0], useful=covers)
 
 
 def _begins(gesture: Gesture) -> Verb:

@@ -67,11 +67,12 @@ def require_name(key: str, name: Argument) -> None:
 def check_number(number: Number, value: Argument) -> float:
     """Return a numeric argument as a float; raise Refused if it is no number, out of range, or not whole where it must
     be."""
-    if not isinstance(value, (int, float)) or not number.low <= value <= number.high:
-        raise Refused(f"{number.name} = {beyond(number, value)}: expected a number from {number.bounds}")
-    if number.whole and value != int(value):
+    taken = number.within(value) if isinstance(value, (int, float)) else None
+    if taken is None:
+        raise Refused(f"{number.name} = {beyond(number, value)}: expected {number.expected}")
+    if number.whole and not taken.is_integer():
         raise Refused(f"{number.name} = {value:g}: expected a whole number")
-    return float(value)
+    return taken
 
 
 class Word(NamedTuple):
@@ -151,7 +152,7 @@ class Numbers(NamedTuple):
         return tuple(check_number(self.number, value) for value in given)
 
     def __str__(self) -> str:
-        return f"{self.name}, up to {self.most} of {self.number.low:g} to {self.number.high:g}"
+        return f"{self.name}, up to {self.most} of {self.number.bounds}"
 
 
 class Vector(NamedTuple):

@@ -7,7 +7,9 @@ from .arguments import Either, Vector, Verb, Word
 SENSOR = "/sensor/new"
 
 PLACE = Parameter("position", 0.0, 1.0, "", "along the object's strike path; the object's own if not given")
-RESONANCE = Parameter("resonance", 0.0, 1e6, "Hz", "of the sensor; 0: it has none", useful=(500.0, 100_000.0))
+RESONANCE = Parameter(
+    "resonance", 1.0, 1e6, "Hz", "of the sensor; 0: it has none", useful=(500.0, 100_000.0), or_zero=True
+)
 DAMPING = Parameter("damping", 1e-4, 10.0, "", "the damping ratio of its resonance", useful=(0.01, 1.0))
 FULL = Parameter("full", 1e-9, 1e9, "", "the value that is a sample of 1.0", default=1.0, useful=(0.01, 10_000.0))
 

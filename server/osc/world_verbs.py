@@ -46,7 +46,7 @@ WORLD = (
         (Word("name"), Either("shape", tuple(SIZES)), Word("material"), _LENGTH),
         (_number("y", "", low=1e-5, high=1e3), _number("z", "", low=1e-5, high=1e3)),
         (
-            _number("density", "its material's if not given", "kg/m^3", 1e-3, 1e5),
+            _number("density", "its material's if not given", "kg/m3", 1e-3, 1e5),
             _number("mass", "in place of the density", "kg", 1e-9, 1e9),
             _number("wall", "thickness of the wall of a hollow box, cylinder or capsule", low=1e-5, high=10.0),
             Parameter("held", 0, 1, "", "1: it does not move"),

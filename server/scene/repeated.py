@@ -50,11 +50,10 @@ class Repeated:
         tells no blow that is remembered, or one that has to be looked at."""
         told, velocity, position = _parts(message)
         blow = self._known.get(told)
-        if blow is None or not isinstance(velocity, int | float) or not 0.0 < velocity <= VELOCITY.high:
+        if blow is None or not isinstance(velocity, int | float) or not isinstance(position, int | float | None):
             return False
-        if not isinstance(position, int | float | None) or not POSITION.low <= (position or 0.0) <= POSITION.high:
-            return False
-        if longest(velocity, blow.law) > LONGEST_CONTACT:
+        velocity, position = VELOCITY.within(velocity), None if position is None else POSITION.within(position)
+        if not velocity or longest(velocity, blow.law) > LONGEST_CONTACT:
             return False
         self._ring.require_room(1, time)
         number = self._ring.sent

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from carom.dsp.mesh.surface import volume_of
+from tests import needs
 from tests.bench import elastic, hexahedra
 from tests.bench.meshes import BODIES, METAL, blob, tetrahedral
 
@@ -38,7 +39,7 @@ def test_a_skin_is_closed_and_turned_outward(blocks, volume):
 
 def test_a_lump_of_hexahedra_rings_as_one_of_tetrahedra():
     """The map is singular at the cube's edges: so the tetrahedra's error goes with the third power of their side."""
-    pytest.importorskip("skfem")
+    needs.module("skfem")
     coarse, fine = (tetrahedral((count,) * 3, blob)[:6] for count in (4, 6))
     known = BODIES["lump of 60"].known(1)[:6]
     assert fine - (coarse - fine) / (1.5**3 - 1) == pytest.approx(known, rel=3e-4)

@@ -12,7 +12,7 @@ import soundfile
 
 from carom import Client
 from carom.presets.library import BUILT_IN
-from tests.support import CAROM, Running
+from tests.support import CAROM, Running, limited
 
 pytestmark = pytest.mark.slow
 
@@ -75,8 +75,11 @@ def test_a_render_with_a_budget(carom, tmp_path, place):
 
 
 def test_an_early_end_of_the_reader_is_no_error(tmp_path):
-    run = subprocess.run(f"{' '.join(CAROM)} presets | head -1", shell=True, capture_output=True, text=True)
-    assert (run.stdout, run.stderr) == ("objects:\n", "")
+    with subprocess.Popen([*CAROM, "presets"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        assert run.stdout and run.stderr
+        assert run.stdout.readline() == "objects:\n"
+        run.stdout.close()
+        assert run.stderr.read() == ""
 
 
 @pytest.mark.parametrize(
@@ -128,8 +131,8 @@ def test_a_render_that_is_stopped_leaves_nothing(tmp_path, stop):
 
 def test_a_full_disk_is_told(tmp_path):
     (tmp_path / "s.txt").write_text(STRIKE)
-    words = " ".join([*CAROM, "render", "s.txt", "s.wav", "--seconds", "60"])
-    run = subprocess.run(f"ulimit -f 100; {words}", shell=True, cwd=tmp_path, capture_output=True, text=True)
+    words = *limited(100_000), "render", "s.txt", "s.wav", "--seconds", "60"
+    run = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
     assert run.returncode == 1 and "s.wav: File too large" in run.stderr and run.stderr.count("\n") == 1
     assert not list(tmp_path.glob("s.wav*"))
 

@@ -1,12 +1,12 @@
 """carom completion: what a shell completes."""
 
-import shutil
 import subprocess
 import sys
 
 import pytest
 
 from carom.clients.commands.completion import SHELLS
+from tests import needs
 from tests.support import CAROM
 
 pytestmark = pytest.mark.slow
@@ -25,7 +25,7 @@ def script():
     return subprocess.run([*CAROM, "completion", "bash"], capture_output=True, text=True, check=True).stdout
 
 
-@pytest.mark.skipif(not shutil.which("bash"), reason="bash is not installed")
+@needs.without("bash")
 @pytest.mark.parametrize(
     ("words", "found"),
     [

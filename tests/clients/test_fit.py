@@ -8,6 +8,7 @@ import pytest
 import soundfile
 
 import carom
+from carom.clients import recordings
 from carom.clients.cli import main
 from carom.clients.commands import progress
 from carom.dsp.numerics.constants import FULL_SCALE_PRESSURE
@@ -99,7 +100,7 @@ def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsy
     monkeypatch.setattr(progress, "PERIOD", 1e3)  # a busy machine takes long enough to tell its progress
     assert main(["fit", "stereo.wav", str(tmp_path), "--name", "bar", "--modes", "6", "--licence", "CC0"]) == 0
     out, error = capsys.readouterr()
-    assert error == "carom fit: stereo.wav: 2 channels: the loudest one, channel 2, is taken\n"
+    assert error == "carom fit: stereo.wav: 2 channels: channel 2 is taken, where most rises and decays\n"
     assert [line.removeprefix(str(tmp_path)) for line in out.split()] == [
         "/objects/bar.toml",
         "/strikers/bar-striker.toml",
@@ -112,6 +113,21 @@ def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsy
     capsys.readouterr()
     assert main(["compare", str(folder / "ring.wav"), str(tmp_path / "x.wav"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["log_spectral_distance_db"] < 4
+
+
+@pytest.mark.parametrize("loud", [0.01, 0.3, 3.0])
+@pytest.mark.parametrize("noise", ["hum", "hiss", "offset"])
+def test_a_channel_without_a_hit_is_not_taken_however_loud_it_is(tmp_path, noise, loud):
+    t = np.arange(RATE) / RATE
+    hit = 0.2 * np.sin(2 * np.pi * 440 * t) * np.exp(-8 * t) * (t > 0.1)
+    dead = {
+        "hum": np.sin(2 * np.pi * 60 * t),
+        "hiss": np.random.default_rng(1).normal(size=RATE) / 3,
+        "offset": np.ones(RATE),
+    }[noise]
+    soundfile.write(tmp_path / "two.wav", np.stack([loud * dead, hit], axis=1), RATE, subtype="FLOAT")
+    taken = recordings.read(tmp_path / "two.wav")
+    assert taken.samples == pytest.approx(hit, abs=1e-6)
 
 
 def struck(folder, recording, out, *options) -> float:

@@ -12,10 +12,11 @@ from carom.dsp.errors import CaromError
 from carom.dsp.mesh import forms
 from carom.dsp.runtime.engine import Engine
 from carom.server.scene.session import Session
+from tests import needs
 from tests.server.scene.support import say
 from tests.server.scene.test_points import stiffness_of
 
-trimesh = pytest.importorskip("trimesh")
+trimesh = needs.module("trimesh")
 QUICK = ("--modes", "12", "--points", "60")
 
 

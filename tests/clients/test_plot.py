@@ -7,6 +7,7 @@ import pytest
 import soundfile
 
 from carom.clients.plot import PlotError, plotter
+from tests import needs
 
 RATE = 48_000
 
@@ -14,7 +15,7 @@ RATE = 48_000
 @pytest.fixture
 def drawn(monkeypatch):
     """Draw samples and return the axes."""
-    Figure = pytest.importorskip("matplotlib.figure").Figure
+    Figure = needs.module("matplotlib.figure").Figure
     saved, save = [], Figure.savefig
 
     def kept(figure, *args, **keys):

@@ -30,8 +30,8 @@ def _value(domain: known.Domain) -> str:
             return f"a list, each {_value(item)}"
         case Rows(item):
             return f"a list of lists, each value {_value(item)}"
-        case Quantity(low, high, unit):
-            return f"{low:g} to {high:g} {unit}".rstrip() + ", whole" * isinstance(domain, Whole)
+        case Quantity():
+            return domain.allowed + ", whole" * isinstance(domain, Whole)
         case Choice(options):
             return ", ".join(f"`{word}`" for word in options)
         case Name():
@@ -54,7 +54,7 @@ def _usual(name: str) -> str:
     own = ", ".join(f"`{key}`" for key in fields if key not in (*words, *gestures.REQUIRED[name]))
     first = GESTURES[name].argument
     rows = [(f"`{key}` (required)", "a preset's name", f"a {key} preset") for key in words]
-    rows += [(f"`{first.name}` (required)", first.bounds, first.help), (own, "as messages have them", "")]
+    rows += [(f"`{first.name}` (required)", first.allowed, first.help), (own, "as messages have them", "")]
     return table(_HEAD, rows)
 
 

@@ -2,6 +2,7 @@
 them."""
 
 import importlib.util
+import json
 from pathlib import Path
 from types import ModuleType
 
@@ -18,6 +19,12 @@ SCENES = ("grasp", "passing")
 PICTURES = ("demo", "coin", "marble")
 RATE, SECONDS = 44_100, 10.0
 PEAK = 0.89  # of full scale
+WINDOWS = 20  # parts of a sound, whose levels are compared
+CHAOTIC = {"marble": ("roll   0.3 ", "roll 0.3{:08d} "), "passing": ('qvel="3 ', 'qvel="3.{:09d} ')}
+"""What parts by rounding, as another processor or library rounds: rolls that hop. The words that say how fast the roll
+begins, and those for a speed that is so many 1e-9 m/s higher: its sound is another, and as right."""
+STARTS = 32  # of them, whose mean and spread are kept
+SPREAD = ROOT / "tests" / "measured" / "sounds.json"
 MOST_BYTES = 150_000
 COLOURS = 128  # of a picture: a third of the bytes, and no difference to see
 
@@ -40,18 +47,28 @@ def scenes() -> ModuleType:
     return made
 
 
-def rendered(name: str, told: str | None = None) -> np.ndarray:
+def rendered(name: str, start: int = 0) -> np.ndarray:
     """Return the sound of a score, mono (frames,), or of a scene at two ears, (frames, 2), its silent end cut off.
 
-    told: text of the score, if it is not the one that is kept.
+    start: by how many 1e-9 m/s what is CHAOTIC begins faster.
     """
     if name in SCENES:
-        sound = scenes().hear(name, RATE).sound.samples
+        module = scenes()
+        if start:
+            module.PASSING = _begun(name, module.PASSING, start)
+        sound = module.hear(name, RATE).sound.samples
     else:
-        sound = carom.render(told or score(name), rate=RATE, limiter=False).samples.mean(axis=1)
+        text = _begun(name, score(name).read_text(encoding="utf-8"), start) if start else score(name)
+        sound = carom.render(text, rate=RATE, limiter=False).samples.mean(axis=1)
     heard = np.flatnonzero(np.abs(sound).reshape(len(sound), -1).max(axis=1) > 1e-4 * np.abs(sound).max())
     sound = sound[: min(heard[-1] + 1, round(SECONDS * RATE))]
     return sound * (PEAK / np.abs(sound).max())
+
+
+def _begun(name: str, text: str, start: int) -> str:
+    words, others = CHAOTIC[name]
+    assert words in text, f"{name}: {words} is no part of it any more"
+    return text.replace(words, others.format(start))
 
 
 def bands(sound: np.ndarray) -> np.ndarray:
@@ -63,10 +80,29 @@ def bands(sound: np.ndarray) -> np.ndarray:
     return 10 * np.log10(np.array(level) / max(level) + 1e-12)
 
 
+def levels(sound: np.ndarray) -> np.ndarray:
+    """Return levels (dB) of each channel of a sound: its octaves, then WINDOWS parts of it, to the power of the whole
+    sound, (channels, 9 + WINDOWS). One peak does not move them all."""
+    sound = sound.reshape(len(sound), -1)
+    parts = np.array([(part**2).mean(axis=0) for part in np.array_split(sound, WINDOWS)]) / (sound**2).mean()
+    return np.concatenate([[bands(channel) for channel in sound.T], 10 * np.log10(parts.T + 1e-12)], axis=1)
+
+
+def write_spread() -> None:
+    """Keep mean and standard deviation of the levels of what is chaotic, over STARTS that differ by 1e-9 m/s."""
+    found = {}
+    for name in CHAOTIC:
+        each = np.array([levels(rendered(name, start + 1)) for start in range(STARTS)])
+        found[name] = {"mean": each.mean(axis=0).tolist(), "deviation": each.std(axis=0, ddof=1).tolist()}
+    rounded = json.loads(json.dumps(found), parse_float=lambda digits: round(float(digits), 3))
+    SPREAD.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
+
+
 def main() -> None:
     for name in (*SOUNDS, *SCENES):
         path(name).parent.mkdir(exist_ok=True)
         soundfile.write(path(name), rendered(name), RATE, format="OGG", subtype="VORBIS")
+    write_spread()
     for name in PICTURES:
         picture = score(name).with_suffix(".png")
         carom.render(score(name)).plot(picture)

@@ -12,8 +12,9 @@ from carom.presets import PresetError, Presets
 from carom.presets.gltf import EXTENSION, glb_of, values_of
 from carom.presets.gltf_tables import model_bytes
 from carom.presets.tables import table_of
+from tests import needs
 
-trimesh = pytest.importorskip("trimesh")
+trimesh = needs.module("trimesh")
 
 
 @pytest.fixture(scope="module")

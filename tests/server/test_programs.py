@@ -1,7 +1,6 @@
 """Other programs play the live server: oscsend, Pure Data, SuperCollider."""
 
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from tests import needs
 from tests.server.support import counted, onsets
 from tests.support import Running, serving
 
@@ -29,8 +29,7 @@ def client_programs() -> list[tuple[str, list[str]]]:
 
 @pytest.mark.parametrize(("program", "words"), client_programs(), ids=lambda v: v if isinstance(v, str) else "")
 def test_other_programs_strike(tmp_path, program, words):
-    if not shutil.which(program):
-        pytest.skip(f"{program} is not installed")
+    needs.program(program)
     # sclang brings a browser for its help, which needs a screen and refuses to be root.
     env = os.environ | {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1", "HOME": str(tmp_path)}
     with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
@@ -65,8 +64,7 @@ PD_HAND = """#N canvas 0 0 400 300 12;
 
 
 def test_a_slider_in_pd_rolls_a_marble(tmp_path):
-    if not shutil.which("pd"):
-        pytest.skip("pd is not installed")
+    needs.program("pd")
     (tmp_path / "hand.pd").write_text(PD_HAND)
     with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
         words = ["pd", "-nogui", "-noaudio", "-send", f"port {server.port}", str(EXAMPLES / "puredata" / "roll.pd")]
@@ -106,8 +104,8 @@ PD_NOTE = """#N canvas 0 0 400 300 12;
 )
 def test_other_programs_play_notes(tmp_path, server: Running, words, notes):
     """The notes are as many as they are, each on a copy of the bar, and none is refused."""
-    if not shutil.which(words[0]):
-        pytest.skip(f"{words[0]} is not installed")
+    if words[0] in needs.PROGRAMS:
+        needs.program(words[0])
     (tmp_path / "note.pd").write_text(PD_NOTE)
     env = os.environ | {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1", "HOME": str(tmp_path)}
     words = [str(word).replace("PORT", str(server.port)) for word in words]
@@ -134,8 +132,7 @@ SCLANG_TCP = """(fork {
 
 @pytest.mark.parametrize("program", ["oscsend", "sclang"])
 def test_other_programs_strike_over_tcp(tmp_path, server: Running, program):
-    if not shutil.which(program):
-        pytest.skip(f"{program} is not installed")
+    needs.program(program)
     (tmp_path / "strike.scd").write_text(SCLANG_TCP.replace("PORT", str(server.port)))
     send = ["oscsend", f"osc.tcp://localhost:{server.port}"]
     commands = {

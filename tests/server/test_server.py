@@ -1,7 +1,6 @@
 """The live server, as its clients meet it."""
 
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from carom.clients.actions import CommandError
 from carom.clients.client import Client
 from carom.server.osc.score import read
 from tests.server.support import counted, onsets
-from tests.support import Running, serving
+from tests.support import Running, limited, serving
 
 pytestmark = pytest.mark.slow
 
@@ -123,9 +122,7 @@ def test_presets_outside_the_folders_are_out_of_reach(tmp_path):
 def test_files_that_can_not_be_written_on_are_told_for_good(tmp_path):
     """Clients that ask later hear of it, too, even where nobody reads what it says; what is there of the log can be
     rendered."""
-    limits = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)); "
-    limits += "from carom.clients.cli import main; sys.exit(main())"
-    words = [sys.executable, "-c", limits, "serve", "--port", "0", "--device", "none", "--log", "log.txt"]
+    words = [*limited(20_000), "serve", "--port", "0", "--device", "none", "--log", "log.txt"]
     with subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout and process.stderr
         port = int(process.stdout.readline().split(":")[1].split(",")[0])

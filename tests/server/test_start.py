@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import soundfile
 
+from tests import needs
 from tests.support import CAROM, Running, serving
 
 pytestmark = pytest.mark.slow
@@ -55,7 +56,7 @@ def test_no_portaudio_is_told(tmp_path):
 
 
 def test_an_unknown_device_is_told(tmp_path):
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     assert "device no-such-device" in failing(tmp_path, "--port", "0", "--device", "no-such-device")
 
 

@@ -1,7 +1,6 @@
 """Time tags: their sounds begin where the clock says, to less than a sample, whoever sends them, whatever plays."""
 
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -15,6 +14,7 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 from pythonosc.udp_client import UDPClient
 
 from carom.server.osc.score import read
+from tests import needs
 from tests.support import Running, serving
 
 pytestmark = pytest.mark.slow
@@ -89,10 +89,10 @@ def assert_heard_at(recording: Path, onset: float) -> None:
     ids=["python-osc", "sclang", "jack"],
 )
 def test_onsets_are_even_to_less_than_a_sample(tmp_path, request, send, device):
-    if send is sclang and not shutil.which("sclang"):
-        pytest.skip("sclang is not installed")
+    if send is sclang:
+        needs.program("sclang")
     if device == "system":
-        pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+        needs.module("sounddevice")
         request.getfixturevalue("jack").start(1024)
     heard = []
     while len(heard) < TAKES and min(heard, default=np.inf) >= 1.0:
@@ -130,9 +130,9 @@ def test_an_hour_late_is_told_on_a_machine_that_is_a_minute_old():
     """The server runs in a time namespace, where the system can make one."""
     offsets = Path("/proc/self/timens_offsets")
     here = int(offsets.read_text().split()[1]) if offsets.exists() else 0  # s: offsets count from the system's clock
-    namespace = ["unshare", "--fork", "--time", "--monotonic", str(here + 60 - int(time.monotonic()))]
-    if not shutil.which("unshare") or subprocess.run([*namespace, "true"], capture_output=True).returncode:
-        pytest.skip("no time namespace can be made")
+    namespace = [needs.program("unshare"), "--fork", "--time", "--monotonic", str(here + 60 - int(time.monotonic()))]
+    if subprocess.run([*namespace, "true"], capture_output=True).returncode:
+        needs.skip("no time namespace can be made", "root may, on Linux 5.6 and newer")
     code = f"import time; from {__name__} import an_hour_late; assert time.monotonic() < 120; an_hour_late()"
     root = Path(__file__).parents[2]
     subprocess.run([*namespace, sys.executable, "-c", code], cwd=root, check=True, timeout=120)

@@ -20,6 +20,7 @@ from carom.server.osc.addresses import VERBS
 from carom.server.osc.wire import Message
 from carom.server.server import Server
 from carom.server.start import serving
+from tests import needs
 
 
 @contextmanager
@@ -138,7 +139,7 @@ def test_quality_steps_down_while_there_is_too_little_time_and_says_so(server, c
 @pytest.mark.parametrize("kind", ["log", "recording"])
 def test_a_disk_that_is_full_is_told_once_and_the_sound_goes_on(server, client, capfd, kind):
     if not os.path.exists("/dev/full"):
-        pytest.skip("no disk that is always full")
+        needs.skip("no disk is always full", "Linux and BSD have /dev/full")
     client.new("a", "wood-block")
     client.ask("/notify", 1)
     keeper = server._writers[{"log": "logging", "recording": "recording"}[kind]]

@@ -126,7 +126,7 @@ static double note_of(const char *name) {
 }
 
 named checked(carom *scene, const value *declared, const word *given) {
-    const char *name = text_of(declared, "name"), *bounds = text_of(declared, "bounds");
+    const char *name = text_of(declared, "name"), *expected = text_of(declared, "expected");
     const value *words = item(declared, "words");
     char spelled[32];
     if (words->kind == LIST) {
@@ -145,9 +145,11 @@ named checked(carom *scene, const value *declared, const word *given) {
     }
     double number = given->number;
     int is_note = given->kind == A_TEXT && !strcmp(name, "note") && (number = note_of(given->text)) >= 0.0;
-    if ((given->kind != A_NUMBER && !is_note) || !(number >= number_of(declared, "low")) ||
-        !(number <= number_of(declared, "high")))
-        refuse(scene, "%s = %.80s: expected a number from %s", name, given->text, bounds);
+    int is_within = number >= number_of(declared, "low") && number <= number_of(declared, "high");
+    int fits = is_within || (is_true(declared, "orZero") && number == 0.0);
+    if ((given->kind != A_NUMBER && !is_note) || !fits)
+        refuse(scene, "%s = %.80s: expected %s", name, given->text, expected);
+    if (fabs(number) < number_of(declared, "least")) number = 0.0; /* too little to tell */
     if (is_true(declared, "whole") && number != floor(number))
         refuse(scene, "%s = %.80s: expected a whole number", name, given->text);
     return (named){name, NULL, number};

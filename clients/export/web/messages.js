@@ -27,12 +27,14 @@ function inEngine({ unit }, value) {
 }
 
 function checked(declared, value) {
-  const { name, low, high, bounds, whole, words } = declared;
+  const { name, low, high, expected, whole, words, orZero, least } = declared;
   if (words) return words.includes(String(value)) ? String(value) : refuse(`${name} = ${value}: expected one of ${words.join(", ")}`);
   if (low === undefined) return typeof value === "string" && value ? value : refuse(`${name} = ${value}: expected a name`);
   const note = typeof value === "string" && name === "note" ? value.match(NOTE) : null;
   if (note) value = 12 * (Number(note[3]) + 1) + STEPS[note[1].toUpperCase()] + (SIGNS[note[2]] ?? 0);
-  if (typeof value !== "number" || !(value >= low && value <= high)) refuse(`${name} = ${value}: expected a number from ${bounds}`);
+  const fits = typeof value === "number" && ((value >= low && value <= high) || (orZero && value === 0));
+  if (!fits) refuse(`${name} = ${value}: expected ${expected}`);
+  if (Math.abs(value) < least) value = 0; // too little to tell
   if (whole && !Number.isInteger(value)) refuse(`${name} = ${value}: expected a whole number`);
   return value;
 }

@@ -15,6 +15,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from tests import needs
 from tests.clients.dataset.support import unpacked
 
 EXAMPLES = Path(__file__).parents[3] / "clients" / "examples" / "dataset"
@@ -42,7 +43,7 @@ def example(made, monkeypatch, capsys):
 
 
 def test_torch_reads_it_by_webdataset(example):
-    pytest.importorskip("webdataset")
+    needs.module("webdataset")
 
     def batches(clips, batch_size, collate_fn):
         found = list(clips)
@@ -56,7 +57,7 @@ def test_torch_reads_it_by_webdataset(example):
 
 def test_torch_renders_without_files(made):
     """Two processes of a DataLoader render all items once."""
-    torch = pytest.importorskip("torch")
+    torch = needs.module("torch")
     import carom.torch
 
     path, out = made
@@ -79,7 +80,7 @@ def test_torch_renders_without_files(made):
 
 
 def test_hugging_face_reads_it(example):
-    pytest.importorskip("datasets")
+    needs.module("datasets")
     lines = [line for line in example("with_huggingface.py") if "(12000,)" in line]
     assert [line.split()[0] for line in lines] == [f"{n:09d}" for n in range(6)]
 

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -19,7 +18,7 @@ from carom.clients.dataset.recipe import read
 from carom.clients.dataset.run import Workers, run
 from carom.clients.dataset.versions import VersionError
 from tests.clients.dataset.support import SMALL, contents, unpacked, written
-from tests.support import CAROM
+from tests.support import CAROM, limited
 
 pytestmark = pytest.mark.slow
 
@@ -129,9 +128,8 @@ def error_of(done: "subprocess.CompletedProcess[str]") -> str:
 def test_a_full_disk_is_one_line_and_leaves_no_half_shard(tmp_path):
     """The disk has room for the modes that its processes share, but not for a shard."""
     path = written(tmp_path, 'format = "wav"\nsamples = "float"\n' + SMALL.replace("seconds = 0.25", "seconds = 4.0"))
-    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000))  # noqa: E731
-    words = [*CAROM, "dataset", path, tmp_path / "out", "--workers", "1"]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=60, preexec_fn=limit)
+    words = [*limited(1_000_000), "dataset", path, tmp_path / "out", "--workers", "1"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60)
     error = error_of(done)
     assert f"{tmp_path / 'out'}/small-00000" in error and "File too large" in error
     assert not list((tmp_path / "out").glob("*.tar")) and not list((tmp_path / "out").glob("*.part"))

@@ -5,7 +5,6 @@ import json
 import math
 import os
 import re
-import shutil
 import struct
 import subprocess
 import sys
@@ -17,10 +16,11 @@ import pytest
 from carom.clients.export import c
 from carom.server.osc.score import format_line
 from carom.server.osc.wire import Message
+from tests import needs
 
 from .asking import asking, map_of
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler is installed")]
+pytestmark = [pytest.mark.slow, needs.without("cc")]
 
 SOURCES = Path(c.__file__).parent / "c"
 STRICT = ["-std=c11", "-O1", "-Wall", "-Wextra", "-Werror"]

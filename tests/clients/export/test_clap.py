@@ -1,6 +1,5 @@
 """A scene as a CLAP plug-in: a host that speaks CLAP's interface in C hears the bits of a render."""
 
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,13 +12,15 @@ from carom.clients.commands.export import read_scene
 from carom.clients.export import clap
 from carom.presets import Presets
 from carom.server.osc.score import ScoreError, parse
+from tests import needs
 from tests.clients.export.conftest import TINY
 from tests.clients.export.make_plugin import FRAMES, RATE
 from tests.clients.export.pages import ENGINE
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(shutil.which("cc") is None or sys.platform != "linux", reason="no C compiler, or not on Linux"),
+    needs.without("cc"),
+    needs.linux("a plug-in's format"),
 ]
 
 HERE = Path(__file__).parent

@@ -18,13 +18,12 @@ import pytest
 from carom.clients.export.packing import compressed
 from carom.clients.export.parting import parted
 from carom.dsp.native.wasm_object import CODE, as_leb
+from tests import needs
 from tests.clients.export.pages import RENDER, served
 
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+playwright = needs.module("playwright.sync_api")
 
-CHROMIUM = shutil.which("chromium")
-
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")]
+pytestmark = [pytest.mark.slow, needs.without("chromium")]
 
 TABLES = 36.0
 """MB of the tables of pulses: of one contact law, and of drops."""
@@ -177,7 +176,7 @@ HEAR = """() => {
 def page(folder: Path) -> Iterator[Any]:
     """The page of the scene, from a server of static files."""
     with served(folder) as address, playwright.sync_playwright() as runner:
-        browser = runner.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = runner.chromium.launch(executable_path=needs.program("chromium"), args=["--no-sandbox"])
         opened = browser.new_page()
         errors: list[str] = []
         opened.on("pageerror", lambda error: errors.append(str(error)))

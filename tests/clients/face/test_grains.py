@@ -10,6 +10,7 @@ import pytest
 import carom
 from carom.dsp.contact.law import restitution
 from carom.server.bridge.grains import Flow, course_of
+from tests import needs
 from tests.clients.face.corpus import EXAMPLES
 
 RATE, STEP = 48_000, 64 / 48_000
@@ -218,7 +219,7 @@ def test_dust_and_blows_of_any_speed_make_a_sound_of_some_size(radius, approach,
 
 @pytest.mark.slow
 def test_marbles_that_mujoco_pours_into_a_bowl_are_as_loud_together_and_cost_less():
-    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    mujoco = needs.module("mujoco")
     sys.path.insert(0, str(EXAMPLES))
     import grains as example  # type: ignore[import-not-found]
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import carom
+from tests import needs
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+mujoco = needs.module("mujoco")
 
 from carom.presets.supports import SUPPORTS  # noqa: E402
 from tests.clients.face.corpus import module  # noqa: E402

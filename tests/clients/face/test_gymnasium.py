@@ -5,8 +5,10 @@ import pickle
 import numpy as np
 import pytest
 
-gymnasium = pytest.importorskip("gymnasium", reason="Gymnasium is not installed")
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+from tests import needs
+
+gymnasium = needs.module("gymnasium")
+mujoco = needs.module("mujoco")
 
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 

@@ -5,12 +5,13 @@ import math
 
 import pytest
 
-pytest.importorskip("mujoco", reason="without mujoco nothing simulates")
-import mujoco
-
 import carom
-from carom.mujoco import Bridge
-from tests.clients.face.corpus import brick_on_ramp
+from tests import needs
+
+mujoco = needs.module("mujoco")
+
+from carom.mujoco import Bridge  # noqa: E402
+from tests.clients.face.corpus import brick_on_ramp  # noqa: E402
 
 SCENE = """<mujoco><option timestep="{step}"/><default><geom solref="{solref} 1"/></default><worldbody>
 <geom name="floor" type="plane" size="2 2 .1"/>

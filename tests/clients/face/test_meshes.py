@@ -16,6 +16,7 @@ from carom.dsp.mesh.surface import Surface
 from carom.server.bridge.bodies import NoModel
 from carom.server.bridge.checks import WorldError
 from carom.server.telling import mode_levels
+from tests import needs
 
 pytestmark = pytest.mark.slow
 
@@ -219,7 +220,7 @@ MODEL = """<mujoco><asset>
 
 def model_of(more=""):
     """Return a model in which a bar falls, whose mesh lies aside of its axes and is turned."""
-    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    mujoco = needs.module("mujoco")
     moved = forms.moved(BAR, (0.05, 0.02, 0.01), np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]]))
     vertices, faces = (" ".join(map(str, np.ravel(each).tolist())) for each in moved)
     model = mujoco.MjModel.from_xml_string(MODEL.format(vertices=vertices, faces=faces, more=more))

@@ -12,8 +12,9 @@ import pytest
 import soundfile
 
 import carom
+from tests import needs
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+mujoco = needs.module("mujoco")
 
 from carom.mujoco import Bridge  # noqa: E402
 from tests.clients.face.corpus import (  # noqa: E402

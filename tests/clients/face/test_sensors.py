@@ -6,6 +6,7 @@ import soundfile
 
 import carom
 from carom.clients.cli import main
+from tests import needs
 
 SCORE = """
 0    /object/new bar marimba-bar
@@ -119,7 +120,7 @@ MODEL = """
 
 
 def test_a_site_of_a_model_is_a_place_for_a_sensor():
-    mujoco = pytest.importorskip("mujoco")
+    mujoco = needs.module("mujoco")
     import carom.mujoco
 
     model = mujoco.MjModel.from_xml_string(MODEL)
@@ -137,7 +138,7 @@ def test_a_site_of_a_model_is_a_place_for_a_sensor():
 
 @pytest.mark.slow
 def test_an_environment_observes_its_sensors():
-    gymnasium = pytest.importorskip("gymnasium")
+    gymnasium = needs.module("gymnasium")
     import carom.gymnasium
 
     made = gymnasium.make("InvertedPendulum-v5")

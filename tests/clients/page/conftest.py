@@ -1,7 +1,6 @@
 """A page in Debian's Chromium, on a real server that plays nowhere and keeps a log and a recording."""
 
 import re
-import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -14,11 +13,11 @@ import pytest
 from numpy.typing import ArrayLike
 
 from carom.server.osc.score import Line, read
+from tests import needs
 from tests.support import Running, serving
 
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+playwright = needs.module("playwright.sync_api")
 
-CHROMIUM = shutil.which("chromium")
 PATIENCE = 30.0  # s: twenty objects are made within 10 on an idle machine
 SIZE = {"width": 1280, "height": 800}
 
@@ -84,10 +83,9 @@ class Table:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    if CHROMIUM is None:
-        pytest.skip("chromium is not installed")
+    chromium = needs.program("chromium")
     with playwright.sync_playwright() as runner:
-        browser = runner.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = runner.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         yield browser
         browser.close()
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh
-from scipy.special import jacobi
+from scipy.special import eval_jacobi, poch
 
 from carom.dsp import bodies
 from tests.dsp.bodies.reference import HEAVY, plate_unit
@@ -19,10 +19,19 @@ R, WEIGHT = (NODES + 1) / 2, (NODES + 1) / 2 * WEIGHTS / 2  # of r dr on a radiu
 
 def powers(lowest, terms):
     """Return values and first and second derivatives of Zernike's r^lowest P_j(2 r^2 - 1) at R, (3, terms, points)."""
-    p = (lowest + 2 * np.arange(terms))[:, None]
-    zernike = [jacobi(j, 0, lowest)(np.poly1d([2, -1])).coef[::-1] for j in range(terms)]
-    by_power = np.array([np.pad(each, (0, terms - each.size)) for each in zernike])
-    return by_power @ np.stack([R**p, p * R ** (p - 1.0), p * (p - 1) * R ** (p - 2.0)])
+    p, p1, p2 = (_jacobi(lowest, terms, derivative) for derivative in range(3))
+    r, slope = R**lowest, lowest * R ** (lowest - 1.0)
+    bent = lowest * (lowest - 1) * R ** (lowest - 2.0)
+    return np.stack(
+        [r * p, slope * p + r * 4 * R * p1, bent * p + (2 * slope * 4 * R + r * 4) * p1 + r * 16 * R**2 * p2]
+    )
+
+
+def _jacobi(lowest, terms, derivative):
+    """Return derivatives of Jacobi's polynomials P_j^(0, lowest) at 2 R^2 - 1, by recurrence: sums of powers cancel."""
+    j = np.arange(terms)[:, None]
+    factor = poch(j + lowest + 1, derivative) / 2**derivative
+    return factor * eval_jacobi(j - derivative, derivative, lowest + derivative, 2 * R**2 - 1) * (j >= derivative)
 
 
 def in_plane(m):
@@ -54,10 +63,19 @@ def energies(m, rise):
     radial = np.concatenate([du, slope * dw])
     around = np.concatenate([(u + m * v) / R, 0 * w])
     shear = np.concatenate([dv - (m * u + v) / R, -m * slope * w / R])
-    whole = product(radial, radial) + product(around, around) + nu * (product(radial, around) + product(around, radial))
-    whole = plane * (whole + (1 - nu) / 2 * product(shear, shear))
-    n = len(u)
-    stretched = whole[n:, n:] - whole[n:, :n] @ np.linalg.pinv(whole[:n, :n], rcond=1e-13) @ whole[:n, n:]
+    # Strains whose sum of squares is the energy: what displacements in the plane can't take away of those of w is what
+    # is orthogonal to theirs, which is known far better than the inverse of their matrix.
+    root = np.sqrt(plane * WEIGHT)
+    strain = np.concatenate(
+        [root * (radial + nu * around), root * math.sqrt(1 - nu**2) * around, root * math.sqrt((1 - nu) / 2) * shear],
+        axis=1,
+    )
+    free = strain[: len(u)]
+    free = free[np.linalg.norm(free, axis=1) > 1e-9 * math.sqrt(plane)]  # all but a shift as a whole
+    q = np.linalg.qr(free.T)[0]
+    rest = strain[len(u) :].T
+    rest = rest - q @ (q.T @ rest)
+    stretched = rest.T @ rest
     return stiffness + stretched, HEAVY.density * h * product(w, w)
 
 

@@ -8,6 +8,7 @@ from carom.dsp.mesh import forms, shells
 from carom.dsp.mesh.creases import SHARES, TURNS, held, shorter
 from carom.dsp.mesh.refining import refined
 from carom.dsp.mesh.surface import Surface, faces_of
+from tests import needs
 from tests.bench import corners
 
 METAL = Material("metal", 7.85e7, 2e15, 0.29, 1.0, 0.0)
@@ -28,7 +29,7 @@ def folded(turn, counts):
 
 @pytest.mark.parametrize("turn", [60.0, 90.0, 120.0])
 def test_the_shares_are_those_of_corners_in_plane_strain(turn):
-    pytest.importorskip("skfem")
+    needs.module("skfem")
     assert corners.shorter(np.radians(turn)) == pytest.approx(shorter(np.radians([turn]))[0], rel=2e-3)
 
 

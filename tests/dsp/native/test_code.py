@@ -316,8 +316,15 @@ def test_code_that_can_fail_is_refused(monkeypatch, tmp_path):
         compiled("raising")
 
 
-def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_taken(monkeypatch):
+@pytest.fixture
+def asked_anew():
+    """What this processor can do is asked for anew, and again after the test: its answer is kept."""
     processors.cache_clear()
+    yield
+    processors.cache_clear()
+
+
+def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_taken(asked_anew, monkeypatch):
     monkeypatch.setenv(targets.VARIABLE, "x86-64-v9")
     with pytest.raises(ProcessorError, match=r"CAROM_PROCESSOR = 'x86-64-v9': expected portable, or one of x86-64"):
         processors()

@@ -85,7 +85,7 @@ def test_code_of_two_units_runs_with_what_it_calls_of_the_system(tmp_path, monke
     for i in range(40):
         assert first(0.3, i) == expected(0.3, i, math.exp(0.3))
     if sys.platform == "linux":
-        lines = [line.split() for line in Path("/proc/self/maps").read_text().splitlines()]
+        lines = [line.split(maxsplit=5) for line in Path("/proc/self/maps").read_text().splitlines()]
         (code,) = (row for row in lines if row[0].startswith(f"{at:x}-"))
         (table,) = (row for row in lines if row[0].startswith(f"{at + len(image.code):x}-"))
         assert (code[1], table[1]) == ("r-xp", "r--p") and (code[-1] == str(file)) == (way == "its file")

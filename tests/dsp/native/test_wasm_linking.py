@@ -1,6 +1,5 @@
 """Object files for WebAssembly, linked: what is left out, and what stays as LLVM made it."""
 
-import shutil
 import subprocess
 
 import llvmlite.binding as llvm
@@ -8,8 +7,9 @@ import pytest
 
 from carom.dsp.native import wasm_object
 from carom.dsp.native.wasm import TARGET, data_end, linked
+from tests import needs
 
-pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+pytestmark = needs.without("node")
 
 ASSEMBLY = """
 @near = internal constant [3 x i8] c"abc", align 1

@@ -14,6 +14,7 @@ from carom.dsp.native.digests import digest
 from carom.dsp.native.store import Store
 from carom.dsp.native.targets import targets
 from carom.dsp.native.workers import Workers
+from tests import needs
 
 COUNT = 6
 
@@ -99,7 +100,7 @@ def test_processes_end_where_the_work_is_given_up(kept):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+@needs.linux("/proc")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGKILL"])
 def test_workers_end_without_a_word_when_their_parent_does(tmp_path, name):
     """Nothing is left running, and nothing stands on the terminal but what the parent says."""

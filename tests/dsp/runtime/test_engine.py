@@ -17,6 +17,7 @@ from carom.dsp.runtime.arena import Arena, EngineFull
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.fresh import fresh_state
 from carom.dsp.runtime.memory import touch
+from tests import needs
 from tests.dsp.engine.support import RATE, active, bell, free, impact, strike
 
 
@@ -34,7 +35,7 @@ def test_freed_objects_give_their_room_back():
 def test_what_is_touched_is_held_and_unchanged():
     status = Path("/proc/self/status")
     if not status.exists():
-        pytest.skip("the system does not tell what a process holds")
+        needs.skip("the system does not tell what a process holds", "Linux does")
 
     def held() -> int:
         return int(re.search(r"RssAnon:\s+(\d+) kB", status.read_text())[1])
@@ -144,7 +145,7 @@ def test_a_state_that_was_played_is_fresh_for_another_once_nobody_looks_at_it(mo
     assert not kept and looks.any()
     del looks
     if not kept:
-        pytest.skip("this system does not tell which pages were written")
+        needs.written_pages()
     again = _fresh(RATE, 2)
     assert again.ctypes.data == address
     new = new_state(RATE, 2)[0]
@@ -173,7 +174,7 @@ def test_pages_are_looked_for_only_where_there_may_be_others(monkeypatch):
         state[0]["bank"]["weight"][512 * min(number, 5)] = 1.0  # a page of its own
         del state
     if not kept:
-        pytest.skip("this system does not tell which pages were written")
+        needs.written_pages()
     assert 6 <= len(looks) < 20
     assert not _fresh()[0]["bank"]["weight"][: 512 * 6].any()
 
@@ -211,6 +212,6 @@ assert np.array_equal(forked, sound(False)) and np.array_equal(forked, sound(Tru
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="nothing forks here")
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes do not fork: Unix systems alone do")
 def test_after_a_fork_each_process_has_an_engine_of_its_own():
     subprocess.run([sys.executable, "-c", FORKED], check=True, cwd=Path(__file__).parents[3])

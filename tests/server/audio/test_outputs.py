@@ -11,6 +11,7 @@ import pytest
 
 from carom.server.audio.outputs import AudioError, open_output
 from carom.server.osc.score import Line, read
+from tests import needs
 from tests.support import render_lines
 
 pytestmark = pytest.mark.slow
@@ -150,9 +151,9 @@ class recording:  # noqa: N801 - used as a context, like the standard library's
 
 def test_alsa_writes_what_a_render_gives(tmp_path):
     """ALSA's file device through PortAudio, unpaced: the same samples again, by another back end."""
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     if not Path("/usr/share/alsa/alsa.conf").exists():
-        pytest.skip("ALSA is not installed")
+        needs.skip("ALSA is not installed", "apt install libasound2-data")
     score = tmp_path / "score.txt"
     score.write_text("0 /object/new a glass-plate\n0.1 /object/a/impact 1\n0.5 /object/a/impact 2 striker wood\n")
     raw = tmp_path / "out.raw"
@@ -168,7 +169,7 @@ def test_alsa_writes_what_a_render_gives(tmp_path):
 
 
 def test_a_machine_without_devices_is_told_what_to_do(monkeypatch):
-    pytest.importorskip("sounddevice", exc_type=OSError)
+    needs.module("sounddevice")
     from carom.dsp.runtime.engine import Engine
 
     monkeypatch.setattr("carom.server.audio.outputs.devices", lambda: [])
@@ -177,7 +178,7 @@ def test_a_machine_without_devices_is_told_what_to_do(monkeypatch):
 
 
 def test_no_such_device():
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     from carom.dsp.runtime.engine import Engine
 
     with pytest.raises(AudioError, match=r"device no-such-device: .*`carom devices` lists"):
@@ -185,7 +186,7 @@ def test_no_such_device():
 
 
 def test_a_name_that_fits_several_is_told_in_one_line(monkeypatch):
-    sd = pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    sd = needs.module("sounddevice")
     from carom.dsp.runtime.engine import Engine
 
     found = [{"name": f"Card {n}", "hostapi": 0, "max_output_channels": 2} for n in range(2)]

@@ -18,6 +18,7 @@ from carom.dsp.runtime.pacer import keep_pace
 from carom.dsp.runtime.signature import SIGNATURE
 from carom.server.audio import supervisor as player_module
 from carom.server.audio.supervisor import Player, priority
+from tests import needs
 from tests.support import serving
 
 pytestmark = pytest.mark.slow
@@ -153,7 +154,7 @@ def test_the_clock_plays_on_while_python_is_held_up():
 
 def test_a_device_is_served_while_python_is_held_up(tmp_path, request):
     """64 frames a block on JACK: hogs in Carom's own process cost it no more than 2 %, a Python callback over 20 %."""
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     request.getfixturevalue("jack")
     from tests.bench import gil
 
@@ -198,7 +199,7 @@ def test_a_late_block_is_heard_at_once():
     assert len(leads) == 20 and min(leads) == 0
 
 
-@pytest.mark.skipif(not hasattr(os, "sched_setscheduler"), reason="another system's scheduler")
+@needs.linux("SCHED_FIFO")
 def test_the_thread_runs_in_real_time_where_that_is_permitted():
     engine = Engine(48_000)
     player = Player(engine, "none", 0, None)
@@ -214,7 +215,7 @@ def test_the_thread_runs_in_real_time_where_that_is_permitted():
         player.close()
 
 
-@pytest.mark.skipif(not hasattr(os, "sched_setscheduler"), reason="another system's scheduler")
+@needs.linux("SCHED_FIFO")
 def test_a_thread_that_ends_while_it_is_looked_at_is_no_fault(monkeypatch):
     engine = Engine(48_000)
     player = Player(engine, "none", 0, None)
@@ -255,7 +256,7 @@ def test_a_user_without_rights_is_told_how_the_thread_runs(monkeypatch, policy, 
     ("user", "limit", "expected"), [(0, 0, 70), (1000, 0, 70), (1000, 20, 20), (1000, 95, 70), (1000, -1, 70)]
 )
 def test_no_priority_is_asked_for_beyond_what_is_given(monkeypatch, user, limit, expected):
-    resource = pytest.importorskip("resource")
+    resource = needs.module("resource")
     monkeypatch.setattr(os, "geteuid", lambda: user)
     monkeypatch.setattr(resource, "getrlimit", lambda _: (limit, limit))
     assert priority() == expected
@@ -263,7 +264,7 @@ def test_no_priority_is_asked_for_beyond_what_is_given(monkeypatch, user, limit,
 
 def test_a_lost_device_is_told_and_had_back(tmp_path, jack):
     """jackd is killed under a server and started again: the clock paces the sound meanwhile."""
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     jack.start(1024)
     with (
         serving(tmp_path, "--device", "system", "--record", "out.wav") as server,
@@ -293,7 +294,7 @@ def test_a_lost_device_is_told_and_had_back(tmp_path, jack):
 
 
 def test_a_server_ends_well_after_its_device(tmp_path, jack):
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     jack.start(1024)
     with serving(tmp_path, "--device", "system") as server:
         jack.stop()
@@ -302,7 +303,7 @@ def test_a_server_ends_well_after_its_device(tmp_path, jack):
 
 
 def test_a_device_that_came_back_at_another_rate_is_had_back_at_its_own(tmp_path, jack):
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     jack.start(1024)
     with serving(tmp_path, "--device", "system") as server, server.client() as client, server.client() as listener:
         listener.ask("/notify", 1)
@@ -328,7 +329,7 @@ def test_a_device_that_came_back_at_another_rate_is_had_back_at_its_own(tmp_path
 @pytest.mark.parametrize("pause", [0.3, 3.0])
 def test_a_server_ends_well_while_its_device_is_frozen(tmp_path, jack, pause):
     """Told to end before it has seen that the device stands still, and after."""
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     jack.start(256)
     with serving(tmp_path, "--device", "system", "--record", "out.wav", "--log", "log.txt") as server:
         with server.client() as client:
@@ -347,7 +348,7 @@ def test_a_server_ends_well_while_its_device_is_frozen(tmp_path, jack, pause):
 
 
 def test_a_server_ends_well_in_the_moment_that_its_device_goes(tmp_path, jack):
-    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    needs.module("sounddevice")
     jack.start(64)
     with serving(tmp_path, "--device", "system", "--record", "out.wav") as server, server.client() as client:
         client.new("a", "wood-block")

@@ -11,11 +11,11 @@ import pytest
 from carom import Pose, Touch
 from carom.presets import Presets
 from carom.server.bridge.checks import WorldError
-from carom.server.bridge.rows import LEAST_TOLD
+from carom.server.bridge.rows import RANGES
 from carom.server.bridge.simulation import Simulation
 
 BODIES = 4
-COLUMNS = ("pair", "point", "normal", *LEAST_TOLD)
+COLUMNS = ("pair", "point", "normal", *RANGES)
 PLACES = ("position", "about", "turn", "velocity", "spin")
 
 
@@ -38,7 +38,7 @@ def random_step(seed: int) -> tuple[list[Touch], dict[str, Pose]]:
     random = np.random.default_rng(seed)
     touches = []
     for n in range(7):
-        told = {name: random.uniform() if random.uniform() < 0.7 else math.nan for name in LEAST_TOLD}
+        told = {name: random.uniform() if random.uniform() < 0.7 else math.nan for name in RANGES}
         point = tuple(random.normal(size=3).tolist())
         touches.append(Touch(f"body{n % BODIES}", f"body{(n + 1) % BODIES}", point, unit(random, 3), **told))
     poses = {

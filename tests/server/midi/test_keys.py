@@ -1,16 +1,19 @@
 """Keys, pedals and controllers as bytes of MIDI, and the messages that they become."""
 
-import mido
 import pytest
 
-from carom.dsp.runtime.engine import Engine
-from carom.presets.library import Presets
-from carom.server.midi.midi import Midi
-from carom.server.osc.addresses import VERBS
-from carom.server.osc.arguments import Refused
-from carom.server.osc.wire import Message, encode, parse
-from carom.server.scene.session import Session
-from tests.server.scene.support import say
+from tests import needs
+
+mido = needs.module("mido")
+
+from carom.dsp.runtime.engine import Engine  # noqa: E402
+from carom.presets.library import Presets  # noqa: E402
+from carom.server.midi.midi import Midi  # noqa: E402
+from carom.server.osc.addresses import VERBS  # noqa: E402
+from carom.server.osc.arguments import Refused  # noqa: E402
+from carom.server.osc.wire import Message, encode, parse  # noqa: E402
+from carom.server.scene.session import Session  # noqa: E402
+from tests.server.scene.support import say  # noqa: E402
 
 
 def whole(data):

@@ -13,11 +13,15 @@ import pytest
 import soundfile
 
 from carom import Client
-from carom.server.midi.ports import Ports
-from carom.server.options import ServeError
 from carom.server.osc.score import read
+from tests import needs
 from tests.server.support import counted
 from tests.support import render_lines, serving
+
+needs.module("mido")
+
+from carom.server.midi.ports import Ports  # noqa: E402
+from carom.server.options import ServeError  # noqa: E402
 
 ROOT = Path(__file__).parents[3]
 
@@ -106,10 +110,18 @@ def test_an_input_that_is_not_there_is_told_with_those_that_are(cable, carom, mo
 def test_a_system_without_a_sequencer_is_told_in_one_line_with_what_to_do(capfd, monkeypatch, wanted):
     monkeypatch.delenv("MIDO_BACKEND", raising=False)
     monkeypatch.setattr("carom.server.midi.ports._SEQUENCER", "/nowhere/seq")
+    monkeypatch.setattr("carom.server.midi.ports.find_spec", bool)
     monkeypatch.setattr("sys.platform", "linux")
     with pytest.raises(ServeError, match=r"no /nowhere/seq: expected ALSA's sequencer .*modprobe.*UNIX_JACK"):
         Ports([wanted], print)
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_python_for_which_rtmidi_has_no_wheel_is_told_what_brings_it(monkeypatch):
+    monkeypatch.delenv("MIDO_BACKEND", raising=False)
+    monkeypatch.setattr("carom.server.midi.ports.find_spec", lambda _: None)
+    with pytest.raises(ServeError, match=r"^midi: python-rtmidi is missing: pip install .*libasound2-dev"):
+        Ports(["virtual"], print)
 
 
 @pytest.mark.slow
@@ -142,6 +154,7 @@ def test_the_example_for_midi_plays(tmp_path, cable):
 def test_rtmidi_hears_jack(tmp_path, jack):
     """The note comes through the library that users have, and JACK's MIDI: the only one of the system's that needs no
     hardware."""
+    needs.module("rtmidi")
     import jack as library
 
     jack.start(256)

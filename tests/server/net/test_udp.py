@@ -10,6 +10,7 @@ import pytest
 from carom.dsp.native.atomics import publish
 from carom.server.net.network import RECEIVE_BUFFER
 from carom.server.net.udp import CAPACITY
+from tests import needs
 from tests.server.net.sockets import A, send_in_time, taken, udp
 
 pytestmark = pytest.mark.slow
@@ -47,7 +48,7 @@ def test_datagrams_of_all_sizes_come_whole_and_in_order(net, stack):
 def test_what_the_system_drops_is_counted(net, stack):
     """More than its buffer holds, while nobody empties that."""
     if sys.platform != "linux":
-        pytest.skip("the system does not tell")
+        needs.skip("the system does not tell what it drops", "Linux does")
     publish(net._intake._stopped, 1)
     net._intake._thread.join()
     one = udp(stack)
@@ -60,7 +61,7 @@ def test_what_the_system_drops_is_counted(net, stack):
 
 def test_a_burst_of_ten_thousand_waits_while_nobody_looks(net, stack):
     if net.receive_buffer < RECEIVE_BUFFER:
-        pytest.skip("the system gives less than the receive buffer asked for")
+        needs.receive_buffer()
     one = udp(stack)
     for _ in range(10_000):
         one.sendto(A, net.address)

@@ -9,12 +9,13 @@ import time
 
 import pytest
 
+from tests import needs
 from tests.server.support import counted
 from tests.support import serving
 
 pytestmark = pytest.mark.slow
 
-client_module = pytest.importorskip("pythonoscquery.osc_query_client", reason="python-oscquery is not installed")
+client_module = needs.module("pythonoscquery.osc_query_client")
 
 
 def test_python_oscquery_lists_and_plays(tmp_path):

@@ -43,10 +43,7 @@ NEW = {
 }  # fmt: skip
 """New value of each parameter: nothing that it is by itself in `begin`."""
 
-every_case = pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind in GESTURES for name in STEERABLE])
-steerable_cases = pytest.mark.parametrize(
-    ("kind", "name"), [(kind, name) for name in STEERABLE for kind in gestures_steered_by(name)]
-)
+every_kind = pytest.mark.parametrize("kind", GESTURES)
 
 
 def plate(mass):
@@ -108,33 +105,43 @@ def steering_of(engine):
 
 
 @pytest.mark.slow
-@every_case
-def test_a_parameter_steers_the_gestures_that_it_says_and_no_other_parameter(kind, name):
-    before, after = steering_of(begin(kind)), steering_of(steered(kind, name))
-    expected = before["target"] | ({name: NEW[name]} if name in GESTURES[kind].steerable else {})
-    assert before["target"][name] != NEW[name] and after["target"] == expected
-    others = [other for other in STEERABLE if other != name]
-    assert [after["now"][other] for other in others] == [before["now"][other] for other in others]
+@every_kind
+def test_a_parameter_steers_the_gestures_that_it_says_and_no_other_parameter(kind):
+    before = steering_of(begin(kind))
+    for name in STEERABLE:
+        after = steering_of(steered(kind, name))
+        expected = before["target"] | ({name: NEW[name]} if name in GESTURES[kind].steerable else {})
+        assert before["target"][name] != NEW[name] and after["target"] == expected, name
+        others = [other for other in STEERABLE if other != name]
+        assert [after["now"][other] for other in others] == [before["now"][other] for other in others], name
 
 
 @pytest.mark.slow
-@every_case
-def test_steerable_parameters_are_heard_and_others_are_not(kind, name):
-    sound = begin(kind).process(9_600)
-    changed = begin(kind)
-    changed.send([steer(7, name, NEW[name])])
-    same = np.array_equal(changed.process(9_600), sound)
-    assert same == (name not in GESTURES[kind].steerable)
+@every_kind
+def test_steerable_parameters_are_heard_and_others_are_not(kind):
+    def sound(*names):
+        engine = begin(kind)
+        engine.send([steer(7, name, NEW[name]) for name in names])
+        return engine.process(9_600)
+
+    unsteered = sound()
+    assert np.array_equal(sound(*(set(STEERABLE) - set(GESTURES[kind].steerable))), unsteered)
+    for name in GESTURES[kind].steerable:
+        assert not np.array_equal(sound(name), unsteered), name
 
 
 @pytest.mark.slow
-@steerable_cases
-@pytest.mark.parametrize("quanta", [1, 5, 20])
-def test_a_parameter_glides_as_declared(kind, name, quanta):
-    start, parameter = steering_of(begin(kind))["now"][name], gestures_steered_by(name)[kind]
-    (contact,) = numbered(steered(kind, name, quanta))
-    left = math.exp(-quanta * QUANTUM / (parameter.glide * RATE)) if parameter.glide else 0.0
-    assert contact["now"][name] == pytest.approx(NEW[name] + (start - NEW[name]) * left, rel=1e-9)
+@every_kind
+def test_a_parameter_glides_as_declared(kind):
+    starts = steering_of(begin(kind))["now"]
+    for name in GESTURES[kind].steerable:
+        glide, engine = gestures_steered_by(name)[kind].glide, steered(kind, name, 0)
+        for before, quanta in ((0, 1), (1, 5), (5, 20)):
+            engine.process((quanta - before) * QUANTUM)
+            (contact,) = numbered(engine)
+            left = math.exp(-quanta * QUANTUM / (glide * RATE)) if glide else 0.0
+            expected = NEW[name] + (starts[name] - NEW[name]) * left
+            assert contact["now"][name] == pytest.approx(expected, rel=1e-9), (name, quanta)
 
 
 @pytest.mark.parametrize(("name", "field"), [("speed", "v"), ("mass", "m"), ("gravity", "g")])

@@ -1,8 +1,8 @@
 """Bodies of a model that are fixed to each other."""
 
-import pytest
+from tests import needs
 
-mujoco = pytest.importorskip("mujoco")
+mujoco = needs.module("mujoco")
 
 from carom.server.bridge.mujoco.model import parts_of, welded_to  # noqa: E402
 
