@@ -14,7 +14,7 @@ INSTALL := $(if $(UV),$(UV) pip install --quiet --python $(BIN)/python,\
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
 
-.PHONY: help demo quick test portable coverage serve bench chart levels sounds picture documents study lint clean
+.PHONY: help demo quick test portable attack coverage serve bench chart levels sounds picture documents study lint clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
@@ -34,6 +34,14 @@ test: $(DEV) lint  ## linters, types and all tests: some twenty minutes on two c
 
 portable: $(DEV)  ## all tests under each BLAS kernel and level of this processor, and as another user: hours
 	@$(BIN)/python .ci/passes --all
+
+.PHONY: checked
+MINUTES ?= 10
+SEED ?= 0
+checked: $(DEV)  ## engine tests and MINUTES=10 of random scores from SEED=0 on, by kernels that check their indices
+	@CAROM_CHECKED=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadfile --no-loadscope-reorder \
+	  $(addprefix tests/dsp/,contact engine friction karman resonator rolling runtime space spectral swarm) tests/server/scene
+	@$(BIN)/python -m tests.bench.checked --minutes $(MINUTES) --seed $(SEED)
 
 coverage: $(DEV)  ## all tests, and which lines of the Python side they run (kernels are compiled, and not seen)
 	@$(BIN)/coverage erase
@@ -80,6 +88,9 @@ picture: $(DEV)  ## take the picture of the page, in Chromium
 
 documents: $(DEV)  ## write the tables of all pages
 	@$(BIN)/python -m tests.documents.pages
+
+attack: $(DEV)  ## try to break what SECURITY.md promises, for 15 minutes, with a seed of its own
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.bench.attack
 
 study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simulators, meshes, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings

@@ -117,10 +117,11 @@ def values_of(data: bytes, where: str) -> dict[str, Any] | None:
             return None
         if len(models) > 1:
             raise PresetError(f"{where}: {len(models)} modal models: expected one")
-        return _values(models[0], said, buffer)
-    except (KeyError, IndexError, TypeError, ValueError, struct.error) as error:
-        if isinstance(error, PresetError):
-            raise
+        with np.errstate(all="ignore"):  # what is no number is said
+            return _values(models[0], said, buffer)
+    except PresetError:
+        raise
+    except Exception as error:  # a file that is not as it says leads to anything
         raise PresetError(f"{where}: its modal model can't be read ({type(error).__name__}: {error})") from None
 
 
@@ -179,8 +180,10 @@ def _values(model: Mapping[str, Any], said: Mapping[str, Any], buffer: bytes) ->
         found["normals"] = array(said["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]).astype(np.float64)
         found |= {key: own[key] for key in ("volume", "method", "notes")}
         mass = own["mass"]
-        sizes = {key: len(points) for key in ("areas", "curvature", "normals")}
-        for key, size in {**sizes, "edges": len(found.get("faces", ())), "resistance": len(frequency)}.items():
+        sizes = {**dict.fromkeys(("areas", "curvature", "normals"), len(points)), "resistance": len(frequency)}
+        if "faces" in found:
+            sizes["edges"] = len(found["faces"])
+        for key, size in sizes.items():
             if len(found[key]) != size:
                 raise ValueError(f"{len(found[key])} {key}: expected {size}")
     if mass is not None:

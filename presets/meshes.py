@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from hashlib import sha256
@@ -99,13 +100,16 @@ def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, 
         head = file.read(len(_GLB))
     if path.suffix.lower() == ".glb" and head != _GLB:
         raise MeshError(f"{path}: begins with {head!r}: expected {_GLB!r}, as all .glb files do")
+    if path.suffix.lower() == ".ply":
+        _require_counts(path)
     try:
         import trimesh
     except ImportError as error:
         raise NoTrimesh(f"meshes need trimesh ({error}): pip install 'carom[mesh]'") from error
     try:
-        scene = trimesh.load_scene(path, process=False, **how)
-        found: list[Any] = _bodies(scene) if how else list(scene.dump())
+        with np.errstate(all="ignore"):  # what is no number is said
+            scene = trimesh.load_scene(path, process=False, **how)
+            found: list[Any] = _bodies(scene) if how else list(scene.dump())
         bodies = [each for each in found if isinstance(each, trimesh.Trimesh) and len(each.faces)]
     except Exception as error:  # readers of files raise whatever they meet
         raise MeshError(f"{path}: not a mesh that can be read: {_unread(path, error)}") from None
@@ -120,6 +124,20 @@ def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, 
     if scale is None:
         _require_usual(path, points[np.unique(faces)])
     return points, faces, bodies
+
+
+def _require_counts(path: Path) -> None:
+    """Raise MeshError for a .ply file whose head counts less than nothing, or more rows of text than there are."""
+    head, _, body = path.read_bytes().partition(b"end_header")
+    said = re.findall(rb"^element\s+(\S+)\s+(\S+)", head, re.MULTILINE)
+    counts = [int(count) if count.isdigit() else -1 for _, count in said]
+    for (name, count), number in zip(said, counts, strict=True):
+        if number < 0:
+            raise MeshError(f"{path}: element {name.decode(errors='replace')} {count.decode(errors='replace')}: "
+                            "expected a count from 0 on")  # fmt: skip
+    rows = sum(1 for line in body.splitlines() if line.strip()) if b"format ascii" in head else sum(counts)
+    if rows < sum(counts):
+        raise MeshError(f"{path}: {rows} rows: expected the {sum(counts)} that its head counts")
 
 
 def _require_faces(path: Path, faces: Indices, count: int) -> None:

@@ -76,10 +76,11 @@ def table_of(data: bytes, where: str) -> Table:
         decay = held.pop("decay", None)
         parts = {name: held.pop(name) for name in _PARTS if name in held}
         texts = {name: json.loads(held.pop(name).tobytes()) for name in _TEXTS}
-    except (KeyError, OSError, ValueError, zipfile.BadZipFile, NotImplementedError) as error:
-        if isinstance(error, PresetError):
-            raise
-        raise PresetError(f"{where}: expected a table of modes, as `carom mesh` writes it ({error})") from None
+    except PresetError:
+        raise
+    except Exception as error:  # readers of zips and arrays raise whatever they meet
+        why = str(error) or type(error).__name__
+        raise PresetError(f"{where}: expected a table of modes, as `carom mesh` writes it ({why})") from None
     _require_whole(where, values)
     if decay is not None:
         values["decay"] = np.ascontiguousarray(decay, np.float64)

@@ -12,26 +12,29 @@ from .osc.wire import Message
 _AT_ONCE = 0.3  # s in which code that need not be compiled is loaded
 _LOOK = 0.1  # s between looks whether it is done
 _PERIOD = 1.0  # s between two words to a client
-_MOST = 10_000  # packets that wait
+_MOST = 1 << 22  # bytes of packets that wait
+_OVERHEAD = 256  # bytes that a packet takes besides its own
 
 
 def wait_for_code(network: Network) -> list[tuple[bytes, Source]]:
     """Wait for the engine's code; return the packets that arrived meanwhile, to be carried out now.
 
     Whoever sends one is told `/compiling SHARE SECONDS` at once, and every second until the code is there. The newest
-    packets are dropped where more than 10,000 wait.
+    packets are dropped where some 10,000 short ones, or a few MB of long ones, wait.
     """
     failed: list[BaseException] = []
     thread = threading.Thread(target=_prepare, args=(failed,), name="carom-compiling-engine", daemon=True)
     thread.start()
     thread.join(_AT_ONCE)
     arrived: list[tuple[bytes, Source]] = []
+    size = 0
     told: dict[Any, float] = {}
     while thread.is_alive():
         packet = network.receive(_LOOK)
         if packet:
             told.setdefault(packet[1], 0.0)
-            if len(arrived) < _MOST:
+            size += len(packet[0]) + _OVERHEAD
+            if size <= _MOST:
                 arrived.append(packet)
             else:
                 network.drop(packet[1])

@@ -12,6 +12,7 @@ from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN
 from ..dsp.wording import expected
+from .osc.arguments import shown
 from .osc.wire import DEFAULT_PORT, MOST_PORT, Argument, Message
 from .render import HIGHEST_RATE, LOWEST_RATE
 from .scene.scale import Scale
@@ -84,9 +85,9 @@ class Options:
             ("quota", self.quota, 0, 2**63),
         ):
             if not low <= value <= high:
-                raise ServeError(f"{name} = {value:g}: expected {low:g} to {high:g}")
+                raise ServeError(f"{name} = {shown(value)}: expected {low:g} to {high:g}")
         if self.latency is not None and not 0 <= self.latency <= _LONGEST_LATENCY:
-            raise ServeError(f"latency = {self.latency:g}: expected 0 to {_LONGEST_LATENCY:g} s")
+            raise ServeError(f"latency = {shown(self.latency)}: expected 0 to {_LONGEST_LATENCY:g} s")
         _ = self.trusted
         if self.bank not in FORMS:
             raise ServeError(f"bank = {self.bank}: {expected(self.bank, FORMS)}")

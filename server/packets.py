@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,16 +9,13 @@ from .making import Making
 from .net.network import Source
 from .osc.addresses import Call, calls
 from .osc.patterns import Selection, is_pattern
-from .osc.wire import BadPacket, Bundle, Message, parse
+from .osc.wire import Bundle, Message, parse
 
 if TYPE_CHECKING:
     from .scene.transaction import Made
 
 _MOST_CALLS = 2_048
 """Most calls that the patterns of a packet may make, beyond one each."""
-
-_QUESTIONS = {"/version", "/status", "/presets", "/sync", "/notify", "/dump"}
-_LONGEST_QUESTION = 512  # bytes
 
 
 @dataclass(eq=False)
@@ -75,12 +71,3 @@ def read(data: bytes, source: Source) -> Packet:
         packet.bundles.append((bundle, asked))
         packet.kept += asked
     return packet
-
-
-def is_question(data: bytes) -> bool:
-    """True if a packet asks the server, and does nothing to objects and gestures: no bundle needs to be done first."""
-    if len(data) > _LONGEST_QUESTION:
-        return False
-    with suppress(BadPacket):
-        return all(message.address in _QUESTIONS for bundle in parse(data) for message in bundle.messages)
-    return False

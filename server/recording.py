@@ -15,7 +15,9 @@ RECORD = "/record"
 class Recording:
     """Carries out /record, where `takes` says in which folder."""
 
-    def __init__(self, log: Log | None, reply: Callable[[Message, Source], None], warn: Callable[[str], None]) -> None:
+    def __init__(
+        self, log: Log | None, reply: Callable[[Message, Source], object], warn: Callable[[str], None]
+    ) -> None:
         self.takes: Takes | None = None
         self._log, self._reply, self._warn = log, reply, warn
         self._asked: Source = ("", 0)  # for the take that goes on

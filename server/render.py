@@ -24,7 +24,7 @@ from .files.whole import RenderError, require_format, writing
 from .limiting import LimiterWatch, Limiting
 from .new_object import NEW
 from .osc.addresses import VERBS, calls
-from .osc.arguments import Refused, check_number
+from .osc.arguments import Refused, check_number, shown
 from .osc.score import LONGEST_SCORE, Line, ScoreError, sample_at
 from .osc.sensor_verbs import SENSOR
 from .osc.wire import Argument, Message
@@ -90,7 +90,7 @@ class Options:
             raise RenderError(f"block = {self.block}: expected 1 to {1 << 20} frames")
         require_format(self.format)
         if self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE:
-            raise RenderError(f"seconds = {self.seconds:g}: expected at least a frame and at most {LONGEST_SCORE}")
+            raise RenderError(f"seconds = {shown(self.seconds)}: expected at least a frame and at most {LONGEST_SCORE}")
         steps, room = self.budget or (None, None)
         for number, value in (
             (CHANNELS, self.channels), (MAIN_GAIN, self.gain), (_PEAK, self.normalize), (FULL_SCALE, self.full_scale),

@@ -4,9 +4,10 @@ import sys
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from ..dsp.engine.memory.state import CONTACTS, ROLLS, End
@@ -29,7 +30,7 @@ from .osc.arguments import Refused, Values
 from .osc.patterns import TooMuch
 from .osc.questions import QUESTIONS, Answer
 from .osc.wire import Argument, BadPacket, Bundle, Message
-from .packets import Packet, is_question, read
+from .packets import Packet, read
 from .recording import Recording
 from .scene.gesture_ids import Ended
 from .scene.scale import USUAL_SCALE, Scale
@@ -50,7 +51,17 @@ if TYPE_CHECKING:
 _POLL = 0.02  # s between looks at the engine
 _NOBODY = ("", 0)  # no source: all others may ask
 _METER = ("meter", 0)  # who asks for the limiter's gain
+_PURE = frozenset(("/status", "/version", *QUESTIONS))  # questions: they do nothing but that they are answered
+_REFUSALS = (Refused, EngineFull, TooMuch, PresetError)
 _MOST_PRINTED = 1_000  # texts that are remembered, so that none is repeated
+
+
+_UNLIMITED = fail("/limiter", "a client of another host can't turn it off: expected one of this machine, or --trust")
+
+
+def _unlimits(call: Call) -> bool:
+    """True if a call turns the limiter off."""
+    return bool(call.verb and call.verb.address == "/limiter" and call.message.args[:1] in (("off",), ("0",), (0,)))
 
 
 class Server:
@@ -93,6 +104,7 @@ class Server:
         self.recording = Recording(log, self._reply, self._warn)
         self.midi = Midi(network.doorway, self._session, self._warn)
         self._handlers = self._all_handlers()
+        self._least_answers: dict[str, int] = {}  # bytes of the shortest answer so far to each question that only asks
         self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look(), engine.plan)
         self._waiting = Waiting(network, self._maker)
         self.early: deque[tuple[bytes, Source]] = deque()
@@ -136,8 +148,9 @@ class Server:
         due = 0.0
         while self._running:
             self._hear()
-            for waited in self._waiting.ready():
+            if waited := self._waiting.next():
                 self._attempt(waited)
+                self._waiting.end(waited.source)
             if time.monotonic() >= due:
                 try:
                     self._poll()
@@ -146,23 +159,18 @@ class Server:
                 due = time.monotonic() + _POLL
 
     def _hear(self, busy: Source | None = None) -> None:
-        """Carry out what arrives, for a turn; amid a bundle of the client `busy` the questions of others alone, and
-        where there is no room for datagrams to wait, those of streams alone."""
-        idle = 0.0 if busy or self._waiting.in_a_hurry else _POLL
-        arrived = self.network.receive(idle, bool(busy) and self._waiting.is_full)
+        """Carry out what arrives, for a turn; amid a bundle of the client `busy` the questions of others alone."""
+        arrived = self.network.receive(0.0 if busy or self._waiting.in_a_hurry else _POLL, busy)
         end = time.monotonic() + TURN
         while arrived and self._running:
-            self._receive(*arrived, busy)
+            self._receive(*arrived)
             if time.monotonic() > end:
                 return
-            arrived = self.network.receive(0.0, bool(busy) and self._waiting.is_full)
+            arrived = self.network.receive(0.0, busy)
 
-    def _receive(self, packet: bytes, source: Source, busy: Source | None = None) -> None:
+    def _receive(self, packet: bytes, source: Source) -> None:
         self._subscribers.hear(source)
-        if busy and (source == busy or not is_question(packet)):
-            self._waiting.put_last(packet, source)
-        elif not self._waiting.queue(packet, source):
-            self._attempt((packet, source))
+        self._attempt((packet, source))
 
     def _attempt(self, arrived: Packet | tuple[bytes, Source]) -> None:
         """Carry out a packet, or let it wait. A fault of the server does not end it."""
@@ -216,6 +224,9 @@ class Server:
             packet.rest.extend(partial(self._reply, fail(each.address, str(error)), source) for each in bundle.messages)
             return
         scored = [call for call in asked if call.verb is None or call.verb.scored]
+        if self.network.is_stranger(source):
+            packet.rest.extend(partial(self._reply, _UNLIMITED, source) for call in scored if _unlimits(call))
+            scored = [call for call in scored if not _unlimits(call)]
         if scored:  # a question that is answered amid a bundle leaves the session as it is
             pause = every_turn(partial(self._hear, source))
             try:
@@ -228,23 +239,48 @@ class Server:
             packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
         for call in scored:
             self._governor.note_request(call.message)
-        packet.rest.extend(partial(self._serve, call, source) for call in asked if call.verb and not call.verb.scored)
+        packet.rest.extend(partial(self._serve, call, packet) for call in asked if call.verb and not call.verb.scored)
 
-    def _serve(self, call: Call, source: Source) -> None:
+    def _serve(self, call: Call, packet: Packet) -> None:
         """Carry out a message that is about the server, not the sound."""
         assert call.verb
+        address, source = call.verb.address, packet.source
+        least = self._least_answers.get(address)
+        if least and not self.network.affords(source, least):  # nor does the question do anything else
+            self.network.skip_reply()
+            return
         try:
             values = call.verb.parse(call.message.args)
             values.words[call.verb.target] = call.target
-            for answer in self._handlers[call.verb.address](values, source) or ():
-                self._reply(answer, source)
-        except (Refused, EngineFull, TooMuch, PresetError) as error:
+            answers = iter(self._handlers[address](values, source) or ())
+        except _REFUSALS as error:
             self._reply(fail(call.message.address, str(error)), source)
+        else:
+            self._go_on(answers, call, packet)
+
+    def _go_on(self, answers: Iterator[Message], call: Call, packet: Packet) -> None:
+        """Send the answers to a message as they are made, for a turn; the rest before the packet's other work."""
+        assert call.verb
+        address, end = call.verb.address, time.monotonic() + TURN
+        try:
+            answer = next(answers, None)
+            while answer:
+                size = self._reply(answer, packet.source)
+                if address in _PURE:
+                    least = self._least_answers[address] = min(size, self._least_answers.get(address, size))
+                    if not self.network.affords(packet.source, least):
+                        return
+                answer = next(answers, None)
+                if answer and time.monotonic() > end:
+                    packet.rest.appendleft(partial(self._go_on, chain([answer], answers), call, packet))
+                    return
+        except _REFUSALS as error:
+            self._reply(fail(call.message.address, str(error)), packet.source)
 
     def _answer(self, answer: Answer, values: Values, source: Source) -> Iterable[Message]:
         return answer(self._session, values)
 
-    def _status_asked(self, values: Values, source: Source) -> None:
+    def _status_asked(self, values: Values, source: Source) -> list[Message]:
         objects = len(self._session.objects)
         own: dict[str, float | str] = {
             "waiting": len(self._waiting),
@@ -255,7 +291,7 @@ class Server:
             "pages": len(self.web.site.clients) if self.web else 0,
             "untold": self.teller.untold + self.engine.stats.trace_lost,
         }
-        self._reply(self._status.reply(source, objects, self.network, own), source)
+        return [self._status.reply(source, objects, self.network, own)]
 
     def _sync(self, values: Values, source: Source) -> None:
         self.engine.send([sync(self._sync_count + 1)])
@@ -290,13 +326,15 @@ class Server:
         """Return, for each file, whether it is written: no, yes, or why not any more."""
         return {name: writer.error or "yes" if writer else "no" for name, writer in self._writers.items()}
 
-    def _reply(self, message: Message, to: Source) -> None:
+    def _reply(self, message: Message, to: Source) -> int:
+        """Send a reply, where it can be sent; return its size (bytes)."""
         # A text that came in may be too long, or hold characters that can't go out again.
         args = [plain(arg) if isinstance(arg, str) else arg for arg in message.args]
         try:
-            self.network.send(Message(message.address, tuple(args)), self._subscribers.receiver(to))
+            return self.network.send(Message(message.address, tuple(args)), self._subscribers.receiver(to))
         except OSError:
             self._subscribers.remove(to)  # the client can't be reached
+            return 0
 
     def _poll(self) -> None:
         if self._log:
@@ -321,9 +359,8 @@ class Server:
             self._report_end(ended)
             pause()
         self.on_look(self.teller.look())
-        if lost := self.network.dropped():
-            count, sender = lost
-            self._reply(fail("datagram", f"{count} datagrams dropped: the queue was full"), sender)
+        for text, sender in self.network.losses():
+            self._reply(fail("datagram", text), sender)
         for warning in (*self._status.warnings(), *self.network.warnings(), *self.player.look()):
             self._warn(warning)
 

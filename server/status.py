@@ -69,6 +69,7 @@ FIELDS = {
     "scheduling": "of the audio thread: fifo or rr (real-time), other, or unknown",
     "dropped": "datagrams that found no room in the server",
     "dropped_by_system": "datagrams that found no room in the system's buffer",
+    "outdated": "questions by datagram that waited for over 2 s, and were dropped",
     "replies_dropped": "replies that were not sent, as a client reads too slowly or asks for too many",
     "connections": "TCP clients",
     "waiting": "clients whose messages wait for an object to be made, or for their turn",

@@ -14,7 +14,7 @@ _LONGEST_TRUST = 60.0  # s of silence after which a client of another host is to
 class Subscribers:
     """Clients that are told of what no message caused; one that has long been silent makes room for a new one."""
 
-    def __init__(self, network: Network, reply: Callable[[Message, Source], None]) -> None:
+    def __init__(self, network: Network, reply: Callable[[Message, Source], object]) -> None:
         self._network = network
         self._reply = reply
         self._heard: dict[Source, float] = {}  # when each last sent something

@@ -34,7 +34,7 @@ class Teller:
         engine: Engine,
         session: Session,
         subscribers: Subscribers,
-        reply: Callable[[Message, Source], None],
+        reply: Callable[[Message, Source], object],
         lowest_gain: Callable[[], float],
     ) -> None:
         """Begin with nothing to tell. lowest_gain: returns the limiter's lowest gain since the last call."""

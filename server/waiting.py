@@ -1,41 +1,37 @@
 """Packets that wait for objects, bodies or tables to be made, while others are carried out.
 
-The packets of a client are carried out in their order: later ones wait behind one that makes an object. So do packets
-of others that name such an object, or tell the simulation of which a body is made: each message of a shell script comes
-from a client of its own.
+The packets of a client are carried out in their order: later ones wait, in the network's queues, behind one that makes
+an object. So do packets of others that name such an object, or tell the simulation of which a body is made: each
+message of a shell script comes from a client of its own.
 """
 
-from collections import deque
+import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 from ..dsp.schema import GESTURES
 from .making import NAMED, Maker, Making, makes
-from .net.network import Network, Source
+from .net.network import Network, Source, host_of
+from .net.rotation import Rotation
 from .osc.addresses import Call
 from .osc.patterns import is_pattern, match, work
 from .packets import Packet
-
-MOST_BYTES = 1 << 22
-"""Most bytes of datagrams that wait; further ones are dropped. Streams pause instead, with a packet each."""
+from .turns import TURN
 
 _ALONG = frozenset(name for name, gesture in GESTURES.items() if gesture.along)
-_OVERHEAD = 64  # bytes that a packet takes besides its own
-_MOST_LINES = 256  # clients whose packets wait
+_MOST_LINES = 256  # addresses whose datagrams wait for something to be made; a host may have as many as are left
 _MOST_WORK = 50_000  # of matching a packet's patterns: some 5 ms
 _WORLD = "/world/"
-_AT_ONCE = 16  # packets of a client that are carried out before others are heard
 
 
 @dataclass(eq=False)
 class _Line:
-    """The packets of a client that wait: the first, and those behind it."""
+    """A client's packet that waits; None while it is carried out."""
 
     first: Packet | None = None
     names: frozenset[str] = frozenset()
-    """Names of the objects and gestures that the first packet makes, or if it makes none, that it names."""
-    behind: deque[bytes] = field(default_factory=deque)
+    """Names of the objects and gestures that the packet makes, or if it makes none, that it names."""
 
 
 class Waiting:
@@ -44,8 +40,10 @@ class Waiting:
     def __init__(self, network: Network, maker: Maker) -> None:
         self._network, self._maker = network, maker
         self._lines: dict[Source, _Line] = {}
-        self._bytes = 0
         self._moved = False  # whether a packet may have become ready since the last look
+        self._look: Iterator[Packet | None] | None = None
+        self._begun: Rotation[_Line] = Rotation()
+        self._begun_next = False
 
     def __len__(self) -> int:
         return len(self._lines)
@@ -55,30 +53,6 @@ class Waiting:
         self._moved = True
         self._network.wake()
 
-    def queue(self, packet: bytes, source: Source) -> bool:
-        """Queue a packet behind others of its client, if there are any; return False if there are none."""
-        line = self._lines.get(source)
-        if line is None:
-            return False
-        if isinstance(source, tuple):
-            if self._bytes + len(packet) + _OVERHEAD > MOST_BYTES:
-                self._network.drop(source)
-                return True
-            self._bytes += len(packet) + _OVERHEAD
-        line.behind.append(packet)
-        return True
-
-    @property
-    def is_full(self) -> bool:
-        """True if the next datagram may find no room. A stream's client waits with one packet, and finds room."""
-        return self._bytes > MOST_BYTES // 2 or len(self._lines) >= _MOST_LINES
-
-    def put_last(self, packet: bytes, source: Source) -> None:
-        """Queue a packet behind others of its client, to wait for its turn."""
-        self._lines.setdefault(source, _Line())
-        self._network.pause(source)
-        self.queue(packet, source)
-
     def hold(self, packet: Packet) -> bool:
         """Hold a packet back if it makes objects, or names one that is in the making; return False if it need not
         wait."""
@@ -86,7 +60,7 @@ class Waiting:
         if not new and not (self._lines and self._is_about(packet.calls, self._names())):
             return False
         datagram = isinstance(packet.source, tuple)
-        if datagram and packet.source not in self._lines and len(self._lines) >= _MOST_LINES:
+        if datagram and packet.source not in self._lines and not self._has_room(packet.source):
             self._network.drop(packet.source)
             return True
         # It is the last now of those that were read.
@@ -98,6 +72,11 @@ class Waiting:
             packet.making = Making(new)
             self._maker.make(packet.making)
         return True
+
+    def _has_room(self, source: Source) -> bool:
+        """True if another address of a host may wait."""
+        own = sum(isinstance(each, tuple) and each[0] == host_of(source) for each in self._lines)
+        return own < _MOST_LINES - len(self._lines)
 
     def make_table(self, packet: Packet, exponent: float) -> None:
         """Put a packet off until the table of an exponent's pulses is made for it."""
@@ -112,34 +91,54 @@ class Waiting:
         """Put a packet that is carried out in part off until others had their turns."""
         line = self._lines.setdefault(packet.source, _Line())
         line.first, line.names = packet, frozenset()
-        packet.begun = self._moved = True
+        packet.begun = True
+        self._begun.add(host_of(packet.source), line)
         self._network.pause(packet.source)
 
-    def ready(self) -> Iterator[Packet | tuple[bytes, Source]]:
-        """Yield packets whose time has come, those that were read and, some of each client, those that were not. Carry
-        each out before the next is asked for."""
-        if self._moved:
-            self._moved = False
-            before: set[str] = set()
-            for source, line in tuple(self._lines.items()):
-                first = line.first
-                if first and (first.begun or self._is_ready(first, before)):
-                    line.first, self._moved = None, True
-                    yield first
-                if line.first:
-                    before |= line.names
-                elif not line.behind:
-                    self._leave(source)
+    def next(self) -> Packet | None:
+        """Return a packet whose time has come, if there is one: carry it out, and call `end`.
+
+        Those that were begun and those that were not take turns.
+        """
+        self._begun_next = not self._begun_next
+        packet = None if self._begun_next and self._begun else self._next_ready()
+        if packet is None and (line := self._begun.take()):
+            packet, line.first = line.first, None
+        return packet
+
+    def end(self, source: Source) -> None:
+        """Let a client go on whose packet is carried out, unless that was put off, or waits for a table."""
+        if source in self._lines and self._lines[source].first is None:
+            del self._lines[source]
+            self._network.resume(source)
+
+    def _next_ready(self) -> Packet | None:
+        if self._look is None:
+            if not self._moved:
+                return None
+            self._moved, self._look = False, self._ready()
+        try:
+            return next(self._look)
+        except StopIteration:
+            self._look = None
+            return None
+
+    def _ready(self) -> Iterator[Packet | None]:
+        """Yield packets that were not begun and whose time has come; None where a look takes long."""
+        before: set[str] = set()
+        end = time.monotonic() + TURN
         for source, line in tuple(self._lines.items()):
-            for _ in range(_AT_ONCE):
-                if line.first or not line.behind:
-                    break
-                packet = line.behind.popleft()
-                if isinstance(source, tuple):
-                    self._bytes -= len(packet) + _OVERHEAD
-                yield packet, source
-            if not (line.first or line.behind):
-                self._leave(source)
+            first = line.first
+            if self._lines.get(source) is not line or first is None or first.begun:
+                continue
+            if self._is_ready(first, before):
+                line.first, self._moved = None, True
+                yield first
+            if line.first:
+                before |= line.names
+            if time.monotonic() > end:
+                yield None
+                end = time.monotonic() + TURN
 
     def _is_ready(self, packet: Packet, before: set[str]) -> bool:
         """True if a packet's objects are made, and those of packets before it that it names."""
@@ -147,12 +146,8 @@ class Waiting:
 
     @property
     def in_a_hurry(self) -> bool:
-        """True if packets wait that can be carried out."""
-        return self._moved or any(line.first is None for line in self._lines.values())
-
-    def _leave(self, source: Source) -> None:
-        if self._lines.pop(source, None):
-            self._network.resume(source)
+        """True if packets may wait that can be carried out."""
+        return self._moved or self._look is not None or bool(self._begun)
 
     def _names(self) -> set[str]:
         return {name for line in self._lines.values() if line.first for name in line.names}

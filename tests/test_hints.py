@@ -107,7 +107,10 @@ def checked(folder: Path) -> list[str]:
         shutil.copytree(ROOT / ".mypy_cache", folder / ".mypy_cache")
     command = [sys.executable, "-m", "mypy", "--no-error-summary", "--no-pretty"]
     said = subprocess.run(
-        [*command, "-p", "carom.dsp", "-p", "carom.server.bridge"], cwd=folder, capture_output=True, text=True
+        [*command, "-p", "carom.dsp", "-p", "carom.server.bridge", "-p", "carom.server.net"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
     )
     assert not said.stderr, said.stderr
     return [line.removeprefix("carom/") for line in said.stdout.splitlines() if ": error: " in line]

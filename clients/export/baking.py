@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...dsp.bodies.striker import StrikerSound
 from ...dsp.engine.memory.capacity import MODES, MOST_CHANNELS, OBJECTS
 from ...dsp.engine.memory.commands import Kind
-from ...dsp.engine.memory.state import RING, STATE
+from ...dsp.engine.memory.state import RING, STATE, new_state
 from ...dsp.runtime.engine import Engine
 from ...presets import Presets
 from ...server.osc.score import Line, ScoreError
@@ -30,8 +30,8 @@ Words = NDArray[np.uint64]
 _WORD = np.dtype(np.uint64).itemsize
 PULSES: int = STATE.fields["pulses"][1]  # type: ignore[index]
 """The place of the tables of pulses in the engine's memory, in bytes."""
-PULSE_TABLES: int = STATE["pulses"].fields["work"][1]  # type: ignore[index]
-"""Bytes of these tables without their values."""
+PULSE_TABLES: int = STATE["pulses"].fields["left"][1]  # type: ignore[index]
+"""Bytes of these tables without their values, and what an engine counts of them."""
 PULSE_VALUES: int = PULSES + STATE["pulses"].fields["values"][1]  # type: ignore[index]
 """The place of their values."""
 
@@ -55,8 +55,8 @@ class Batch:
 
 @dataclass
 class Baked:
-    """A baked score: the memory that it begins with, its batches, its objects by name with the number of the command
-    that makes each, and its sound, float32 (frames, channels)."""
+    """A baked score: what its memory has besides a fresh one's as it begins, its batches, its objects by name with the
+    number of the command that makes each, and its sound, float32 (frames, channels)."""
 
     engine: Engine
     session: Session
@@ -147,7 +147,9 @@ def bake(
     for striker in strikers:
         engine.lay_out_striker(striker)
     words = engine.words
-    start = _patches(words, words != 0)
+    fresh = new_state(options.rate, channels)
+    fresh[0]["output"]["sensors"], fresh[0]["output"]["delay"] = sensors, engine.delay
+    start = _patches(words, words != fresh.view(np.uint64)[: len(words)])
     sound = np.concatenate(list(blocks(score, engine, presets, options, session, warn)))
     tables = _patches(engine.pulse_words, engine.pulse_words != 0)
     start += [Patch(PULSES // _WORD + each.first, each.words) for each in tables]

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shlex
 import shutil
 import subprocess
 import tempfile
+import textwrap
 from pathlib import Path
 
 from ...dsp.native.targets import PORTABLE, Target, system
 from ...dsp.native.whole import Whole
 from ...dsp.runtime import callback
-from .mapping import layout
+from .mapping import rules
 from .scene import ExportError, Scene
 
 PREFIX = "carom_engine_"
@@ -61,12 +63,21 @@ def write_static(folder: Path) -> list[str]:
     with tempfile.TemporaryDirectory() as made:
         engine = Path(made) / "engine.o"
         engine.write_bytes(engine_file().content())
-        rest = Path(made) / "library.o"
-        run(*compiler, *_FLAGS, f'-DLAYOUT="{layout()}"', "-c", _FILES / "library.c", "-o", rest)
+        told = Path(made) / "rules.c"
+        told.write_text(_as_c("carom_engine_rules", json.dumps(rules(), separators=(",", ":"))), newline="\n")
+        objects = [Path(made) / f"{source.stem}.o" for source in (_FILES / "library.c", told)]
+        for source, compiled in zip((_FILES / "library.c", told), objects, strict=True):
+            run(*compiler, *_FLAGS, "-c", source, "-o", compiled)
         static = folder / "libcarom.a"
         static.unlink(missing_ok=True)
-        run("ar", "rcs", static, engine, rest)
+        run("ar", "rcs", static, engine, *objects)
     return compiler
+
+
+def _as_c(name: str, text: str) -> str:
+    """Return a text as an array of C."""
+    lines = textwrap.wrap(", ".join(map(str, text.encode() + b"\0")), 110)
+    return f"const char {name}[] = {{\n" + "\n".join(lines) + "\n};\n"
 
 
 def run(*words: object, cwd: Path | None = None) -> None:

@@ -1,4 +1,5 @@
-"""A baked scene's map, as JSON: from messages to commands. All of it follows from declarations and presets.
+"""A baked scene's map, as JSON: from messages to commands. All of it follows from declarations and presets. What
+follows from declarations alone is not the scene's, but goes with the engine that plays it: `rules`.
 
 Whoever has it needs no Python: addresses and their arguments with ranges and defaults, the gestures with their traits,
 where each value lies in a command, the contact laws of all strikers on the scene's objects, and surfaces.
@@ -7,7 +8,9 @@ where each value lies in a command, the contact laws of all strikers on the scen
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,15 +18,18 @@ import numpy as np
 from ...dsp.bodies.striker import StrikerSound
 from ...dsp.contact.accuracy import LEVELS
 from ...dsp.engine.memory import commands
+from ...dsp.engine.memory.capacity import MOST_CHANNELS, SHAPE_VALUES
 from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
 from ...dsp.engine.memory.state import ENDED, EVENTS, QUANTUM, RING, STATE, End
 from ...dsp.runtime.engine import Engine
 from ...dsp.schema import DROPS, FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NAMES, Parameter
+from ...dsp.swarm.record import PULSES as MOST_PULSES
 from ...presets import Presets
 from ...presets.kinds import DRY, ObjectPreset
 from ...server.osc.addresses import VERBS
 from ...server.osc.arguments import Either, Note, Numbers, Vector, Verb, Word
 from ...server.osc.points import Change
+from ...server.render import HIGHEST_RATE, LOWEST_RATE
 from ...server.scene.limits import ContactLaws, least_radius
 from ...server.scene.objects import PlayedObject
 from .baking import PULSE_VALUES, PULSES, Baked
@@ -77,7 +83,7 @@ class Strikers:
 
 
 def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
-    """Return the map of a baked scene."""
+    """Return the map of a baked scene, without what `rules` say of all."""
     presets: list[ObjectPreset] = []
     for obj in baked.objects.values():
         if obj.preset not in presets:
@@ -86,11 +92,25 @@ def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
     return {
         "rate": engine.rate,
         "channels": engine.width,
+        "sensors": engine.sensors,
         "delay": engine.delay,
         "frames": len(baked.sound),
-        "quantum": QUANTUM,
-        "state": _state(engine),
+        "size": _size(engine),
         "pulses": sorted(engine.pulses.numbers.items()),
+        "presets": [_preset(each, presets) for each in presets],
+        "objects": {name: _object(obj, presets) for name, obj in baked.objects.items()},
+        "strikers": strikers.said(baked, presets),
+        "surfaces": strikers.said_of_surfaces(),
+    }
+
+
+@cache
+def rules() -> dict[str, Any]:
+    """Return what is said of all scenes of this process's engine: who plays a scene has it from the engine, not from
+    the scene."""
+    said = {
+        "quantum": QUANTUM,
+        "state": _state(),
         "command": _command(),
         "kinds": {kind.name: int(kind) for kind in Kind},
         "verbs": {verb.address: _verb(verb) for verb in VERBS.values() if _is_played(verb)},
@@ -101,17 +121,16 @@ def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
         "levels": LEVELS,
         "forms": FORMS,
         "dry": DRY,
-        "presets": [_preset(each, presets) for each in presets],
-        "objects": {name: _object(obj, presets) for name, obj in baked.objects.items()},
-        "strikers": strikers.said(baked, presets),
-        "surfaces": strikers.said_of_surfaces(),
+        "rates": (LOWEST_RATE, HIGHEST_RATE),
     }
+    told = "\n".join([*_laid("state", STATE), *_laid("command", COMMAND), json.dumps(said)])
+    return said | {"layout": hashlib.sha256(told.encode()).hexdigest()[:16]}
 
 
 def layout() -> str:
-    """Return a name of how this process's engine lays its memory out: another engine's scenes are none of its own."""
-    told = "\n".join([*_laid("state", STATE), *_laid("command", COMMAND)])
-    return hashlib.sha256(told.encode()).hexdigest()[:16]
+    """Return a name of how this process's engine lays its memory out, and what is said of all its scenes: another
+    engine's scenes are none of its own."""
+    return str(rules()["layout"])
 
 
 def _laid(name: str, kind: np.dtype[Any]) -> Iterator[str]:
@@ -125,21 +144,28 @@ def _is_played(verb: Verb) -> bool:
     return verb.address in _OF_ENGINE or (verb.target != "" and verb.action in _PLAYED and verb.scored)
 
 
-def _state(engine: Engine) -> dict[str, Any]:
+def _state() -> dict[str, Any]:
     """Return where those parts of the engine's memory are that others than the engine write or read."""
     paths = {
+        "rate": "rate", "channels": "output.channels", "sensors": "output.sensors", "delay": "output.delay",
         "entries": "ring.entries", "written": "ring.written", "read": "ring.read", "position": "position",
         "ends": "ends.entries", "ended": "ends.written", "active": "stats.contacts_active", "load": "stats.load",
         "dropped": "stats.contacts_dropped", "late": "stats.late", "sounding": "stats.sounding", "queued": "queue.size",
+        "plates": "curves", "pulses": "pulses",
         **{name: f"bank.{name}" for name in ("frequency", "sigma", "weight", "balance")},
     }  # fmt: skip
     places = {name: _offset(path) for name, path in paths.items()}
+    sizes = {"values": PULSE_VALUES, "most": STATE.itemsize, "ring": RING, "events": EVENTS, "most_ended": ENDED}
+    objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
+    rooms = {"modes": bank["frequency"].shape[0], "objects": objects.shape[0], "most_channels": MOST_CHANNELS, "shapes": SHAPE_VALUES}
+    return {**places, **sizes, **rooms, "most_pulses": MOST_PULSES}
+
+
+def _size(engine: Engine) -> int:
+    """Return the bytes of memory that a scene takes: up to the last table that it has."""
     used = PULSE_VALUES + engine.pulses.reached * np.dtype(np.float32).itemsize
     needed = used if engine.pulses.reached else PULSES if engine.had_plates else _offset("curves")
-    size = -(-needed // 8) * 8
-    sizes = {"size": size, "ring": RING, "events": EVENTS, "most_ended": ENDED}
-    objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
-    return {**places, **sizes, "modes": bank["frequency"].shape[0], "objects": objects.shape[0]}
+    return -(-needed // 8) * 8
 
 
 def _offset(path: str) -> int:

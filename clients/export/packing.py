@@ -1,31 +1,42 @@
 """A baked scene as one file: a map as JSON, then words and commands. `carom.js` reads it.
 
-    8 bytes     "carom 1\\n"
+    8 bytes     "carom 2\\n"
+    32 bytes    SHA-256 of the other bytes
     u32         length of the map
+    u32         0
     the map     JSON, padded by spaces to a multiple of 8 bytes from the file's beginning
     the data    runs and commands, at multiples of 8 bytes; the map says where, from the data's beginning
 
 Tables of mode shapes along many positions are not among a page's words, but coded (`tables.py`), all of them one after
-the other. Runs are a u32 of their number and a u32 of 0; for each the first word and the number of words, u32; then all
-words. All is little-endian, as WebAssembly is.
+the other. What an engine is told of all its scenes is not here (`mapping.rules`). Runs are a u32 of their number and a
+u32 of 0; for each the first word and the number of words, u32; then all words. All is little-endian, as WebAssembly is.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import lzma
 import struct
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...dsp.engine.memory.commands import COMMAND
+from ...dsp.errors import CaromError
 from ...dsp.runtime.series import terms
 from .baking import MAKES, Baked, Patch, maker_of
 from .mapping import Strikers, layout, scene_map
 from .tables import Laid, coded, taken_out
 
-MAGIC = b"carom 1\n"
-_HEAD = len(MAGIC) + 4
+MAGIC = b"carom 2\n"
+_SUM = 32
+HEAD = len(MAGIC) + _SUM + 8
+"""Bytes before the map."""
+
+
+class SceneError(CaromError, ValueError):
+    """A file that is no scene, or a damaged one; the text says so."""
 
 
 class PageEngine(NamedTuple):
@@ -33,8 +44,6 @@ class PageEngine(NamedTuple):
 
     name: str
     """Another engine's is another one: it lays its memory out otherwise, or lacks something else."""
-    data_end: int
-    """The first address after its own data."""
 
 
 def packed(
@@ -63,7 +72,7 @@ def packed(
     rest = [batch.patches for batch in baked.batches]
     if engine is not None:
         tables, rest = taken_out(baked)
-        said["engine"], said["data_end"] = engine
+        said["engine"] = engine.name
         said["coded"] = put(coded([each.values for each in tables]))
         said["tables"] = [(each.first, *each.values.shape, terms(len(each.values))) for each in tables]
     else:
@@ -75,7 +84,7 @@ def packed(
         numbers = put(_runs(patches)), put(batch.commands.tobytes()), len(batch.commands)
         firsts.append((batch.at, *numbers, brought[number], brought[number + 1]))
     said["batches"] = firsts
-    size = said["command"]["size"]
+    size = COMMAND.itemsize
     for name, obj in baked.objects.items():
         number, place = maker_of(baked, obj)
         said["objects"][name] |= {"made": firsts[number][2] + place * size, "batch": number}
@@ -83,8 +92,27 @@ def packed(
         if name in places:
             said["objects"][name]["at"] = places[name]
     text = json.dumps(said, separators=(",", ":")).encode()
-    text += b" " * (-(len(text) + _HEAD) % 8)
-    return MAGIC + struct.pack("<I", len(text)) + text + bytes(data)
+    text += b" " * (-(len(text) + HEAD) % 8)
+    return summed(MAGIC + bytes(_SUM) + struct.pack("<II", len(text), 0) + text + bytes(data))
+
+
+def summed(file: bytes) -> bytes:
+    """Return a scene's file with the checksum of its bytes."""
+    head, rest = file[: len(MAGIC)], file[len(MAGIC) + _SUM :]
+    return head + hashlib.sha256(head + rest).digest() + rest
+
+
+def checked_map(file: bytes, name: str) -> dict[str, Any]:
+    """Return the map in a scene's file, whose name is given.
+
+    SceneError if it is none, or its bytes are not those that were written.
+    """
+    if len(file) < HEAD or not file.startswith(MAGIC):
+        raise SceneError(f"{name}: expected a scene that carom export has written")
+    if file != summed(file):
+        raise SceneError(f"{name}: it is damaged: its bytes are not those of its checksum; export the scene anew")
+    length = int.from_bytes(file[HEAD - 8 : HEAD - 4], "little")
+    return dict(json.loads(file[HEAD : HEAD + length]))
 
 
 def _runs(patches: list[Patch]) -> bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ from ...dsp.native.digests import digest
 from ...dsp.native.wasm import data_end, wasm, with_note
 from ...dsp.runtime import callback
 from .baking import Baked
-from .mapping import layout
+from .mapping import layout, rules
 from .packing import PageEngine, compressed
 from .parting import parted
 from .scene import Scene
@@ -31,7 +32,7 @@ WORKLET = ("messages.js", "scene.js", "worklet.js")
 """The scripts of the audio thread, each after those that it imports: a page has them as one file."""
 
 _NAME = "carom"
-"""The section of a module that names its engine; `carom.js` reads it."""
+"""The section of a module that has the engine's rules and its name; `carom.js` reads it."""
 
 _COMMENT = re.compile(r"(?<=[;,{}]) // [^\"'`]*$")
 """A comment that ends a line of a script."""
@@ -56,7 +57,8 @@ def engine_for(baked: Baked) -> tuple[bytes, PageEngine]:
     code = wasm(callback.__name__, lacking)
     end = data_end(code)
     name = digest(f"{layout()} {lacking} {end}")
-    return with_note(code, _NAME, name), PageEngine(name, end)
+    told = {**rules(), "engine": name, "data_end": end}
+    return with_note(code, _NAME, json.dumps(told, separators=(",", ":"))), PageEngine(name)
 
 
 def shortened(script: str) -> str:

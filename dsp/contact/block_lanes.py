@@ -147,7 +147,7 @@ def step_lanes(lanes: Lanes, s: int) -> int:
     _predict(lanes)
     _solve(lanes)
     left = _go_on(lanes)
-    put_few(lanes.felt[MOMENTS * s], lanes.moments[0], _WHOLE, MOMENTS * LANES)
+    put_few(lanes.felt[MOMENTS * s : MOMENTS * (s + 1)], lanes.moments, _WHOLE, MOMENTS * LANES)
     return left
 
 

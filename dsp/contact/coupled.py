@@ -25,6 +25,7 @@ import math
 from typing import NamedTuple
 
 from ..native.jit import kernel
+from ..native.records import clear_record
 from ..native.typed import View
 from ..numerics.legendre import FINE
 from ..numerics.sums import add_powers
@@ -70,30 +71,17 @@ def begin_coupled(
     `respond_with` must follow. `push` (N) presses it on; `tolerance` is for the momentum in a step (accuracy.py), or
     HELD.
     """
+    clear_record(contact)
     contact.v = v - push / law.m * fraction / rate
     contact.m = law.m
     contact.k = law.k
     contact.mu = law.mu
     contact.a = law.a
-    contact.w = 0.0
     contact.push = push
-    contact.rest_force = contact.rest_compression = contact.swing = 0.0
-    contact.rise = contact.bend = 0.0
-    contact.kinks = contact.kink = 0
     contact.period = 1.0 / rate
     contact.wait = fraction
     contact.tolerance = tolerance
-    contact.motion[0] = 0.0
-    contact.position = 0.0
-    contact.gained = 0.0
-    contact.scale = 0.0
-    contact.touching = 0
-    contact.contacts = contact.touched = 0
     contact.approach = contact.arrival = v
-    contact.steps = 0
-    contact.held = 0
-    for j in range(NODES):
-        contact.force[j] = 0.0
 
 
 @kernel

@@ -11,6 +11,7 @@ from .bank.spectral import recall_objects, ring_bank
 from .bodies.sensing import finish_sensing
 from .events.events import carry_out, take_commands, take_due
 from .events.ramps import run_ramps
+from .memory.filling import fill_unused
 from .memory.state import QUANTUM, TAP, State
 from .output.limiter import limit
 from .output.meter import measure
@@ -48,6 +49,7 @@ def _hand_out(ready: View2D[float], first: int, out: View2D[float], begin: int, 
 @kernel
 def render_quantum(state: State) -> None:
     """Compute the next quantum: the way of the sound."""
+    fill_unused(state)
     # Commands that Python has sent join the queue; events whose time falls into this quantum are carried out.
     take_commands(state)
     while True:

@@ -23,6 +23,7 @@ from .contacts.flights import call_back
 from .contacts.rests import settle_rests
 from .contacts.rolls import add_through, is_fed, ring_on
 from .contacts.rolls_in_lanes import solve_in_lanes
+from .memory.filling import fill_object
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
 from .memory.state import QUANTUM, Object, State
 from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
@@ -243,6 +244,7 @@ def forget_quiet(state: State) -> None:
             _rest_all(state, obj)
             end_contacts(state, obj)
             obj.fading = obj.awake = 0
+            fill_object(state, slot)
             fence()  # Python lays another object out in its place as soon as it sees this
             obj.used = 0
         elif _goes_on(obj):

@@ -186,7 +186,7 @@ def _check_slice(builder: Any, cut: Any, size: Any) -> None:
 
 def _check_int(writer: Any, instruction: Any) -> None:
     """Compare where `int` is called: numba has a function of its own for that, whose line would say nothing."""
-    called = getattr(instruction, "value", None)
+    called: Any = getattr(instruction, "value", None)
     if getattr(called, "op", None) == "call" and getattr(writer.typeof(called.func.name), "typing_key", None) is int:
         for each in called.args:
             value = writer.loadvar(each.name)

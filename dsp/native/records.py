@@ -1,9 +1,15 @@
-"""Fields of a record of float64 by their number, where a kernel goes over all of them."""
+"""Records as a whole: fields of float64 by their number, and all fields cleared at once."""
 
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, TypeAlias
 
-from .jit import Lowered, intrinsic, ir, types
-from .typed import Record
+from .jit import Lowered, cgutils, intrinsic, ir, types
+from .typed import Record, View, View2D, View3D
+
+Filled: TypeAlias = Record | View[Any] | View2D[Any] | View3D[Any]
+
+LONGEST = 4_096
+"""Bytes of the longest arrays that `clear_record` sets to 0: longer ones are tables, with what says that they hold."""
 
 
 def _field(builder: Any, record: Any, index: Any) -> Any:
@@ -29,3 +35,57 @@ def set_field(typingctx: object, record: Record, index: int, value: float) -> Lo
         return context.get_dummy_value()
 
     return types.void(record, types.intp, types.float64), codegen
+
+
+@intrinsic
+def clear_record(typingctx: object, record: Record) -> Lowered[None]:
+    """Set all fields of a record to 0, those of records in it too, but for arrays of more than LONGEST bytes."""
+
+    def codegen(context, builder, signature, args):
+        data = builder.bitcast(args[0], ir.IntType(8).as_pointer())
+        for begin, end in _spans(signature.args[0]):
+            place = builder.gep(data, [ir.IntType(64)(begin)])
+            cgutils.memset(builder, place, ir.IntType(64)(end - begin), 0)
+        return context.get_dummy_value()
+
+    return types.void(record), codegen
+
+
+def _spans(kind: Any) -> list[tuple[int, int]]:
+    """Return the bytes of a record that are cleared, from the first of each span up to its end."""
+    spans: list[tuple[int, int]] = []
+    for begin, end in sorted(_fields(kind, 0)):
+        if spans and begin - spans[-1][1] < 8:  # no more than what aligns fields lies between
+            begin, _ = spans.pop()
+        spans.append((begin, end))
+    return spans
+
+
+def _fields(kind: Any, begin: int) -> Iterator[tuple[int, int]]:
+    for each in kind.fields.values():
+        at = begin + each.offset
+        if isinstance(each.type, types.Record):
+            yield from _fields(each.type, at)
+        else:
+            is_array = isinstance(each.type, types.NestedArray)
+            size = each.type.nitems * each.type.size if is_array else each.type.bitwidth // 8
+            if size <= LONGEST:
+                yield at, at + size
+
+
+@intrinsic
+def fill_bytes(typingctx: object, memory: Filled, value: int) -> Lowered[None]:
+    """Set all bytes of a record, or of an array without gaps, to a value of 0 to 255."""
+
+    def codegen(context, builder, signature, args):
+        kind, data = signature.args[0], args[0]
+        if isinstance(kind, types.Record):
+            size = ir.IntType(64)(kind.size)
+        else:
+            array = context.make_array(kind)(context, builder, data)
+            data = array.data
+            size = builder.mul(array.nitems, array.itemsize)
+        cgutils.memset(builder, data, size, builder.trunc(args[1], ir.IntType(8)))
+        return context.get_dummy_value()
+
+    return types.void(memory, types.intp), codegen

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..native.jit import Lowered, cgutils, intrinsic, ir, types
-from ..native.typed import View
+from ..native.typed import View, View2D
 
 AT_ONCE = 8
 """Values that are added at once: 64 bytes, a line of the cache."""
@@ -114,10 +114,12 @@ def add_few(
 
 @intrinsic
 def put_few(
-    typingctx: object, sums: View[float], tables: View[float], factors: tuple[float, ...], count: int
+    typingctx: object, sums: View[float] | View2D[float], tables: View[float] | View2D[float],
+    factors: tuple[float, ...], count: int,
 ) -> Lowered[None]:  # fmt: skip
-    """Set sums[i] = sum_k factors[k] table_k[i] for each i below `count`, and for less than AT_ONCE more; tables as
-    those of `add_few`. Every second table adds to a sum of its own, so that half as many products wait for others."""
+    """Set sums[i] = sum_k factors[k] table_k[i] for each i below `count`, and for less than AT_ONCE more; both count as
+    flat, tables as those of `add_few`. Every second table adds to a sum of its own, so that half as many products wait
+    for others."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         sums, tables, factors, count = args

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View
+from ..numerics.indices import index_of
 from ..numerics.legendre import AHEAD
 from .abreast_record import STEERS, Abreast
 from .body import is_even, modulate, stand, steer
@@ -101,7 +102,7 @@ def _mark(abreast: Abreast, path: Path, first: int, along: float, way: float) ->
         if piece >= path.made:
             make_pieces(path)
         abreast.start[piece & (PIECES - 1)] = begin
-        abreast.mark[max(int(begin * per), 0)] = piece  # rounded, it may be that after the last
+        abreast.mark[index_of(begin * per, 2 * STEERS + 1)] = piece  # rounded, it may be that after the last
     return -1
 
 

@@ -12,6 +12,7 @@ from ..contact.block_records import Block, forces_of
 from ..contact.block_sizes import LAID, NODES_PER_PART
 from ..contact.coupled_records import Coupled
 from ..native.jit import kernel, noinline_kernel
+from ..numerics.indices import index_of
 from .body import is_even
 from .coupled_roll import lead_coupled_roll, slope_at
 from .path import AHEAD, BATCH, PIECES, extend_path
@@ -44,7 +45,7 @@ def _add_kink(block: Block, kink: float, rise: float, bend: float) -> None:
     """Add what a kink changes."""
     left, parts = 1.0 - kink, block.parts
     block.rise[0] += left * (rise + left * bend)
-    inside = min(int(parts * kink), parts - 1)
+    inside = index_of(parts * kink, parts)
     height, height_tilt, slope, slope_tilt = _lines(parts * kink - inside, rise / parts, bend / (parts * parts))
     slope *= parts
     slope_tilt *= parts

@@ -23,8 +23,8 @@ def add_quadratic(
     It is the quadratic with the values `force` (N) at GAUSS of the `span` s that begin `since`. Frame n is the sample
     from origin + n/rate to origin + (n + 1)/rate; all times in s. moments: (frames, KEPT).
     """
-    begin, end = max((start - origin) * rate, 0.0), min((stop - origin) * rate, len(moments))
-    if begin >= end:
+    begin, end = max(0.0, (start - origin) * rate), min(len(moments), (stop - origin) * rate)
+    if not begin < end:
         return
     c0, c1, c2 = power_series_of(force[0], force[1], force[2])
     first, last = -math.floor(-begin), math.floor(end)  # the whole samples

@@ -7,6 +7,7 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
+from ..engine.admission import answer, judge_command
 from ..engine.events.queue import look_again
 from ..engine.memory.clock import lock
 from ..engine.memory.state import QUANTUM, STATE, State
@@ -70,3 +71,16 @@ def make_pulses(userdata: int, number: int) -> None:
     state: State = carray(userdata, (1,), STATE)[0]
     table = state.pulses.tables[number]
     make_values(table, state.pulses.values[table.first[0] : table.first[0] + table.size], state.pulses.work)
+
+
+@c_function(c_int64, c_void_p, c_int64, c_int64, c_int64)
+def ask(userdata: int, question: int, first: int, count: int) -> int:
+    """Answer what a host without Python asks of the state in `userdata`: see `admission.py`."""
+    return answer(userdata, question, first, count)
+
+
+@c_function(c_int64, c_void_p, c_void_p, c_int64)
+def judge(userdata: int, command: int, tables: int) -> int:
+    """Return the word by which a command is none for the state in `userdata`, -1 if that may take it; tables: of
+    pulses that were made."""
+    return judge_command(userdata, command, tables)

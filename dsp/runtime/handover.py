@@ -4,6 +4,8 @@ A device that stalls can't be told to stop, and may come back when something els
 callback that first turns a flag from FREE to RUNNING. Only the thread that does so runs the engine. Python turns the
 flag from FREE to TAKEN, and then knows that no call is in the engine, and that none will be. Nobody waits: a device
 that finds the flag TAKEN plays silence.
+
+The device alone gets no more than full scale, whatever the engine computes: a recorder is given the sound as it is.
 """
 
 import ctypes
@@ -12,7 +14,7 @@ from typing import Annotated
 import numpy as np
 
 from ..native.atomics import exchange, observe, store_release, swap
-from ..native.jit import c_function, carray
+from ..native.jit import c_function, carray, kernel
 from ..native.system import call_back
 from ..native.typed import Record, View, View2D, dtype_of
 from .signature import C_LONG, SIGNATURE
@@ -33,6 +35,14 @@ class HandoverRecord(Record):
 HANDOVER = dtype_of(HandoverRecord)
 
 
+@kernel
+def _clip(samples: View[float]) -> None:
+    """Clip samples (float32) at full scale, 1; what is not a number becomes 0."""
+    for n in range(len(samples)):
+        sample = samples[n]
+        samples[n] = min(max(sample, -1.0), 1.0) if sample == sample else 0.0
+
+
 @c_function(*SIGNATURE)
 def guarded(_input: int, output: int, frames: int, times: int, flags: int, userdata: int) -> int:
     """Do what the engine's callback does, or play silence while the HANDOVER in `userdata` is taken: a
@@ -44,6 +54,7 @@ def guarded(_input: int, output: int, frames: int, times: int, flags: int, userd
         out: View2D[float] = carray(output, (frames, handover.channels), np.float32)
         call_back(handover.callback, out, frames, carray(times, (3,), np.float64), flags, handover.state)
         store_release(handover.turn, 0, FREE)
+        _clip(carray(output, (frames * handover.channels,), np.float32))
     else:
         samples: View[float] = carray(output, (frames * handover.channels,), np.float32)
         for n in range(len(samples)):

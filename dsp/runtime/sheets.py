@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..karman.layout import FAINT, LEVELS, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
+from ..native.records import LONGEST
 from ..sizes import MOST_COUPLED
 from .arena import Arena, EngineFull
 
@@ -64,12 +65,13 @@ class Sheets:
         return begin
 
     def _fill(self, sheet: np.void, laid: Laid, begin: int) -> None:
-        """Write the record of a plate whose tables begin at a value."""
+        """Write the record of a plate whose tables begin at a value; of what had its place it keeps no number."""
+        for name in (each for each in sheet.dtype.names or () if sheet.dtype[each].itemsize <= LONGEST):
+            sheet[name] = np.zeros((), sheet.dtype[name])
         every = max(int(self._rate / (LOOKS * laid.highest)), 1)
         sheet["functions"], sheet["plain"], sheet["every"] = laid.functions, laid.plain, min(every, MOST_EVERY)
-        sheet["highest"], sheet["bent"], sheet["waits"] = laid.highest, 0.0, 0
+        sheet["highest"] = laid.highest
         sheet["growth"], sheet["least"] = laid.growth, laid.least
-        sheet["coupled"] = sheet["level"] = 0
         sheet["scale"] = sheet["tension"] = sheet["share"] = 1.0
         sheet["drained"][: laid.drained.size] = laid.drained
         sheet["follows"] = FOLLOWS

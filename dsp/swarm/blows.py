@@ -179,7 +179,7 @@ def pulse_of(swarm: Swarm, table: PulseTable, light: float, v: float) -> tuple[f
 @kernel
 def known_of(values: View[float], loss: float) -> float:
     """Return what is known of pulses at a loss, by lines between FORMS of them."""
-    x = min(loss / MOST_LOSS, 1.0 - 1e-9) * (FORMS - 1)
+    x = min(max(0.0, loss / MOST_LOSS), 1.0 - 1e-9) * (FORMS - 1)
     n = int(x)
     found: float = values[n] + (x - n) * (values[n + 1] - values[n])
     return found
@@ -244,7 +244,7 @@ def _mobility(swarm: Swarm, place: int, width: float) -> float:
 @kernel
 def mobility_at(mobility: View[float], width: float) -> float:
     """Return what is known for pulses of WIDTHS at a width (ln of s), by lines between them."""
-    x = min(max(width / _LN2 - NARROWEST, 0.0), WIDTHS - 1.001)
+    x = min(max(0.0, width / _LN2 - NARROWEST), WIDTHS - 1.001)
     n = int(x)
     high, low = mobility[n], mobility[n + 1]
     return high + (x - n) * (low - high)

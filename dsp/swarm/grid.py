@@ -108,23 +108,24 @@ _AT_FRAMES, _MOMENTS = _tables(_force_taps), _tables(_moment_taps)
 def lay_pulse(
     pulses: Pulses, number: int, grid: View[float], at: float, width: float, loss: float, momentum: float
 ) -> int:
-    """Add a pulse to a grid, and return how far it reaches there; 0 where it would have begun before that.
+    """Add a pulse to a grid, and return how far it reaches there; 0 where it would begin before that or end behind it.
 
     number: of its table; at: its middle (tables.py), in samples from the grid's beginning; width: ln of its rms width
     in samples; loss: w/(1 + w); momentum: N s.
     """
     table = pulses.tables[number]
-    y = min(max((width - _LEAST_LOG) / _LN2, 0.0), OCTAVES - 1e-9) * STEPS
+    y = min(max(0.0, (width - _LEAST_LOG) / _LN2), OCTAVES - 1e-9) * STEPS
     step = int(y)
     octave, b = step // STEPS, y - step
     length, phases = table.length[octave], table.phases[octave]
-    m = int(at)
-    if m < table.lead[octave]:
+    lead = table.lead[octave]
+    if not lead <= at < len(grid) + lead - length + 1:
         return 0
+    m = int(at)
     x = (at - m) * phases
     phase = int(x)
     a = x - phase
-    z = min(loss / MOST_LOSS, 1.0 - 1e-9) * (table.dissipations - 1)
+    z = min(max(0.0, loss / MOST_LOSS), 1.0 - 1e-9) * (table.dissipations - 1)
     kind = int(z)
     c = z - kind
     wider, later, lossier = (phases + 1) * length, length, table.block[octave]
@@ -138,8 +139,8 @@ def lay_pulse(
     weights = (
         a0 * b0 * c0, a1 * b0 * c0, a0 * b1 * c0, a1 * b1 * c0, a0 * b0 * c1, a1 * b0 * c1, a0 * b1 * c1, a1 * b1 * c1,
     )  # fmt: skip
-    add_rows(grid, m - table.lead[octave], pulses.values, firsts, weights, length)
-    return m - table.lead[octave] + length
+    add_rows(grid, m - lead, pulses.values, firsts, weights, length)
+    return m - lead + length
 
 
 @kernel

@@ -14,6 +14,7 @@ from ...dsp.bodies.material import Material
 from ...dsp.bodies.modes import Modes, Silent
 from ...dsp.mesh.blocks import Block
 from ...dsp.mesh.surface import MeshError, Surface, volume_of
+from ...dsp.numerics.quantities import Range
 from ...dsp.schema import SETTINGS
 from ...dsp.wording import expected
 from ...presets import Presets
@@ -26,8 +27,11 @@ from .shapes import SHAPES, Ringing, Shape, Vector, shape_of, surface_shape
 from .tracking.state import OCTAVES
 
 _CALIBRATED = {"level": 0.0, "stereo_width": 0.0}
-_MOST = 1e30
-"""Greatest density, mass and inertia; their reciprocals are needed, too."""
+_RANGES = {
+    "density": Range(1e-6, 1e9, "kg/m3"), "mass": Range(1e-15, 1e9, "kg"), "inertia": Range(1e-30, 1e15, "kg m2"),
+    "wall": Range(1e-9, 1e3, "m"),
+}  # fmt: skip
+"""The ranges of what may be said of a body; a size follows in `shapes.py`."""
 _OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s
 
 
@@ -239,6 +243,8 @@ def _weighed(shape: Shape, material: Material, density: Any, mass: Any, inertia:
 
 
 def _positive(name: str, value: Argument) -> float:
-    if not isinstance(value, int | float | np.integer | np.floating) or not 1.0 / _MOST <= value <= _MOST:
-        raise ValueError(f"{name} = {shown(value)}: expected a number from {1.0 / _MOST:g} to {_MOST:g}")
-    return float(value)
+    real = isinstance(value, int | float | np.integer | np.floating)
+    taken = _RANGES[name].within(value) if real else None  # type: ignore[arg-type]
+    if taken is None:
+        raise ValueError(f"{name} = {shown(value)}: expected {_RANGES[name].expected}")
+    return taken

@@ -69,7 +69,7 @@ class Midi(Remote):
             return
         self._doorway.hand_in(self, encode_bundle(IMMEDIATELY, messages, real="d"))
 
-    def look(self, reply: Callable[[Message, Source], None]) -> None:
+    def look(self, reply: Callable[[Message, Source], object]) -> None:
         """Tell what has happened since the last call."""
         while self._learnt:
             learnt, source = self._learnt.popleft()

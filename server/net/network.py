@@ -1,36 +1,56 @@
 """The way in and out: UDP and TCP on one port, web sockets, bounded queues of what arrived, replies that never wait.
 
-A thread of its own reads datagrams (udp.py). The server's thread does the rest, between packets.
+A thread of its own reads datagrams (udp.py). The server's thread does the rest, between packets. Whatever they speak,
+hosts take turns, and so do the clients of each (rotation.py); questions yield to all else (../osc/urgency.py).
 """
 
 import selectors
 import socket
 import sys
 import time
-from collections import Counter, deque
+from collections import Counter
 from contextlib import suppress
 from functools import lru_cache
 
+from ..osc.urgency import Urgency, urgency
 from ..osc.wire import Message, encode
+from .places import PAUSE, Complaint, Places, is_out, most_places
 from .remote import Doorway, Remote
 from .reply_budget import Allowance, Nets
+from .rotation import Rotation
 from .tcp import Connection, listen
-from .udp import Intake
+from .udp import Caller, Intake
 
-MOST_CONNECTIONS = 32
+MOST_CONNECTIONS = 64
+MOST_OF_HOST = 32
+"""Most TCP clients in all, and of a host."""
+_SHARE = 1 / 3  # of the descriptors
 
 LONGEST_SILENCE = 45.0
 """s after which a client that sends nothing may lose its place to another one."""
+
+PATIENCE = 2.0
+"""s after which a question that came by datagram is dropped: whoever asked has given up, or asks for too much."""
 
 RECEIVE_BUFFER = 1 << 22
 """Bytes asked of the system for datagrams that the reading thread has not taken yet; the system may give less."""
 
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
+_ACCEPTED = 32  # connections that are accepted at once: some 2 ms
+_OUTDATED = 256  # questions that are dropped at once: some 2 ms
+_MOST_CALLERS = 4_096  # addresses that datagrams wait from; a host may have as many as are left
 _TRIES = 16  # ports that may be free for UDP and not for TCP
 
 Source = tuple[str, int] | Connection | Remote
 """Source of a packet, to which replies go: a UDP address, a TCP client or a web socket's client."""
+
+_Client = Caller | Connection | Remote
+
+_C, _Q, _A, _QA = Urgency.COMMAND, Urgency.QUESTION, Urgency.ASIDE, Urgency.QUESTION | Urgency.ASIDE
+_TURNS = ((_C, _A, _Q, _QA), (_A, _C, _QA, _Q), (_C, _A, _Q, _QA), (_Q, _QA, _A, _C), (_QA, _Q, _C, _A))
+"""Orders in which one looks who comes next, one after the other: in three of five questions come last."""
+_ASIDE = ((_A, _QA), (_QA, _A))
 
 
 class Network:
@@ -40,16 +60,24 @@ class Network:
         """Listen on a port, 0 for any free one. OSError if that fails. trusted: other hosts that get all replies."""
         self._replies_dropped = 0
         self._warned: Counter[str] = Counter()
-        self._told = 0  # datagrams dropped, whose sender was told
+        self._told: Counter[str] = Counter()  # datagrams dropped, whose sender was told
         self._refused = 0  # datagrams that were taken, and had to be dropped
         self._refused_from: tuple[str, int] | None = None
-        self._woken = False
-        self._turns: deque[Connection | Remote] = deque()  # clients with packets that wait, each once
+        self._outdated = 0  # questions that waited for too long
+        self._outdated_from: tuple[str, int] | None = None
+        self._woken = self._hurries = False
+        self._rotations: dict[Urgency, Rotation[_Client]] = {kind: Rotation() for kind in _TURNS[0]}
+        self._turn = 0
+        self._callers: dict[tuple[str, int], Caller] = {}
+        self._callers_of: Counter[str] = Counter()
         self.left: list[Remote] = []
         """Web sockets' clients that have left, until somebody takes note."""
-        self._stream_next = False  # datagrams and streams take turns
+        most = most_places(MOST_CONNECTIONS, _SHARE)
+        self._places: Places[Connection] = Places(most, min(MOST_OF_HOST, most - most // 4))
+        self._complaint = Complaint()
+        self._accepts_from = 0.0  # s: when the listener is looked at again
         self._connections: set[Connection] = set()
-        self._paused: set[Connection | Remote] = set()
+        self._paused: set[Source] = set()
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._allowance = Allowance(trusted)
         self._udp, self._listener = _bound(host, port)
@@ -79,61 +107,117 @@ class Network:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Numbers of datagrams that found no room here or in the system's buffer, and of replies that were dropped."""
+        """Numbers of datagrams that found no room here or in the system's buffer, of questions that waited for too
+        long, and of replies that were dropped."""
         return {
             "dropped": self._intake.dropped + self._refused,
             "dropped_by_system": _dropped_by_system(self._udp),
+            "outdated": self._outdated,
             "replies_dropped": self._replies_dropped,
         }
 
-    def receive(self, timeout: float, streams_only: bool = False) -> tuple[bytes, Source] | None:
+    def receive(self, timeout: float, aside_of: Source | None = None) -> tuple[bytes, Source] | None:
         """Receive the next packet and its source, or None if none arrives within `timeout` seconds, or before `wake`.
 
-        streams_only: leave datagrams where they are.
+        aside_of: only what can be answered amid this client's bundle, and of others than it.
         """
         deadline = time.monotonic() + timeout
         wait = 0.0
         while True:
             self._gather(wait)
-            if arrived := self._from_streams() if streams_only else self._next():
+            if arrived := self._next(aside_of):
                 return arrived
-            wait = deadline - time.monotonic()
-            if wait <= 0.0 or self._woken:
+            left = deadline - time.monotonic()
+            if left <= 0.0 or self._woken:
                 self._woken = False
                 return None
+            wait = 0.0 if self._hurries or self._intake.waits else left
 
-    def _next(self) -> tuple[bytes, Source] | None:
-        self._stream_next = not self._stream_next
-        if self._stream_next:
-            return self._from_streams() or self._datagram()
-        return self._datagram() or self._from_streams()
-
-    def _datagram(self) -> tuple[bytes, Source] | None:
-        """Return the next datagram, for which its sender may get replies."""
-        arrived = self._intake.take()
-        if arrived:
-            self._allowance.hear(arrived[1][0], len(arrived[0]))
-        return arrived
-
-    def _from_streams(self) -> tuple[bytes, Source] | None:
-        """Return a packet of the client whose turn it is: clients take turns, however much each has sent."""
-        while self._turns:
-            connection = self._turns.popleft()
-            if connection in self._paused or not connection.arrived:
-                continue
-            packet = connection.arrived.popleft()
-            if connection.arrived:
-                self._turns.append(connection)
-            elif connection in self._connections:
-                self._watch(connection)
-            if packet is not None:
-                return packet, connection
-            if isinstance(connection, Remote):
-                connection.gone = True
-                self.left.append(connection)
+    def _next(self, aside_of: Source | None) -> tuple[bytes, Source] | None:
+        """Return a packet of the client whose turn it is, however much each has sent."""
+        but = self._callers.get(aside_of) if isinstance(aside_of, tuple) else aside_of
+        orders = _TURNS if aside_of is None else _ASIDE
+        self._hurries = False
+        outdated = self._outdated
+        while self._outdated - outdated < _OUTDATED:
+            self._turn += 1
+            for kind in orders[self._turn % len(orders)]:
+                if client := self._rotations[kind].take(but):
+                    break
             else:
-                self._part(connection)
+                return None
+            client.queued = False
+            source = client.address if isinstance(client, Caller) else client
+            if source in self._paused or not client.arrived:
+                continue
+            packet = client.arrived.popleft()
+            if isinstance(client, Caller):
+                kept = self._is_heard(client, packet or b"", kind)
+                self._queue(client)
+                if not kept:
+                    continue
+            else:
+                self._queue(client)
+                if isinstance(client, Connection) and not client.arrived and client in self._connections:
+                    self._watch(client)
+            if packet is not None:
+                return packet, source
+            if isinstance(client, Remote):
+                client.gone = True
+                self.left.append(client)
+            elif isinstance(client, Connection):
+                self._part(client)
+        self._hurries = True
         return None
+
+    def _queue(self, client: _Client) -> None:
+        """Let a client wait for its turn, if something of it waits."""
+        source = client.address if isinstance(client, Caller) else client
+        if client.queued or source in self._paused:
+            return
+        if client.arrived:
+            client.queued = True
+            packet = client.arrived[0]
+            kind = Urgency.COMMAND if packet is None else urgency(packet)
+            self._rotations[kind].add(client.host, client)
+        elif isinstance(client, Caller) and client.address in self._callers:
+            del self._callers[client.address]
+            self._callers_of[client.host] -= 1
+            if not self._callers_of[client.host]:
+                del self._callers_of[client.host]
+
+    def _is_heard(self, caller: Caller, packet: bytes, kind: Urgency) -> bool:
+        """Give back a datagram's room; False if it is a question that has waited for too long."""
+        self._intake.end(caller.group, len(packet))
+        now = time.monotonic()
+        since = max(caller.since, caller.times.popleft())
+        if not kind & Urgency.QUESTION:
+            caller.since = now  # what comes behind has waited for this
+        elif now - since > PATIENCE:
+            self._outdated += 1
+            self._outdated_from = caller.address
+            return False
+        # For what it sent, a sender may get replies.
+        self._allowance.hear(caller.host, len(packet))
+        return True
+
+    def _take_datagrams(self) -> None:
+        """Queue the datagrams that have arrived behind others of their senders."""
+        taken = self._intake.take()
+        now = time.monotonic()
+        for packet, address, group in taken:
+            caller = self._callers.get(address)
+            if caller is None:
+                host = address[0]
+                if self._callers_of[host] >= _MOST_CALLERS - len(self._callers):
+                    self._intake.end(group, len(packet))
+                    self.drop(address)
+                    continue
+                caller = self._callers[address] = Caller(address, group)
+                self._callers_of[host] += 1
+            caller.arrived.append(packet)
+            caller.times.append(now)
+            self._queue(caller)
 
     def wake(self) -> None:
         """Wake `receive`, which returns if nothing arrives before; any thread may ask for it."""
@@ -141,16 +225,18 @@ class Network:
         self._intake.ring()
 
     def pause(self, source: Source) -> None:
-        """Return no packet of a stream's client until `resume`: it waits, and loses nothing."""
-        if isinstance(source, Connection | Remote):
-            self._paused.add(source)
+        """Return no packet of a client until `resume`: it waits, and loses nothing that has found room."""
+        self._paused.add(source)
 
     def resume(self, source: Source) -> None:
         """Take back `pause`."""
-        if isinstance(source, Connection | Remote) and source in self._paused:
+        if source in self._paused:
             self._paused.remove(source)
-            if source.arrived and source not in self._turns:
-                self._turns.append(source)
+            client = self._callers.get(source) if isinstance(source, tuple) else source
+            if isinstance(client, Caller):
+                client.since = time.monotonic()
+            if client:
+                self._queue(client)
 
     def drop(self, source: Source) -> None:
         """Count a datagram that was received, and is not carried out."""
@@ -158,8 +244,22 @@ class Network:
             self._refused += 1
             self._refused_from = source
 
-    def send(self, message: Message, to: Source) -> None:
-        """Send a reply, or count it as dropped; OSError if its receiver is gone."""
+    def affords(self, source: Source, size: int) -> bool:
+        """True if a source may get a reply of so many bytes."""
+        return not isinstance(source, tuple) or self._allowance.has(source[0], size)
+
+    def skip_reply(self) -> None:
+        """Count a reply that was not made, as its receiver may not get it."""
+        self._replies_dropped += 1
+
+    def is_stranger(self, source: object) -> bool:
+        """True if a source is elsewhere, in no network that is trusted, and has shown no token."""
+        if isinstance(source, Remote):
+            return source.stranger
+        return isinstance(source, tuple | Connection) and not self._allowance.trusts(host_of(source))
+
+    def send(self, message: Message, to: Source) -> int:
+        """Send a reply, or count it as dropped; return its size (bytes). OSError if its receiver is gone."""
         packet = _encoded(message)
         if not self.reaches(to):
             raise ConnectionResetError("the client has left")
@@ -178,6 +278,7 @@ class Network:
             except BlockingIOError:
                 sent = False
         self._replies_dropped += not sent
+        return len(packet)
 
     def reaches(self, source: Source) -> bool:
         """True if a source can still be answered, as far as is known."""
@@ -189,24 +290,23 @@ class Network:
         """True if a source is told nothing more once it is silent: one that may have been forged."""
         return isinstance(source, tuple) and not self._allowance.trusts(source[0])
 
-    def dropped(self) -> tuple[int, tuple[str, int]] | None:
-        """Return how many datagrams found no room since the last call, and who sent the last one; None if none was
-        lost."""
-        new = self.counts["dropped"] - self._told
+    def losses(self) -> list[tuple[str, tuple[str, int]]]:
+        """Return what was lost of datagrams since the last call, and who sent the last of them."""
+        new = Counter(self.counts) - self._told
         self._told += new
-        loser, self._refused_from = self._refused_from or self._intake.loser, None
-        return (new, loser) if new else None
+        lost = []
+        if new["dropped"]:
+            sender, self._refused_from = self._refused_from or self._intake.loser, None
+            lost.append((_LOST["dropped"].format(new["dropped"]), sender))
+        if new["outdated"] and self._outdated_from:
+            lost.append((_LOST["outdated"].format(new["outdated"]), self._outdated_from))
+        return lost
 
     def warnings(self) -> list[str]:
         """Return the texts about what was dropped since the last call."""
         new = Counter(self.counts) - self._warned
         self._warned += new
-        texts = {
-            "dropped": "{} datagrams dropped: the queue was full",
-            "dropped_by_system": "{} datagrams lost: the system's receive buffer is too small, see `carom doctor`",
-            "replies_dropped": "{} replies dropped: a client reads too slowly, or is on another host: see --trust",
-        }
-        return [texts[name].format(count) for name, count in new.items()]
+        return [_LOST[name].format(count) for name, count in new.items()]
 
     def close(self) -> None:
         """Disconnect all clients and close the sockets."""
@@ -220,38 +320,69 @@ class Network:
 
     def _gather(self, timeout: float) -> None:
         """Queue the packets that have arrived."""
-        for connection in [each for each, until in self._lingering.items() if until <= time.monotonic()]:
+        now = time.monotonic()
+        for connection in [each for each, until in self._lingering.items() if until <= now]:
             self._leave(connection)
+        if self._accepts_from and now >= self._accepts_from:
+            self._accepts_from = 0.0
+            self._selector.register(self._listener, selectors.EVENT_READ)
         for key, events in self._selector.select(timeout):
             if key.fileobj is self._intake.heard:
                 self._intake.hush()
             elif key.fileobj is self._listener:
                 self._accept()
             elif key.fileobj is self.doorway.heard:
-                self._turns += [each for each in dict.fromkeys(self.doorway.collect()) if each not in self._turns]
+                for client in self.doorway.collect():
+                    self._queue(client)
             else:
                 self._attend(key.data, events)
+        self._take_datagrams()
 
     def _accept(self) -> None:
-        with suppress(OSError):  # the client has left already
-            connection = Connection(self._listener.accept()[0])
-            self._connections.add(connection)
-            self._watch(connection)
-            if len(self._connections) > MOST_CONNECTIONS:
-                self._make_room()
-            if len(self._connections) > MOST_CONNECTIONS:
-                connection.wrong = f"{MOST_CONNECTIONS} clients are connected already: expected one to leave first"
-                self._part(connection)
+        """Accept those that want to connect, as many as take a short time."""
+        for _ in range(_ACCEPTED):
+            try:
+                sock, (host, _) = self._listener.accept()
+            except BlockingIOError:
+                return
+            except OSError as error:
+                if is_out(error):
+                    self._selector.unregister(self._listener)
+                    self._accepts_from = time.monotonic() + PAUSE
+                    self._complaint.say(f"OSC over TCP: no new client: {error.strerror}")
+                    return
+                continue  # the client has left already
+            try:
+                connection = Connection(sock, host)
+            except OSError:
+                sock.close()
+                continue
+            self._admit(connection)
 
-    def _make_room(self) -> None:
-        """Disconnect a client whose stream has ended, or the one that has been silent for longest, if for long."""
-        if self._lingering:
-            self._leave(next(iter(self._lingering)))
-            return
-        silent = min(self._connections, key=lambda connection: connection.heard_at)
-        if time.monotonic() - silent.heard_at > LONGEST_SILENCE:
-            silent.wrong = f"silent for {LONGEST_SILENCE:g} s, and another client needs the place"
-            self._part(silent)
+    def _admit(self, connection: Connection) -> None:
+        """Give a newcomer a place, perhaps another one's; else tell it that there is none."""
+        places, host = self._places, connection.host
+        if not places.is_free(host):
+            late = time.monotonic() - LONGEST_SILENCE
+            for each in sorted(self._connections, key=lambda connection: connection.heard_at):
+                if each.heard_at < late:
+                    places.hush(each)
+            silent = places.who_makes_way(host)
+            if silent is None:
+                self._connections.add(connection)
+                most = min(places.most, places.most_of_host)
+                connection.wrong = f"{most} clients are connected already: expected one to leave first"
+                self._part(connection)
+                return
+            if silent in self._lingering:
+                self._leave(silent)
+            else:
+                seconds = time.monotonic() - silent.heard_at
+                silent.wrong = f"silent for {seconds:.3g} s, and another client needs the place"
+                self._part(silent)
+        self._connections.add(connection)
+        places.come(connection, host)
+        self._watch(connection)
 
     def _attend(self, connection: Connection, events: int) -> None:
         if events & selectors.EVENT_WRITE:
@@ -263,18 +394,15 @@ class Network:
             return
         try:
             if events & selectors.EVENT_READ:
-                for packet in connection.packets():
-                    self._enqueue(packet, connection)
+                connection.arrived.extend(connection.packets())
+                if connection.arrived:
+                    self._places.rouse(connection)
                 if connection.over:
-                    self._enqueue(None, connection)
+                    connection.arrived.append(None)
+                self._queue(connection)
             self._watch(connection)
         except OSError:
             self._leave(connection)
-
-    def _enqueue(self, packet: bytes | None, connection: Connection) -> None:
-        if not connection.arrived:
-            self._turns.append(connection)
-        connection.arrived.append(packet)
 
     def _watch(self, connection: Connection) -> None:
         """Watch a client for reading once all that it sent is carried out, and for writing while replies wait.
@@ -295,6 +423,7 @@ class Network:
         """Disconnect a client whose stream has ended, after all its packets were carried out."""
         if not connection.wrong and self.reaches(connection):
             self._lingering[connection] = time.monotonic() + _LINGER  # it may still read replies
+            self._places.hush(connection)
         reason = connection.wrong or connection.cut
         if reason and self.reaches(connection):
             with suppress(OSError):
@@ -314,10 +443,24 @@ class Network:
     def _leave(self, connection: Connection) -> None:
         if connection in self._connections:
             self._connections.remove(connection)
+            self._places.leave(connection)
             self._lingering.pop(connection, None)
             with suppress(KeyError):
                 self._selector.unregister(connection.socket)
             connection.close()
+
+
+def host_of(source: Source) -> str:
+    """Return the address of the host that a source is of."""
+    return source[0] if isinstance(source, tuple) else source.host
+
+
+_LOST = {
+    "dropped": "{} datagrams dropped: the queue was full",
+    "dropped_by_system": "{} datagrams lost: the system's receive buffer is too small, see `carom doctor`",
+    "outdated": f"{{}} questions dropped: they had waited for {PATIENCE:g} s",
+    "replies_dropped": "{} replies dropped: a client reads too slowly, or is on another host: see --trust",
+}
 
 
 def _encoded(message: Message) -> bytes:

@@ -9,7 +9,11 @@ from contextlib import suppress
 class Remote:
     """A client of another thread. `deliver` gives it a packet, never waits, and returns False where it drops it."""
 
-    def __init__(self, deliver: Callable[[bytes], bool]) -> None:
+    def __init__(self, deliver: Callable[[bytes], bool], host: str = "", stranger: bool = False) -> None:
+        """Begin. host: where it is; empty: this process. stranger: it is elsewhere, and has shown no token."""
+        self.host, self.stranger = host, stranger
+        self.queued = False
+        """True while it waits for its turn."""
         self.arrived: deque[bytes | None] = deque()
         """Packets that wait to be carried out; None: the client has left."""
         self.gone = False

@@ -1,6 +1,6 @@
 """Limits on replies: the sender of a datagram may be forged, so that the reply hits somebody else."""
 
-import time
+from collections import OrderedDict
 from collections.abc import Sequence
 from functools import lru_cache
 from ipaddress import IPv4Network, IPv6Network, ip_address
@@ -9,10 +9,11 @@ Nets = Sequence[IPv4Network | IPv6Network]
 
 FACTOR = 3
 """A host gets at most so many times the bytes that it sent, as of a server of QUIC (RFC 9000, 8.1)."""
-_MOST = 1 << 20  # bytes that a host may have saved
-_HOSTS = 1_024  # remembered; all others share what they sent
-_FORGOTTEN = 60.0  # s of silence after which a host is
-_OTHERS = ""
+_FRAGMENT, _FRAME = 1_480, 66
+"""Bytes of a packet's load at most, and of its heads and gaps on Ethernet (8 + 14 + 20 + 8 + 4 + 12). Of what is sent
+they count, of what was received they don't: so the factor holds however it is measured."""
+_MOST = 4_096  # bytes that a host may have saved: else a forged one's could come all at once
+_HOSTS = 1_024  # remembered: those that were heard last
 
 
 class Allowance:
@@ -20,8 +21,7 @@ class Allowance:
 
     def __init__(self, trusted: Nets = ()) -> None:
         self._trusted = trusted
-        self._saved: dict[str, float] = {_OTHERS: 0.0}  # bytes
-        self._heard: dict[str, float] = {}  # s; the host that was silent for longest comes first
+        self._saved: OrderedDict[str, int] = OrderedDict()  # bytes; the host that was silent for longest comes first
 
     def trusts(self, host: str) -> bool:
         """True if a host is this machine, or of a network that is trusted."""
@@ -31,25 +31,26 @@ class Allowance:
         """Note that a host has sent so many bytes."""
         if self.trusts(host):
             return
-        now = time.monotonic()
-        while self._heard and now - next(iter(self._heard.values())) > _FORGOTTEN:
-            silent = next(iter(self._heard))
-            del self._heard[silent], self._saved[silent]
-        known = self._heard.pop(host, None) is not None or len(self._heard) < _HOSTS
-        if known:
-            self._heard[host] = now
-        account = host if known else _OTHERS
-        self._saved[account] = min(_MOST, self._saved.get(account, 0.0) + FACTOR * size)
+        self._saved[host] = min(_MOST, self._saved.pop(host, 0) + FACTOR * size)
+        if len(self._saved) > _HOSTS:
+            self._saved.popitem(last=False)
+
+    def has(self, host: str, size: int) -> bool:
+        """True if a host may be sent a reply of so many bytes."""
+        return self.trusts(host) or self._saved.get(host, 0) >= _cost(size)
 
     def take(self, host: str, size: int) -> bool:
         """Spend so many bytes of a reply to a host; return False if there are fewer left."""
-        if self.trusts(host):
-            return True
-        account = host if host in self._saved else _OTHERS
-        if size > self._saved[account]:
+        if not self.has(host, size):
             return False
-        self._saved[account] -= size
+        if host in self._saved:
+            self._saved[host] -= _cost(size)
         return True
+
+
+def _cost(size: int) -> int:
+    """Return the bytes that a reply of a size takes on its way."""
+    return size + _FRAME * -(-(size + 8) // _FRAGMENT)
 
 
 @lru_cache(maxsize=64)

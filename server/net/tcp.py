@@ -9,18 +9,22 @@ from contextlib import suppress
 
 from ..osc.framing import Broken, Framing, Slip, framing
 
-_PIECE = 1 << 16  # bytes read at a time
-_MOST_WAITING = 1 << 20  # bytes of replies kept for a client that reads slowly
+_PIECE = 1 << 14  # bytes read at a time: as packets, short ones take up to 20 times that in memory
+_MOST_WAITING = 1 << 18  # bytes of replies kept for a client that reads slowly
+_BACKLOG = 4_096  # connections that wait to be accepted; the system may allow fewer
 
 
 class Connection:
     """A client: packets cut from its stream, and replies kept until it takes them. No method blocks."""
 
-    def __init__(self, sock: socket.socket) -> None:
+    def __init__(self, sock: socket.socket, host: str = "") -> None:
+        """Begin with a socket that a host has connected. OSError if it is gone already."""
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         _keep_alive(sock)
-        self.socket = sock
+        self.socket, self.host = sock, host
+        self.queued = False
+        """True while it waits for its turn."""
         self.arrived: deque[bytes | None] = deque()
         """Packets that wait to be carried out; None: the end of the stream."""
         self.heard_at = time.monotonic()
@@ -111,7 +115,7 @@ def listen(host: str, port: int) -> socket.socket:
         if sys.platform != "win32":
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind((host, port))
-        sock.listen()
+        sock.listen(_BACKLOG)
         sock.setblocking(False)
     except OSError:
         sock.close()

@@ -5,10 +5,12 @@ the thread may run in real time, a burst is safe on a busy machine, too.
 """
 
 import os
+import secrets
 import socket
 import struct
 import sys
 import threading
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from ctypes import c_int64, c_void_p
@@ -20,13 +22,17 @@ from ...dsp.native.atomics import confirm, fence, load_acquire, observe, publish
 from ...dsp.native.jit import c_function, carray, external, kernel
 from ...dsp.native.typed import Record, View, dtype_of, i32
 
-CAPACITY = 1 << 22
-"""Bytes of datagrams that can wait to be carried out, each with 24 of its own: some 50,000 short ones."""
+CAPACITY = 1 << 23
+"""Bytes of datagrams that can wait to be carried out, each with 24 of its own. A host's may take as much as is left
+free: half of it where no other sends, some 50,000 short ones; a third where two do. So there is room for a newcomer."""
 
 _LOOK = 0.05  # s between looks at whether to go on
 _HEAD = 3  # words before a datagram: its size, and two of the address that it came from
 _LARGEST = _HEAD + (1 << 16) // 8  # words
 _WORDS = CAPACITY // 8
+_GROUPS = 256  # of hosts; each host has one of its own, unless so many send that none near its place is free
+_PROBES = 16  # places of groups that a host may have
+_AT_ONCE = 1_024  # datagrams that are taken at once: some 2 ms
 
 
 # The ring's words hold datagrams one after another; one begins where the largest would fit before the end, else at 0.
@@ -38,6 +44,10 @@ class Box(Record):
     stopped: Annotated[View[int], 1]
     dropped: Annotated[View[int], 1]  # datagrams
     loser: Annotated[View[int], 2]  # address that the last of them came from
+    owner: Annotated[View[int], _GROUPS]  # the host that a group of hosts began with
+    held: Annotated[View[int], _GROUPS]  # words that came in, ever, from each group
+    done: Annotated[View[int], _GROUPS + 1]  # those that are carried out or dropped, and their sum
+    key: int  # of the hash of hosts, that nobody outside knows
     descriptor: int
     bell: int
     length: Annotated[View[i32], 2]
@@ -46,7 +56,7 @@ class Box(Record):
 
 
 _BOX = dtype_of(Box)
-_ENTRY = struct.Struct("=q2x2s4s8x")  # size, and of the sockaddr_in port and host
+_ENTRY = struct.Struct("=ii2x2s4s8x")  # size and group, and of the sockaddr_in port and host
 
 _WINDOWS = sys.platform == "win32"
 _receive: Callable[[int, int, int, int, int], int] = external(
@@ -65,6 +75,31 @@ def _after(position: int, size: int) -> int:
 _beyond = kernel(_after)
 
 
+def _words(size: int) -> int:
+    """Return the words that a datagram takes."""
+    return _HEAD + (size + 7) // 8
+
+
+_words_of = kernel(_words)
+
+
+@kernel
+def _group(box: Box, host: int) -> int:
+    """Return the group of a host (32 bits): its own, else one that is free, else one that it shares."""
+    first = host * box.key >> 40
+    free = -1
+    for k in range(_PROBES):
+        group = (first + k) & (_GROUPS - 1)
+        if box.owner[group] == host:
+            return group
+        if free < 0 and box.held[group] == load_acquire(box.done, group):
+            free = group
+    if free < 0:
+        return first & (_GROUPS - 1)
+    box.owner[free] = host
+    return free
+
+
 @c_function(None, c_void_p)
 def drain(address: int) -> None:
     """Move datagrams into the ring until stopped, and count those that find no room there. address: of a _BOX."""
@@ -72,18 +107,24 @@ def drain(address: int) -> None:
     fresh, ring = box.fresh, box.ring
     start = fresh.ctypes.data
     written = load_acquire(box.written, 0)
+    total = 0
     while load_acquire(box.stopped, 0) == 0:
         box.length[0] = 16
         size = _receive(box.descriptor, start + 8 * _HEAD, 1 << 16, start + 8, box.length.ctypes.data)
         if size < 0:  # nothing came for a while
             continue
-        if written - load_acquire(box.read, 0) > _WORDS - _LARGEST:
+        group, words = _group(box, fresh[1] >> 32 & 0xFFFFFFFF), _words_of(size)
+        free = _WORDS - _LARGEST - total + load_acquire(box.done, _GROUPS)
+        mine = box.held[group] - load_acquire(box.done, group)
+        if mine + words > free or written - load_acquire(box.read, 0) > _WORDS - _LARGEST:
             box.loser[0], box.loser[1] = fresh[1], fresh[2]
             store_release(box.dropped, 0, box.dropped[0] + 1)
             continue
-        fresh[0] = size
+        box.held[group] += words
+        total += words
+        fresh[0] = size | group << 32
         at = written % _WORDS
-        for i in range(_HEAD + (size + 7) // 8):
+        for i in range(words):
             ring[at + i] = fresh[i]
         before = written
         written = _beyond(written, size)
@@ -93,6 +134,25 @@ def drain(address: int) -> None:
         fence()
         if load_acquire(box.read, 0) == before:
             _send(box.bell, start, 1)
+
+
+class Caller:
+    """An address that datagrams wait from: `arrived`, each with the time (s) at which it was taken in. group: of its
+    host, as Intake tells it."""
+
+    __slots__ = ("address", "arrived", "group", "queued", "since", "times")
+
+    def __init__(self, address: tuple[str, int], group: int) -> None:
+        self.address, self.group = address, group
+        self.arrived: deque[bytes | None] = deque()
+        self.times: deque[float] = deque()
+        self.since = 0.0  # s: when what was before them was done
+        self.queued = False
+
+    @property
+    def host(self) -> str:
+        """The address without the port."""
+        return self.address[0]
 
 
 class Intake:
@@ -106,6 +166,8 @@ class Intake:
         record = self._box[0]
         self._written, self._read = record["written"], record["read"]
         self._stopped, self._dropped, self._loser = record["stopped"], record["dropped"], record["loser"]
+        self._done = record["done"]
+        record["key"] = 1 << 29 | secrets.randbits(29)  # so that the product with a host fits 63 bits
         self._ring = memoryview(record["ring"]).cast("B")
         self.heard, self._bell = socket.socketpair()
         self.heard.setblocking(False)
@@ -133,17 +195,32 @@ class Intake:
         with suppress(OSError):  # it is readable already, or closed
             self._bell.send(b"\0")
 
-    def take(self) -> tuple[bytes, tuple[str, int]] | None:
-        """Return the next datagram and its sender's address, or None if none waits."""
+    def take(self) -> list[tuple[bytes, tuple[str, int], int]]:
+        """Return the datagrams that have arrived, but no more than 1,024: each with its sender's address and its group.
+
+        They take room until `end` is told of each.
+        """
+        taken: list[tuple[bytes, tuple[str, int], int]] = []
         read = int(self._read[0])
-        if read == confirm(self._written):
-            return None
-        at = 8 * (read % _WORDS)
-        size, port, host = _ENTRY.unpack_from(self._ring, at)
-        start = at + 8 * _HEAD
-        datagram = bytes(self._ring[start : start + size])
-        publish(self._read, _after(read, size))
-        return datagram, _address(port, host)
+        while len(taken) < _AT_ONCE and read != (written := confirm(self._written)):
+            while read != written and len(taken) < _AT_ONCE:
+                at = 8 * (read % _WORDS)
+                size, group, port, host = _ENTRY.unpack_from(self._ring, at)
+                start = at + 8 * _HEAD
+                taken.append((bytes(self._ring[start : start + size]), _address(port, host), group))
+                read = _after(read, size)
+            publish(self._read, read)
+        return taken
+
+    @property
+    def waits(self) -> bool:
+        """True if a datagram has arrived that was not taken."""
+        return int(self._read[0]) != confirm(self._written)
+
+    def end(self, group: int, size: int) -> None:
+        """Give back the room of a datagram of a size (bytes) and a group: it is carried out, or dropped."""
+        self._done[group] += _words(size)
+        self._done[_GROUPS] += _words(size)
 
     @property
     def dropped(self) -> int:
@@ -153,7 +230,7 @@ class Intake:
     @property
     def loser(self) -> tuple[str, int]:
         """The sender's address of the last datagram that found no room."""
-        _, port, host = _ENTRY.unpack(bytes(8) + self._loser.tobytes())
+        *_, port, host = _ENTRY.unpack(bytes(8) + self._loser.tobytes())
         return _address(port, host)
 
     def close(self) -> None:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ...dsp.runtime.engine import Engine
 from ..audio.tap import Tap
+from ..net.places import Complaint
 from .bounded import BoundedServer
 from .site import Site
 from .socket import sound_packet
@@ -37,7 +38,9 @@ class WebServer:
         self.host, self.port = host, port
         self.scheme = "https" if tls else "http"
         self._tls = tls
-        self._loop = asyncio.new_event_loop()
+        self._loop = asyncio.SelectorEventLoop()  # on Windows the usual one has no readers
+        complaint = Complaint()
+        self._loop.set_exception_handler(lambda loop, told: complaint.say(f"a fault of the web server: {_fault(told)}"))
         self._runner: web.ServerRunner | None = None
         self._thread = threading.Thread(target=self._run, name="carom-web", daemon=True)
 
@@ -60,7 +63,8 @@ class WebServer:
         def hand_on(first: int, sound: NDArray[np.float32]) -> bool:
             heard = any(client.sound_on for client in tuple(self.site.clients))
             if heard:
-                packet = sound_packet(first, rate, channels, sound[:, :channels].astype("<f4", copy=False).tobytes())
+                left = np.nan_to_num(np.clip(sound[:, :channels], -1.0, 1.0))  # a device plays it there
+                packet = sound_packet(first, rate, channels, left.astype("<f4", copy=False).tobytes())
                 self._loop.call_soon_threadsafe(self.site.play, packet, len(sound) / rate)
             return heard
 
@@ -68,14 +72,12 @@ class WebServer:
 
     async def _open(self) -> None:
         self._server = BoundedServer(
-            self.site.answer, keepalive_timeout=_KEEPALIVE, max_line_size=_LONGEST_HEAD, max_field_size=_LONGEST_HEAD,
-            access_log=None, logger=_NOBODY, lingering_time=1.0,
+            self.site.answer, self._tls, keepalive_timeout=_KEEPALIVE, max_line_size=_LONGEST_HEAD,
+            max_field_size=_LONGEST_HEAD, access_log=None, logger=_NOBODY, lingering_time=1.0,
         )  # fmt: skip
         self._runner = web.ServerRunner(self._server, shutdown_timeout=1.0)
         await self._runner.setup()
-        listening = web.TCPSite(self._runner, self.host, self.port, ssl_context=self._tls)
-        await listening.start()
-        self.port = int(self._runner.addresses[0][1])
+        self.port = self._server.listen(self.host, self.port)
 
     async def _close(self) -> None:
         await self._server.end()
@@ -100,6 +102,11 @@ class WebServer:
         self._thread.join(_PATIENCE)
         if not self._thread.is_alive():
             self._loop.close()
+
+
+def _fault(told: dict[str, Any]) -> str:
+    """Return what asyncio tells of a fault, in a line."""
+    return " ".join(f"{told.get('message', '')} {told.get('exception', '')!r}".split())
 
 
 def _own_address() -> str:

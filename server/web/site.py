@@ -13,13 +13,15 @@ from urllib.parse import unquote
 from aiohttp import web
 
 from ..net.network import Network
+from ..net.places import Places
 from ..osc.oscquery import ATTRIBUTES, Names, host_info, text
 from ..osc.score import ScoreError
 from .guard import COOKIE, Guard
 from .scores import LARGEST_SCORE, MOST_SCORES, play_score, read_score
-from .socket import MOST_CLIENTS, SocketClient, opened
+from .socket import MOST_CLIENTS, MOST_OF_HOST, SocketClient, opened
 
 PAGE = "/page/"
+_MOST_BODIES = 8  # scores that come in at once
 _CHUNK = 1 << 16  # characters of a long answer that are made at once
 _REST = 3.0  # times as long as such a chunk took to make, the next one waits
 _PATIENCE = 10.0  # s for a client to take one
@@ -63,6 +65,8 @@ class Site:
 
     def __post_init__(self) -> None:
         self._turn, self._reading = asyncio.Lock(), asyncio.Lock()
+        self._bodies = asyncio.Semaphore(_MOST_BODIES)
+        self._places: Places[SocketClient] = Places(MOST_CLIENTS, MOST_OF_HOST)
         self._plays: dict[SocketClient, tuple[asyncio.Task[None], int]] = {}  # each with its score's bytes
 
     def play(self, packet: bytes, seconds: float) -> None:
@@ -158,15 +162,25 @@ class Site:
         return chunk, length > _CHUNK
 
     async def _talk(self, request: web.BaseRequest) -> web.StreamResponse:
-        if len(self.clients) >= MOST_CLIENTS:
-            return _refused(503, f"{MOST_CLIENTS} web sockets are open already: expected a page to be closed first")
+        host = request.remote or ""
+        if not self._places.is_free(host):
+            other = self._places.who_makes_way(host)
+            if other is None:
+                most = min(MOST_CLIENTS, MOST_OF_HOST)
+                return _refused(503, f"{most} web sockets are open already: expected a page to be closed first")
+            self._places.leave(other)
+            other.abort()
+        stranger = not self.guard.token and self.network.is_stranger((host, 0))
         socket = await opened(request)
-        client = SocketClient(socket, self.network)
+        client = SocketClient(socket, self.network, host, stranger, request.transport)
         self.clients.add(client)
+        self._places.come(client, host)
+        self._places.rouse(client)
         try:
             await client.serve()
         finally:
             self.clients.discard(client)
+            self._places.leave(client)
             self._end_score(client)
         return socket
 
@@ -182,7 +196,8 @@ class Site:
         if (request.content_length or 0) > LARGEST_SCORE:
             return _refused(413, f"{request.content_length} bytes: expected at most {LARGEST_SCORE}")
         try:
-            data = await request.read()
+            async with self._bodies:
+                data = await asyncio.wait_for(request.read(), _PATIENCE)
             async with self._reading:
                 played = sum(size for each, (play, size) in self._plays.items() if each != client and not play.done())
                 if played + len(data) > MOST_SCORES:
@@ -192,6 +207,8 @@ class Site:
                 if lines and client in self.clients:  # it may have left meanwhile
                     play = asyncio.ensure_future(play_score(lines, client, self.network))
                     self._plays[client] = play, len(data)
+        except asyncio.TimeoutError:
+            return _refused(408, f"a score that took longer than {_PATIENCE:g} s to come")
         except web.HTTPRequestEntityTooLarge:
             return _refused(413, f"a score that is too large: expected at most {LARGEST_SCORE} bytes")
         except ScoreError as error:

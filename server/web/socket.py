@@ -15,13 +15,14 @@ from ..net.remote import Remote
 from ..osc.wire import MAX_DATAGRAM
 
 LARGEST_FRAME = MAX_DATAGRAM
-MOST_CLIENTS = 64
-"""Two for each of 32 pages: one for its messages, one for the sound."""
+MOST_CLIENTS, MOST_OF_HOST = 64, 48
+"""Most in all and of a host, two for each page: one for its messages, one for the sound."""
 RATE = 1_000.0
 """Frames per second that a client may send on average; one that sends more is read more slowly."""
 _BURST = 1_000.0  # frames that it may send at once
 _MOST_WAITING = 256  # of its packets, before it is read no further
-_MOST_UNSENT = 1 << 20  # bytes of replies kept for one that reads slowly
+_MOST_BYTES = 1 << 17  # of such packets
+_MOST_UNSENT = 1 << 18  # bytes of replies kept for one that reads slowly
 _MOST_SOUND = 0.5  # s of sound kept for it
 _MOST_PATHS = 1_024  # that it listens to
 _LONGEST_PATH = 256  # characters: no address that has a value is longer
@@ -33,8 +34,13 @@ _HEAD = struct.Struct(">qiii")
 class SocketClient(Remote):
     """The client of a web socket. Its `listens` are the addresses whose values it wants to be told."""
 
-    def __init__(self, socket: web.WebSocketResponse, network: Network) -> None:
-        super().__init__(self._deliver)
+    def __init__(
+        self, socket: web.WebSocketResponse, network: Network, host: str, stranger: bool,
+        transport: asyncio.Transport | None,
+    ) -> None:  # fmt: skip
+        """Begin with a socket that is open. host, stranger: as of a Remote. transport: of its connection."""
+        super().__init__(self._deliver, host, stranger)
+        self._transport = transport
         self.name = secrets.token_urlsafe(9)
         """Name by which its page refers to it over HTTP."""
         self.listens: set[str] = set()
@@ -70,6 +76,11 @@ class SocketClient(Remote):
             self._sound.append(packet)
             self._wake.set()
 
+    def abort(self) -> None:
+        """Close the connection at once."""
+        if self._transport:
+            self._transport.abort()
+
     async def close(self) -> None:
         """Take leave."""
         await self._socket.close()
@@ -102,7 +113,7 @@ class SocketClient(Remote):
         self._credited = now
         if self._credit < 0.0:
             await asyncio.sleep(max(0.02, -self._credit / RATE))
-        while len(self.arrived) > _MOST_WAITING:
+        while len(self.arrived) > _MOST_WAITING or sum(len(each or b"") for each in self.arrived.copy()) > _MOST_BYTES:
             await asyncio.sleep(0.01)
 
     def _command(self, text: str) -> None:

@@ -28,6 +28,14 @@ def own_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "cache" / name)
 
 
+def ply(vertices=4, faces=4, points="1"):
+    """Return the bytes of a tetrahedron, with what a head and its first face say."""
+    rows = ["0 0 0", "0.1 0 0", "0 0.1 0", "0 0 0.1", f"3 0 2 {points}", "3 0 1 3", "3 0 3 2", "3 1 2 3"]
+    head = ["ply", "format ascii 1.0", f"element vertex {vertices}", *(f"property float {axis}" for axis in "xyz")]
+    head += [f"element face {faces}", "property list uchar int vertex_indices", "end_header"]
+    return "\n".join((*head, *rows, "")).encode()
+
+
 def written(surface, path, unit=1.0):
     trimesh.Trimesh(surface.points / unit, surface.faces, process=False).export(path)
     return path
@@ -117,6 +125,13 @@ def test_all_formats_are_read_alike(tmp_path, ending):
             r"expected a whole .stl file \(it is cut short, or its bytes are no text\)",
         ),
         ("a.glb", b"junk", "a.glb: begins with b'junk': expected b'glTF'"),
+        ("a.ply", ply(points="9"), r"a face of points \[0, 2, 9\]: expected numbers from 0 to 3"),
+        ("a.ply", ply(points="-1"), r"a face of points \[0, 2, -1\]: expected numbers from 0 to 3"),
+        ("a.ply", ply(vertices=-1), "a.ply: element vertex -1: expected a count from 0 on"),
+        ("a.ply", ply(faces=-1), "a.ply: element face -1: expected a count from 0 on"),
+        ("a.ply", ply(faces=10**9), "a.ply: 8 rows: expected the 1000000004 that its head counts"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "expected a whole .obj file"),
+        ("a.stl", bytes(80) + b"\xff\xff\xff\xff", "a.stl"),
         ("a.stl", b"", "a.stl"),
         ("a.obj", b"v 0 0 0\n", "a.obj"),
     ],

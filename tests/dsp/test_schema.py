@@ -42,10 +42,7 @@ def test_a_default_is_allowed_and_so_is_the_useful_range():
     for owner, parameter in PARAMETERS:
         low, high = parameter.low, parameter.high
         assert low < high, (owner, parameter.name)
-        assert parameter.default is None or parameter.within(parameter.default) == parameter.default, (
-            owner,
-            parameter.name,
-        )
+        assert parameter.default is None or parameter.within(parameter.default) == parameter.default, owner
         if parameter.useful:
             assert low <= parameter.useful[0] < parameter.useful[1] <= high, (owner, parameter.name)
 

@@ -113,6 +113,23 @@ def test_what_cannot_be_read_is_said(mug):
     def none(said, extension):
         del extension["modalModels"]
 
+    def counts(number):
+        return lambda said, extension: said["accessors"][0].update(count=number)
+
+    def beyond(said, extension):
+        said["accessors"][extension["modalModels"][0]["indices"]].update(bufferView=0)
+
+    def at_minus_one(said, extension):
+        extension["modalModels"][0]["frequencies"] = -1
+
+    def not_finite(said, extension):
+        extension["modalModels"][0]["extras"]["carom"]["resistance"][0] = float("nan")
+
+    for number in (-1, 0, 10**12, "3", None):
+        assert "its modal model can't be read" in said(counts(number))
+    assert "expected 0 to" in said(beyond)
+    assert "accessor -1: expected a number from 0 on" in said(at_minus_one)
+    assert "resistance: expected finite numbers" in said(not_finite)
     assert "no indices: expected the triangles" in said(no_indices)
     assert "2 modal models: expected one" in said(two)
     assert "a.glb: its modal model can't be read" in said(wrong)

@@ -27,8 +27,8 @@ typedef struct {
 } carom_state;
 
 /* Open the bytes of a scene (the file scene.carom), which are copied. live: its objects are there, and nothing plays;
-   0: its score plays from its first line on. Returns NULL if the bytes are no scene of this engine, or no memory is
-   left. */
+   0: its score plays from its first line on. Returns NULL if the bytes are no scene of this engine, are damaged or hold
+   what it can't play, or no memory is left; carom_told(NULL) then says why. */
 carom *carom_open(const void *baked, size_t size, int live);
 
 /* Begin anew, as carom_open does. */
@@ -38,7 +38,8 @@ void carom_load(carom *scene, int live);
    the scene, to the sample and finer; below 0: as soon as can be. Returns 1; 0 if it is refused, and nothing happens. */
 int carom_send(carom *scene, const char *message, double at);
 
-/* The reason for which the last message was refused; else the id of the gesture that it began, "" if none lasts. */
+/* The reason for which the last message was refused; else the id of the gesture that it began, "" if none lasts. Of
+   NULL: the reason for which this thread's last carom_open gave none. */
 const char *carom_told(const carom *scene);
 
 /* Compute frames of sound into `out`, float32, the channels of a frame side by side. Its bits do not depend on how many

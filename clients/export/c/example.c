@@ -56,7 +56,7 @@ int main(int count, char **words) {
     carom *scene = baked ? carom_open(baked, size, count > 3) : NULL;
     free(baked);
     if (!scene) {
-        fprintf(stderr, "example: %s: expected a scene that was exported with this library\n", words[1]);
+        fprintf(stderr, "example: %s: %s\n", words[1], baked ? carom_told(NULL) : "it can't be read");
         return 1;
     }
     if (count > 3 && !carom_send(scene, words[3], -1.0)) {

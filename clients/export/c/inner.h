@@ -59,9 +59,19 @@ typedef struct {
     int64_t at, runs, commands, count;
 } batch;
 
+typedef struct {
+    uint32_t hash[8];
+    uint64_t size; /* bytes so far */
+    uint8_t block[64];
+} sum;
+
+INNER void sum_begin(sum *of);
+INNER void sum_add(sum *of, const uint8_t *bytes, size_t size);
+INNER void sum_end(sum *of, uint8_t *made); /* 32 bytes */
+
 struct carom {
-    char *text;
-    value *map;
+    char *text, *rules_text;
+    value *map, *rules; /* of the scene; of the engine */
     uint8_t *data;
     int64_t data_size;
     void *memory;
@@ -71,7 +81,8 @@ struct carom {
     int field_count;
     batch *batches;
     int64_t batch_count, next;
-    int live, channels;
+    int live, channels, sensors; /* channels: with those of sensors */
+    int64_t tables;              /* of pulses */
     double rate;
     int64_t computed;
     uint8_t *inbox; /* commands from the thread that sends to the one that computes: as many as the engine's ring has */
@@ -91,6 +102,9 @@ INNER void whole_put(carom *scene, int64_t place, int64_t number); /* with relea
 INNER const field *field_of(const carom *scene, const char *prefix, const char *name); /* NULL: there is none */
 INNER double field_read(const carom *scene, const uint8_t *command, const char *name);
 INNER void field_write(const carom *scene, uint8_t *command, const char *prefix, const char *name, double number);
+INNER const value *part(const carom *scene, const char *name); /* of the engine's rules, else of the scene's map */
+INNER int64_t whole_in(carom *scene, const value *of, const char *name, double low, double high); /* or it refuses */
+INNER void expect_command(carom *scene, const uint8_t *command); /* refuses one that is none for the engine */
 INNER int64_t room(const carom *scene);               /* for so many commands */
 INNER int post(carom *scene, const uint8_t *command); /* 0: there is no room */
 INNER void messages_begin(carom *scene);

@@ -3,4 +3,5 @@
 #include "words.c"
 #include "messages.c"
 #include "gestures.c"
+#include "sum.c"
 #include "carom.c"

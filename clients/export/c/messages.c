@@ -12,10 +12,6 @@ enum { LIVE = 1 << 20, MOST_POINTS = 64 };
 
 static void perform(carom *scene, const char *address, const message *from, const word *words, int count, double time);
 
-const value *part(const carom *scene, const char *name) {
-    return item(scene->map, name);
-}
-
 void begin(carom *scene, command *made, const call *told, const char *kind) {
     memset(made->bytes, 0, (size_t)scene->command_size);
     field_write(scene, made->bytes, "", "time", told->time);
@@ -33,6 +29,7 @@ void about(carom *scene, command *made, const object *of) {
 }
 
 void send_command(carom *scene, const command *made) {
+    expect_command(scene, made->bytes);
     if (!post(scene, made->bytes))
         refuse(scene, "no room for another command: %lld wait", (long long)scene->ring);
 }
@@ -85,7 +82,7 @@ static void forget(carom *scene, int64_t number, int youngest) {
 
 /* Learn which gestures have ended. */
 void collect(carom *scene) {
-    int64_t count = whole_at(scene, scene->ended), joined = (int64_t)number_of(scene->map, "joined");
+    int64_t count = whole_at(scene, scene->ended), joined = (int64_t)number_of(scene->rules, "joined");
     int64_t n = count - scene->most_ended > scene->ends_read ? count - scene->most_ended : scene->ends_read;
     for (; n < count; n++) {
         int64_t at = scene->ends + 16 * (n % scene->most_ended);

@@ -20,7 +20,6 @@ typedef struct {
     double time;
 } call;
 
-INNER const value *part(const carom *scene, const char *name);
 INNER void begin(carom *scene, command *made, const call *told, const char *kind);
 INNER void set(carom *scene, command *made, const char *name, double number);
 INNER void about(carom *scene, command *made, const object *of);

@@ -28,6 +28,7 @@ export class Bits {
 
   fill() {
     if (this.range < 0x1000000) {
+      if (this.at > this.bytes.length + 4) throw new Error("expected a file that Carom has compressed, and it ends early");
       this.range = (this.range << 8) >>> 0;
       this.code = ((this.code << 8) | this.bytes[this.at++]) >>> 0;
     }

@@ -1,13 +1,10 @@
 // A scene that Carom has baked, in a page: no server, no special headers.
 
+import { expectOwn, rulesOf, unpacked } from "./file.js";
 import { unpacked as plain } from "./lzma.js";
-import { decoded } from "./tables.js";
 import { joined } from "./wasm.js";
 
-const MAGIC = "carom 1\n";
-const HEAD = 12; // bytes before the map
 const STORE = "carom"; // of decoded files, in browsers
-const NAME = "carom"; // of the section in which an engine has its name
 const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma", worklet: "worklet.js.lzma" };
 
 /** The content of a file that was compressed as LZMA, which the browser keeps when it is decoded; last: what is done then. */
@@ -26,25 +23,6 @@ async function fetched(url, last = (content) => content) {
   return buffer;
 }
 
-/** The map and the data in the file of a baked scene; the map has the tables of mode shapes with their values. */
-function unpacked(buffer) {
-  const text = new TextDecoder();
-  if (text.decode(new Uint8Array(buffer, 0, 8)) !== MAGIC) throw new Error("expected a scene that Carom has baked");
-  const length = new DataView(buffer).getUint32(8, true);
-  const map = JSON.parse(text.decode(new Uint8Array(buffer, HEAD, length)));
-  const data = buffer.slice(HEAD + length);
-  const values = decoded(map.tables, new Uint8Array(data), map.coded);
-  map.tables = map.tables.map(([first], n) => [first, values[n]]);
-  return { map, data };
-}
-
-/** An Error says that a scene is of another engine: what it has for the memory would lie in wrong places there. */
-function expectOwn(module, map) {
-  const [name] = WebAssembly.Module.customSections(module, NAME);
-  if (new TextDecoder().decode(name) === map.engine) return;
-  throw new Error(`the scene is of another engine; expected ${FILES.engine} and ${FILES.scene} of one export`);
-}
-
 export class Carom extends EventTarget {
   /** The files of a scene, fetched and compiled: as early as the page likes, before anybody has touched it. */
   static async fetch(folder = new URL(".", import.meta.url)) {
@@ -54,8 +32,7 @@ export class Carom extends EventTarget {
       fetched(at(FILES.scene)),
       fetched(at(FILES.worklet)),
     ]);
-    const found = unpacked(scene);
-    expectOwn(module, found.map);
+    const found = unpacked(scene, rulesOf(module));
     const worklet = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
     return { module, ...found, worklet };
   }
@@ -64,7 +41,7 @@ export class Carom extends EventTarget {
   static async open(context, { files, folder, live = true } = {}) {
     const found = files ?? (await Carom.fetch(folder));
     const { module, map, data, worklet } = found;
-    expectOwn(module, map);
+    expectOwn(rulesOf(module), map);
     if (context.sampleRate !== map.rate) {
       throw new Error(`sampleRate = ${context.sampleRate}: expected ${map.rate}: new AudioContext({ sampleRate: ${map.rate} })`);
     }
@@ -78,10 +55,11 @@ export class Carom extends EventTarget {
     super();
     Object.assign(this, { context, node, map, asked: new Map(), count: 0 });
     this.ready = new Promise((done, fail) => {
-      node.onprocessorerror = () => {
-        this.stopped = new Error("the engine has stopped");
+      this.stop = (reason) => {
+        this.stopped = new Error(reason);
         for (const waiting of [{ fail }, ...this.asked.values()]) waiting.fail(this.stopped);
       };
+      node.onprocessorerror = () => this.stop("the engine has stopped");
       this.done = done;
     });
     node.port.onmessage = ({ data }) => this.hear(data);
@@ -120,6 +98,7 @@ export class Carom extends EventTarget {
   }
 
   hear(told) {
+    if (told.stopped) this.stop(told.stopped);
     if (told.ready) this.done(told);
     const waiting = this.asked.get(told.ask);
     this.asked.delete(told.ask);

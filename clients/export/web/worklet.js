@@ -7,9 +7,15 @@ const WARM = 100; // ms that the engine is warmed up for at most
 class Carom extends AudioWorkletProcessor {
   constructor({ processorOptions: { module, map, data, live } }) {
     super();
-    this.scene = new Scene(module, map, data);
-    this.warmUp();
-    this.scene.load(live);
+    try {
+      this.scene = new Scene(module, map, data);
+      this.warmUp();
+      this.scene.load(live);
+    } catch (error) {
+      this.scene = null; // what is no scene is refused, and silent
+      this.port.postMessage({ stopped: error.message });
+      return;
+    }
     this.port.onmessage = ({ data }) => this.hear(data);
     this.port.postMessage({ ready: true, megabytes: this.scene.memory.buffer.byteLength / 1e6 });
   }
@@ -19,7 +25,11 @@ class Carom extends AudioWorkletProcessor {
     const until = Date.now() + WARM;
     this.scene.load(true);
     for (const name of Object.keys(this.scene.messages.objects)) {
-      this.scene.messages.perform(`/object/${name}/impact`, []);
+      try {
+        this.scene.messages.perform(`/object/${name}/impact`, []);
+      } catch {
+        continue; // one that can't be struck is said when it is
+      }
       for (let n = 0; n < 8 && Date.now() < until; n++) this.scene.compute(128);
     }
   }
@@ -38,6 +48,7 @@ class Carom extends AudioWorkletProcessor {
   process(_inputs, [channels]) {
     const frames = channels[0].length;
     const { scene } = this;
+    if (!scene) return false;
     const width = scene.map.channels;
     for (let done = 0; done < frames; ) {
       const now = scene.compute(frames - done);

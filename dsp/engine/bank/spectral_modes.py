@@ -7,6 +7,7 @@ multiplied by in a sample: these are as exact as the recursion itself.
 import math
 
 from ...native.jit import kernel
+from ...numerics.indices import index_of
 from ...resonator.bank import state_of
 from ...resonator.mode import energy_of
 from ...spectral.basis import BINS, CENTRE, FRAMES, MOST_LOSS, RADIUS
@@ -76,7 +77,7 @@ def go(state: State, slot: int, turn: int) -> None:
             if _is_heard(state, obj, at, re, im):
                 frequency, sigma, _ = ringing_of(state, obj, i) if i < obj.felt else relief_of(state, obj, i)
                 theta, loss = 2.0 * math.pi * frequency / state.rate, sigma / state.rate
-                b = min(int(theta * BINS / math.pi + 0.5), BINS - 1)
+                b = index_of(theta * BINS / math.pi + 0.5, BINS)
                 place = take_place(spectral, phase, b, at, bank.place)
                 bank.bin[at] = b
                 offset = theta - math.pi * b / BINS

@@ -7,6 +7,7 @@ import numpy as np
 from ...native.jit import kernel
 from ...native.records import set_field
 from ...native.typed import View
+from ...numerics.indices import index_of
 from ...resonator.bank import RESPONSES, Modes, Point, reach, state_of, top_of
 from ...resonator.mode import mode_energy, recurring
 from ...resonator.simd import LANES
@@ -39,7 +40,7 @@ def set_of(obj: Object, parameter: int, value: float) -> None:
 def place(point: ContactPoint, position: float, rows: int) -> None:
     """Find rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
     x = position * (rows - 1)
-    row = min(max(int(x) - 1, 0), rows - 4)
+    row = index_of(x - 1.0, rows - 3)
     point.row = row
     weigh(point.weights, x - row)
 
@@ -194,8 +195,8 @@ def modes_of(state: State, obj: Object, begin: int, end: int) -> Modes:
 
 @kernel
 def shapes_of(state: State, obj: Object) -> View[float]:
-    """Return an object's table of mode shapes, flat."""
-    return state.bank.shape[obj.table : obj.table + obj.rows * obj.size]
+    """Return an object's table of mode shapes, flat: the rows along its strike path, then those of its surface."""
+    return state.bank.shape[obj.table : obj.surface]
 
 
 @kernel

@@ -38,11 +38,10 @@ def modes_of_voice(voice: Voice) -> Modes:
 
 @kernel
 def become(state: State, voice: Voice, contact: Contact) -> None:
-    """Set a voice to the sound of a contact's striker, at rest."""
+    """Give a cleared voice the modes of a contact's striker."""
     striker = state.strikers[contact.sound]
     voice.size = striker.size
     for i in range(striker.size):
-        voice.y1[i] = voice.y2[i] = 0.0
         voice.a1[i], voice.a2[i] = striker.a1[i], striker.a2[i]
         voice.balance[i] = 1.0
         voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]

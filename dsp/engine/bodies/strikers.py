@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
+from ...native.records import clear_record
 from ...native.typed import View2D
 from ...numerics.elementary import log
 from ...numerics.legendre import FALL, MOMENTS, RISE
@@ -21,6 +22,7 @@ from ...resonator.bank import Modes, Point, inject, inject_fine, inject_kept, ri
 from ...resonator.simd import LANES
 from ...swarm.record import SOUNDS
 from ...swarm.ringing import kept_by, left_by
+from ..memory.filling import fill_voice
 from ..memory.quality import silence_of
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, ROLLING, Object, State
@@ -152,20 +154,15 @@ def _take_voice(state: State, contact: Contact, needed: bool) -> None:
     index = state.free_voice[VOICES - 1 - state.voices_active]
     state.voices_active += 1
     voice = state.voices[index]
+    clear_record(voice)
     obj = state.objects[contact.point[0].slot]
     voice.slot = contact.point[0].slot
     voice.next = obj.voice
     obj.voice = index
     voice.contact = contact.index
-    voice.owner = 0
     contact.voice = index
     voice.roll = -1
-    voice.driven = 0
-    voice.fades = voice.faded = 0
-    voice.snap = voice.energy = voice.held_ratio = 0.0
     voice.loudness = _NEW
-    for i in range(4):
-        voice.share[i] = 0.0
     voice.share[0] = share_of_blow(state, contact)
     become(state, voice, contact)
 
@@ -386,3 +383,4 @@ def _free(state: State, obj: Object, before: int, index: int) -> None:
     voice.owner = 0
     state.voices_active -= 1
     state.free_voice[VOICES - 1 - state.voices_active] = index
+    fill_voice(state, index)

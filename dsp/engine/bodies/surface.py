@@ -125,9 +125,11 @@ def keep_spot(contact: Contact, spot: View[float]) -> None:
 def put_at(state: State, obj: Object, point: ContactPoint, x: float, y: float, z: float) -> None:
     """Find rows and weights of the shapes at the point of an object's surface nearest to x, y, z (m).
 
-    Between the corners of a triangle shapes are linear. A triangle whose sphere lies farther off is not looked at.
+    Between the corners of a triangle shapes are linear. A triangle whose sphere lies farther off is not looked at. No
+    row that a table names lies beyond the shapes.
     """
     best = _FAR
+    last = (obj.surface - obj.table) // max(obj.size, 1) - 3 - 3 * obj.block
     for number in range(obj.faces):
         at = obj.surface + number * FACE
         face = state.bank.shape[at : at + FACE]
@@ -140,5 +142,5 @@ def put_at(state: State, obj: Object, point: ContactPoint, x: float, y: float, z
         p, q, distance = nearest_on(face[1:10], x, y, z)
         if distance < best:
             best = distance
-            point.row = int(face[0])
+            point.row = max(min(int(face[0]), last), 0)
             point.weights[0], point.weights[1], point.weights[2], point.weights[3] = 1.0 - p - q, p, q, 0.0

@@ -11,6 +11,7 @@ from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_
 from ...contact.sampled import begin_sampled, step_sampled
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
+from ...numerics.indices import index_of
 from ...numerics.legendre import FINE, KEPT, MOMENTS, add_held
 from ...resonator.bank import inject, inject_fine, inject_kept, observe, receptance, transfer_receptance
 from ...rolling.body import share_of
@@ -32,7 +33,7 @@ from .trace import trace_blow, trace_snap, trace_touches
 _FIRST = 0.05  # of a pulse: the first step after it is coupled
 _TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
 _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
-_FEWEST_STEPS = 20  # that it may take in any case
+_FEWEST_STEPS, _MOST_STEPS = 20, 2**40  # that it may take in any case, and at most
 
 
 @noinline_kernel
@@ -131,7 +132,7 @@ def _begin_sampled(state: State, contact: Contact) -> None:
     choice = state.choices.method
     contact.oversampling = choice.oversampling
     contact.fraction = 0.0
-    contact.steps = int(_PATIENCE * contact.pulse.duration * contact.oversampling) + _FEWEST_STEPS
+    contact.steps = index_of(_PATIENCE * contact.pulse.duration * contact.oversampling, _MOST_STEPS) + _FEWEST_STEPS
     m = contact.pulse.momentum / contact.v_in  # the effective mass
     begin_sampled(
         contact.sampled, choice.method - 1, choice.correction, contact.v_in, m, contact.k, contact.mu, contact.a

@@ -6,9 +6,11 @@ import numpy as np
 
 from ...native.atomics import fence, store_release
 from ...native.jit import kernel
+from ...native.records import clear_record, fill_bytes
 from ...numerics.random import STEP, mixed
 from ..bodies.strikers import release_voice
 from ..memory.commands import Event
+from ..memory.filling import fill_contact, fill_roll, fill_swarm
 from ..memory.records import Contact
 from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, Object, State
 
@@ -103,6 +105,41 @@ def places_left(state: State) -> int:
 
 
 @kernel
+def take_contact(state: State) -> int:
+    """Take a place among the contacts, one of which is free; all that the contact there holds is its own place."""
+    stats = state.stats
+    index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
+    stats.contacts_active += 1
+    clear_record(state.contacts[index])
+    state.contacts[index].index = index
+    state.last_command[index] = 0
+    return index
+
+
+@kernel
+def take_roll(state: State) -> int:
+    """Take a place for what is computed as a roll, one of which is free; it holds nothing of what had it before. Whose
+    it is is to be counted."""
+    place = state.free_roll[places_left(state) - 1]
+    clear_record(state.rolls[place])
+    clear_record(state.blocks[place])
+    clear_record(state.slides[place])
+    clear_row(state, place)
+    state.sampled[place] = -1
+    state.factors_of[place] = 0
+    return place
+
+
+@kernel
+def clear_row(state: State, row: int) -> None:
+    """Forget the force that a roll, or a swarm at a place, gave."""
+    fill_bytes(state.feeds[row], 0)
+    fill_bytes(state.samples[row], 0)
+    for side in range(2):
+        clear_record(state.through[row, side])
+
+
+@kernel
 def has_place(state: State) -> bool:
     """True if there is a place for what is computed as a roll; where none is free, a rest or a press gives up its
     own."""
@@ -120,7 +157,7 @@ def has_place(state: State) -> bool:
 def take_place(state: State, contact: Contact) -> bool:
     """Give a rest or a press the place of a roll, in which its force is kept over a quantum; false if there is none."""
     if contact.roll < 0 and places_left(state) > 0:
-        contact.roll = state.free_roll[places_left(state) - 1]
+        contact.roll = take_roll(state)
         state.rests_placed += 1
     return contact.roll >= 0
 
@@ -131,6 +168,7 @@ def give_place_back(state: State, contact: Contact) -> None:
     if contact.roll >= 0:
         state.rests_placed -= 1
         state.free_roll[places_left(state) - 1] = contact.roll
+        fill_roll(state, contact.roll)
         contact.roll = -1
 
 
@@ -177,12 +215,15 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     if contact.trait.along == 1:
         stats.rolls_active -= 1
         state.free_roll[places_left(state) - 1] = contact.roll
+        fill_roll(state, contact.roll)
     elif contact.trait.swarms > 0:
         swarm = state.swarms[contact.swarm]
         swarm.used = 0
         _leave_table(state, swarm.table)
+        fill_swarm(state, contact.swarm)
     else:
         give_place_back(state, contact)
+    fill_contact(state, index)
 
 
 @kernel

@@ -48,11 +48,9 @@ def begin_slide(state: State, contact: Contact) -> None:
     slide = state.slides[contact.roll]
     begin_friction(slide.friction, state.rate)
     slide.friction.drive[1] = slide.slip = contact.target.speed
-    slide.friction.normal[1] = slide.laid = slide.pull = 0.0
     slide.sweep = _sweep_of(contact)
     slide.position = -1.0
     slide.pressed = -1
-    contact.rolls = 0.0
     slide.stale = 1
     _lead_roll(state, contact)
 

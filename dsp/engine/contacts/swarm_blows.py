@@ -8,7 +8,9 @@ import math
 import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
+from ...native.records import clear_record
 from ...numerics.elementary import exp, log
+from ...numerics.indices import index_of
 from ...schema import DROPS
 from ...swarm.blows import STREAM, draw_blows, known_of, mean_mass, pulse_of, yielding
 from ...swarm.grid import HALF, LEAST, lay_pulse
@@ -37,7 +39,7 @@ from ...swarm.times import PLACE, SIZE, take_blows, uniform
 from ..memory.commands import NUMBERS
 from ..memory.records import Contact
 from ..memory.state import CLOSED, QUANTUM, State
-from .contact_list import append_contact, schedule_contact
+from .contact_list import append_contact, schedule_contact, take_contact
 
 _HEAVY = 0.1  # m M of a blow, above which it is a contact of its own
 _WIDEST = math.log(LEAST * 2.0**OCTAVES)  # ln of samples: the rms width of a pulse
@@ -56,6 +58,7 @@ _IMPACT = NUMBERS["impact"]
 def lay_drawn(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
     """Lay a swarm's blows up to a time (s from its beginning) onto its grids."""
     blows, most = state.scratch.batch, swarm.index + _MOST
+    clear_record(blows)  # loops go over blows that were not drawn, too
     while swarm.index < most:
         take_blows(swarm, blows, until)
         if blows.count == 0:
@@ -75,7 +78,7 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
     """
     table, blows = state.pulses.tables[swarm.table], state.scratch.batch
     left, often = False, flow_of(swarm) / swarm.m
-    blows.count = 0
+    clear_record(blows)
     for p in range(swarm.pieces):
         for _ in range(BOUNCES):
             if not swarm.next_of[p] < until:
@@ -220,7 +223,7 @@ def _size_of_blow(
         if not varied:
             return 0, blows.alike[n]
         at_size = (size_of(swarm, mass) - swarm.smallest) * swarm.finer + uniform(swarm, blows.number[n], SIZE)
-        c = min(max(int(at_size), 0), SIZES - 1)
+        c = index_of(at_size, SIZES)
         return c, blows.alike[n] * swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
     if swarm.pieces > 0:
         c, alike = _size_of_piece(state, contact, swarm, blows, n, piece_of(blows.number[n]))
@@ -231,7 +234,7 @@ def _size_of_blow(
     blows.shorter[n] = width - freed
     at_size = (math.log(contact.trait.meets * piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
     alike = _left_to(state, swarm, blows, n) / (1.0 + ratio * bent_by_crack(swarm, mass, piece, freed))
-    return min(max(int(at_size), 0), SIZES - 1), alike
+    return index_of(at_size, SIZES), alike
 
 
 @kernel
@@ -239,7 +242,7 @@ def _size_of_piece(state: State, contact: Contact, swarm: Swarm, blows: Blows, n
     """Return the size by which a piece rings, and the factor on a blow's momentum with which a grain of that size moves
     as fast as the piece does."""
     mass = contact.trait.meets * swarm.mass_of[piece]
-    c = min(max(int((size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5), 0), SIZES - 1)
+    c = index_of((size_of(swarm, mass) - swarm.smallest) * swarm.finer + 0.5, SIZES)
     alike = swarm.m * math.exp(3.0 * (swarm.smallest + c / swarm.finer)) / mass
     return c, _left_to(state, swarm, blows, n) * blows.alike[n] * alike
 
@@ -288,10 +291,8 @@ def _may_be_contact(state: State, swarm: Swarm, time: float, momentum: float) ->
 def _become_contact(state: State, contact: Contact, blows: Blows, n: int) -> None:
     """Make a blow of a swarm an impact of its own."""
     mass, position = blows.mass[n], state.swarms[contact.swarm].position[blows.place[n]]
-    swarm, stats = state.swarms[contact.swarm], state.stats
-    index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
-    stats.contacts_active += 1
-    state.last_command[index] = 0
+    swarm = state.swarms[contact.swarm]
+    index = take_contact(state)
     state.contacts[index] = contact
     blow = state.contacts[index]
     blow.index, blow.kind, blow.trait = index, _IMPACT, state.traits[_IMPACT]

@@ -10,9 +10,11 @@ import math
 import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
+from ...native.records import clear_record
 from ...native.typed import View
 from ...numerics.constants import STANDARD_GRAVITY
 from ...numerics.elementary import log
+from ...numerics.indices import index_of
 from ...resonator.sizes import REACH
 from ...schema import DROPS, FALLS, MOST_BLOWS, SPEEDS
 from ...schema_records import Steered
@@ -30,6 +32,7 @@ from ..memory.commands import Event
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import BEHIND, QUANTUM, ROLLING, ROLLS, ROWS_OF_SWARM, Object, State
 from .contact_force import update_mode_count
+from .contact_list import clear_row
 from .swarm_blows import AT_ONCE, lay_drawn, lay_pieces
 from .trace import trace_place
 
@@ -64,14 +67,15 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     while state.swarms[index].used == 1:
         index += 1
     swarm = state.swarms[index]
+    clear_record(swarm)
+    for row in range(ROLLS + index * ROWS_OF_SWARM, ROLLS + (index + 1) * ROWS_OF_SWARM):
+        clear_row(state, row)
     contact.swarm, contact.roll = index, ROLLS + index * ROWS_OF_SWARM
-    contact.solver, contact.touching, contact.travel = ROLLING, 1, 0.0
+    contact.solver, contact.touching = ROLLING, 1
     state.contact_count += 1
     contact.number = state.contact_count
     swarm.used, swarm.law, swarm.table = 1, contact.trait.swarms, int(values.pulses) - 1
     seed_swarm(swarm, np.uint64(values.seed))
-    swarm.index = swarm.count = swarm.blows = 0
-    swarm.time = swarm.reached = swarm.excited = swarm.spared = swarm.energy = swarm.coming = swarm.impulse = 0.0
     swarm.memory, swarm.spare, swarm.bar = 1.0, AT_ONCE, -math.inf
     swarm.m, swarm.k, swarm.mu, swarm.a, swarm.w = contact.m, contact.k, contact.mu, contact.a, contact.w
     swarm.places = PLACES if values.spread > 0.0 else 1
@@ -82,21 +86,19 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
     swarm.lead = max(LEAD * state.rate, (LOOK + 1.0) * swarm.every)
     swarm.log_rate = math.log(state.rate / swarm.every)
     for p in range(PLACES):
-        swarm.busy[p] = swarm.sounds[p] = 0
         for n in range(GRID):
             swarm.grid[p, n] = 0.0
-    swarm.piece, swarm.duration = 0, 0.0
     if contact.trait.treads == 1:
         swarm.duration = values.duration
         contact.until = contact.gone_at = contact.origin + swarm.duration * state.rate
-    swarm.pieces, swarm.cracked, swarm.store = 0, 0, math.inf
+    swarm.store = math.inf
     _learn_bends(state, contact, swarm)
     varied = values.variety > 0.0
     swarm.sized = int(contact.sound >= 0 and (varied or swarm.bends > 0))
     swarm.smallest = -math.log(2.0) if varied else 0.0
     swarm.finer = (SIZES - 1) / (2.0 * math.log(2.0)) if varied else ONE_SIZE
     for c in range(SOUNDS):
-        swarm.size_busy[c], swarm.voice[c] = 0, -1
+        swarm.voice[c] = -1
         for n in range(GRID):
             swarm.size_grid[c, n] = 0.0
     if contact.trait.breaks == 1:
@@ -324,7 +326,7 @@ def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: Vie
         frequency = frequency_of(state, obj, i)
         if frequency > 0.0:
             phi = shape_at(state, obj, point, i)
-            bands[min(max(int(2.0 * math.log2(frequency / _LOWEST)), 0), BANDS - 1)] += phi * phi
+            bands[index_of(2.0 * math.log2(frequency / _LOWEST), BANDS)] += phi * phi
             slow += phi * phi / (2.0 * math.pi * frequency)
     for n in range(WIDTHS):
         width = 2.0 ** (NARROWEST + n)

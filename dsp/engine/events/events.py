@@ -2,6 +2,7 @@
 
 from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel, noinline_kernel
+from ...native.records import clear_record
 from ..bodies.objects import set_of
 from ..bodies.sensing import mount
 from ..contacts.contact_list import is_running, refuse_gesture
@@ -269,9 +270,9 @@ def _place(obj: Object, event: Event) -> None:
 def _new(state: State, event: Event) -> None:
     """Make the object whose modes and shapes Python has laid out."""
     obj = state.objects[event.slot]
+    clear_record(obj)
     obj.used = 1
     obj.serial = event.serial
-    obj.dying = 0
     obj.first, obj.size = event.layout.first, event.layout.size
     obj.table, obj.rows = event.layout.table, event.layout.rows
     obj.surface, obj.faces, obj.block = event.layout.surface, event.layout.faces, event.layout.block
@@ -279,21 +280,10 @@ def _new(state: State, event: Event) -> None:
     obj.level = event.layout.level
     obj.glide, obj.cone = event.layout.glide, event.layout.cone
     obj.sheet = event.layout.sheet
-    obj.rang, obj.amplified = 0.0, 1.0
-    obj.stretch, obj.detuned, obj.deflection, obj.lent = 0.0, 0, 0.0, 0.0
-    obj.driven_lately = 0
+    obj.amplified = 1.0
     obj.settings = event.settings
-    obj.live = 0
     obj.stale_modes = obj.size
-    obj.retuning = 0
     obj.contact = obj.voice = -1
-    obj.faults = obj.sensors = obj.line = 0
-    obj.limited_energy = 0.0
-    obj.fading = obj.spectral = obj.returns = obj.awake = 0
-    obj.returned_at = obj.last_driven_at = 0
-    for side in range(2):
-        obj.static[side] = obj.static_before[side] = 0.0
-    obj.place.has_own = 0
     ask_gains(state, obj)
     for channel in range(state.output.channels):
         obj.place.gain[channel] = obj.place.asked[channel]

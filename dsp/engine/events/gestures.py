@@ -15,7 +15,7 @@ from ...schema_records import VALUES, Values
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
 from ..bodies.surface import direct, put_at
-from ..contacts.contact_list import append_contact, has_place, places_left, refuse_gesture, schedule_contact
+from ..contacts.contact_list import append_contact, has_place, refuse_gesture, schedule_contact, take_contact, take_roll
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
 from ..contacts.slides import begin_slide
@@ -50,8 +50,7 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         stats.contacts_dropped += 1
         refuse_gesture(state, event, END_NO_ROOM)
     else:
-        index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
-        stats.contacts_active += 1
+        index = take_contact(state)
         state.last_command[index] = 0 if trait.single == 1 else state.queue.carried_out
         contact = state.contacts[index]
         _describe(state, contact, event)
@@ -84,20 +83,15 @@ def _describe(state: State, contact: Contact, event: Event) -> None:
     contact.v_in = values.velocity
     contact.m = contact.trait.meets * values.mass
     contact.k, contact.mu, contact.a = values.stiffness, values.dissipation, values.exponent
-    contact.w = 0.0
     if values.restitution > 0.0:
         contact.w, contact.mu = loss_of(values.restitution), 0.0
     _choose_points(state, contact, event)
-    contact.touching = 0
     contact.until = contact.gone_at = math.inf
     contact.origin = event.time
     contact.elapsed = values.delay
     contact.random = np.uint64(values.seed)
-    contact.spin = contact.travel = 0.0
     contact.roll = -1
     contact.solver = CLOSED
-    contact.unsettled = contact.solved = contact.ahead = contact.led = contact.asleep = 0
-    contact.forces[:] = 0.0
     _choose_sound(state, contact, values)
     for i in range(len(IN_VALUES)):
         set_field(contact.target, i, field(values, IN_VALUES[i]))
@@ -113,7 +107,6 @@ def _describe(state: State, contact: Contact, event: Event) -> None:
 def _push(contact: Contact, values: Values) -> None:
     """Set the force that pushes a striker on: its weight, or a hand, which is laid on."""
     target = contact.target
-    contact.push = contact.push_target = contact.push_gap = 0.0
     contact.has_weight = int(values.weight)
     if contact.trait.falls == 1:
         contact.push = contact.push_target = contact.m * target.gravity
@@ -128,7 +121,6 @@ def _push(contact: Contact, values: Values) -> None:
 def _choose_sound(state: State, contact: Contact, values: Values) -> None:
     """Say which striker's modes sound with a contact, if it has any, and have them ready."""
     contact.sound = contact.voice = -1
-    contact.spot = np.uint64(0)
     if values.sound_serial > 0.0:
         contact.sound, contact.sound_serial = int(values.sound), int(values.sound_serial)
         striker = state.strikers[contact.sound]
@@ -143,7 +135,6 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
     touched, other = contact.point[0], contact.point[1]
     touched.slot, touched.serial = event.slot, event.serial
     touched.on_surface = int(event.values.on_surface)
-    touched.directed = other.directed = 0
     values = event.values
     _point_along(contact.direction[0], values.direction_x, values.direction_y, values.direction_z)
     _point_along(contact.direction[1], values.by_direction_x, values.by_direction_y, values.by_direction_z)
@@ -162,10 +153,8 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
 
 @kernel
 def _point_along(way: View[float], x: float, y: float, z: float) -> None:
-    """Make a vector one of length 1, or zeros."""
+    """Make a vector, of zeros, one of length 1, or leave it."""
     most = max(abs(x), abs(y), abs(z))
-    for k in range(3):
-        way[k] = 0.0
     if most > 0.0:
         x, y, z = x / most, y / most, z / most  # whose squares are no 0
         length = math.sqrt(x * x + y * y + z * z)
@@ -176,14 +165,13 @@ def _point_along(way: View[float], x: float, y: float, z: float) -> None:
 def _begin_along(state: State, contact: Contact, event: Event) -> None:
     """Give a striker that moves along a surface its body and its surface."""
     values, stats = event.values, state.stats
-    contact.roll = state.free_roll[places_left(state) - 1]
+    contact.roll = take_roll(state)
     stats.rolls_active += 1
     contact.solver = ROLLING
     contact.touching = 1
     state.contact_count += 1
     contact.number = state.contact_count
     contact.travel = values.travel
-    contact.rolled = contact.rolls = 0.0
     roll = state.rolls[contact.roll]
     begin_surface(roll.path.surface, event.surface, int(values.seed))
     roll.target = contact.target

@@ -13,6 +13,7 @@ from ...contact.coupled_records import CoupledGroup
 from ...contact.lanes_record import Lanes
 from ...contact.step_record import SERIES_COUNT
 from ...karman.layout import SHEETS, TABLE_VALUES, Sheet, Space
+from ...native import CHECKED
 from ...native.pages import own_zeros
 from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32, i16, i32
 from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
@@ -419,6 +420,7 @@ class State(Record):
     stats: Counters
     clock: Clock
     thread: int  # the system's number of the callback's thread, 0: not known
+    filler: int  # byte that fills what nobody should read (filling.py); 0: none does
     # On their way out; the engine moves `written`, Python `read`.
     tap: TapRing  # sound, for a recorder
     notes: NoteRing  # what became of commands, for a log
@@ -441,6 +443,7 @@ def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -
     record = state[0]
     record["rate"] = rate
     record["traits"] = [tuple(getattr(each, name) for name in TRAIT_NAMES) for each in GESTURES.values()]
+    record["filler"] = 255 * CHECKED
     record["output"]["channels"] = channels
     record["output"]["consumed"] = QUANTUM
     record["output"]["limit"] = record["output"]["gain"] = record["output"]["allowed"] = 1.0

@@ -10,6 +10,7 @@ import math
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
+from ...numerics.indices import index_of
 from ..memory.space_record import FRAMES, LATE_FRAMES, LATE_LINES, LINES, PATHS, WALLS_TOLD
 from ..memory.state import QUANTUM, State
 from .fade import fade_length, left_of
@@ -63,7 +64,7 @@ def let_walls_come(state: State) -> None:
     total = 0.0
     for k in range(LATE_LINES):
         length = told[11] * rate * 0.55 * 3.1 ** (k / (LATE_LINES - 1))
-        late.lengths[k] = min(max(2 * int(0.5 * length) + 1, 17), LATE_FRAMES - 1)
+        late.lengths[k] = max(2 * index_of(0.5 * length, LATE_FRAMES // 2) + 1, 17)
         total += late.lengths[k]
         seconds = late.lengths[k] / rate
         low, high = 10.0 ** (-3.0 * seconds / told[8]), 10.0 ** (-3.0 * seconds / told[9])

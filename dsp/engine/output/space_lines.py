@@ -3,6 +3,7 @@
 import math
 
 from ...native.jit import kernel, noinline_kernel
+from ...native.records import clear_record
 from ...native.typed import View, View2D
 from ..memory.quality import is_left_out
 from ..memory.space_record import FRAMES, KNOTS, LINES, PATHS, Line, Pose, Space
@@ -83,14 +84,13 @@ def place_object(state: State, slot: int, told: View[float], time: float, length
         state.stats.faults += 1
         return
     line = space.lines[n]
-    line.used, line.number, line.slot, line.serial, line.left = 1, n, slot, obj.serial, 0
+    clear_record(line)
+    line.used, line.number, line.slot, line.serial = 1, n, slot, obj.serial
     line.since = line.last = state.position
     go_to(line.pose, told, time, 0.0)
     line.pose.begin = line.pose.end = time
     line.amplitude = obj.settings.gain
     _be_there(space, line, told)
-    for n_path in range(PATHS):
-        line.paths[n_path].known = 0
     obj.line = n + 1
 
 

@@ -45,7 +45,7 @@ def test_a_scene_takes_no_memory_for_plates_that_it_lacks():
         session.perform([Message("/object/new", ("a", preset))], NOW)
         session.perform([Message("/object/a/free", ())], NOW)
         baked = Baked(engine, session, [], [], engine.process(64))
-        sizes.append(scene_map(baked, strikers)["state"]["size"])
+        sizes.append(scene_map(baked, strikers)["size"])
     assert sizes == [STATE.fields[name][1] for name in ("curves", "pulses")]
 
 

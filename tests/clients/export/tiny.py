@@ -11,6 +11,7 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
+from carom.dsp.engine.admission import answer, judge_command
 from carom.dsp.engine.memory.commands import KIND_GESTURE, KIND_NEW, KIND_PANIC, Event
 from carom.dsp.engine.memory.state import END_RESTED, ENDED, RING, STATE, Bank, State
 from carom.dsp.native.jit import c_function, carray, kernel, noinline_kernel, simd_kernel
@@ -93,3 +94,16 @@ def make_pulses(userdata: int, number: int) -> None:
     state: State = carray(userdata, (1,), STATE)[0]
     table = state.pulses.tables[number]
     make_values(table, state.pulses.values[table.first[0] : table.first[0] + table.size], state.pulses.work)
+
+
+@c_function(c_int64, c_void_p, c_int64, c_int64, c_int64)
+def ask(userdata: int, question: int, first: int, count: int) -> int:
+    """Answer what a host asks, as Carom's function does."""
+    return answer(userdata, question, first, count)
+
+
+@c_function(c_int64, c_void_p, c_void_p, c_int64)
+def judge(userdata: int, command: int, tables: int) -> int:
+    """Return the word by which a command is none for the state in `userdata`, -1 if that may take it; tables: of
+    pulses that were made."""
+    return judge_command(userdata, command, tables)

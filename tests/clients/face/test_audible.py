@@ -183,8 +183,8 @@ def test_a_slide_that_finds_no_room_begins_once_there_is_some():
 
 
 @pytest.mark.parametrize("key, value, expected", [
-    ("faintest", 1e4, "-1000 to 1000 dB"), ("masked", math.nan, "-1000 to 1000 dB"),
-    ("gestures", -1, "0 or more"), ("blows", -3, "0 or more"),
+    ("faintest", 1e4, "a number from -1000 to 1000 dB"), ("masked", math.nan, "a number from -1000 to 1000 dB"),
+    ("gestures", -1, "a number from 0 to"), ("blows", -3, "a number from 0 to"),
 ])  # fmt: skip
 def test_what_cannot_be_heard_is_refused(key, value, expected):
     with pytest.raises(carom.WorldError, match=f"{key} = {value:g}: expected {expected}"):

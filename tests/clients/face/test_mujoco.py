@@ -165,7 +165,7 @@ def test_nothing_is_told_while_the_scene_settles():
             bridge.tell()
         bridge.restart()
     assert hits[0] and all(hit.time > 0.1 for hit in hits[0]) and hits[0] == hits[1]
-    with pytest.raises(carom.WorldError, match="settle = -1: expected a number that is not negative"):
+    with pytest.raises(carom.WorldError, match="settle = -1: expected a number from 0"):
         Bridge(model, data, settle=-1)
 
 

@@ -2,9 +2,12 @@
 
 import select
 import socket
+import sys
 import time
 from collections.abc import Iterable
 from contextlib import ExitStack
+
+import pytest
 
 from carom.server.net.network import Network, Source
 from carom.server.osc import wire
@@ -14,12 +17,23 @@ from carom.server.osc.wire import Message
 A = wire.encode("/a", 1)
 
 
-def client(net: Network, stack: ExitStack) -> socket.socket:
-    return stack.enter_context(socket.create_connection(net.address, 2))
+def require_hosts(host: str) -> None:
+    """Skip a test that needs another address of this machine than 127.0.0.1, where it has no other."""
+    if host != "127.0.0.1" and sys.platform != "linux":
+        pytest.skip("a machine of one address")
 
 
-def udp(stack: ExitStack) -> socket.socket:
-    return stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+def client(net: Network, stack: ExitStack, host: str = "127.0.0.1") -> socket.socket:
+    require_hosts(host)
+    return stack.enter_context(socket.create_connection(net.address, 2, (host, 0)))
+
+
+def udp(stack: ExitStack, host: str = "") -> socket.socket:
+    sock = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+    if host:
+        require_hosts(host)
+        sock.bind((host, 0))
+    return sock
 
 
 def taken(net: Network, seconds: float = 0.2) -> list[tuple[bytes, Source]]:

@@ -290,7 +290,7 @@ def test_for_a_client_that_never_reads_nothing_piles_up(server):
             client._loop.call_soon_threadsafe(client.play, bytes(1 << 16), 0.01)
             client.send(bytes(1 << 15))
         await asyncio.sleep(0.3)
-        assert client._size <= 1 << 20 and len(client._sound) <= 52
+        assert client._size <= 1 << 18 and len(client._sound) <= 52
         writer.close()
 
     run(play())

@@ -1,0 +1,74 @@
+"""Floods of questions by datagram from another host, and another client's blows meanwhile.
+
+python -m tests.attack.floods HOST PORT KIND SEED: send for ever.
+"""
+
+import random
+import socket
+import sys
+import time
+from collections.abc import Iterator
+
+from carom.server.osc import wire
+from carom.server.osc.wire import Message
+
+from . import Tried, kind
+from .besieged import ENEMIES, besieged, enemy
+
+KINDS = {
+    "status": [wire.encode("/status")],
+    "presets": [wire.encode("/presets", "objects")],
+    "modes": [wire.encode("/object/*/get", 4096)],
+    "patterns": [wire.encode("/object/{o0,o1,o2,o?,*}/ge?", 4096), wire.encode("/{status,objects,gestures}")],
+    "bundles": [wire.encode_bundle(1, [Message("/status")] * 500), wire.encode_bundle(1, [Message("/x")] * 3_000)],
+    "lists": [
+        wire.encode("/objects"),
+        wire.encode("/gestures"),
+        wire.encode("/midi/controls"),
+        wire.encode("/sync", 1),
+    ],
+    "junk": [b"x" * 4, b"/\0\0\0", bytes(1_400), wire.encode("/nothing", "a" * 200)],
+}
+KINDS["all"] = [each for kind in KINDS.values() for each in kind]
+"""Packets of each kind of flood."""
+
+
+@kind("floods", 3)
+def run(chance: random.Random) -> Iterator[Tried]:
+    """Yield what each of the floods, in any order, did to others."""
+    with besieged() as town:
+        while True:
+            for name in chance.sample(list(KINDS), len(KINDS)):
+                town.begin()
+                with enemy(__name__, ENEMIES[0], town.server.port, name, chance.getrandbits(30)):
+                    time.sleep(0.7)
+                    until = time.monotonic() + 2.0
+                    while time.monotonic() < until:
+                        town.measure_blow()
+                        time.sleep(chance.uniform(0.0, 0.04))
+                    town.measure_stream()
+                    town.measure_page()
+                yield town.tried(f"flood of {name}")
+
+
+def flood(host: str, port: int, kind: str, seed: int) -> None:
+    """Send packets from some ports of a host as fast as it goes, in bursts and without a pause."""
+    chance = random.Random(seed)
+    socks = []
+    for _ in range(chance.choice([1, 8, 200])):
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        sock.bind((host, 0))
+        sock.setblocking(False)
+        socks.append(sock)
+    pauses = chance.choice([0.0, 0.5])
+    while True:
+        for _ in range(chance.randrange(1_000, 30_000)):
+            try:
+                chance.choice(socks).sendto(chance.choice(KINDS[kind]), ("127.0.0.1", port))
+            except BlockingIOError:
+                time.sleep(0.001)
+        time.sleep(pauses)
+
+
+if __name__ == "__main__":
+    flood(sys.argv[1], int(sys.argv[2]), sys.argv[3], int(sys.argv[4]))
