@@ -135,18 +135,19 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[
 
 
 def _submit(
-    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[], None], unit: Unit
+    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[str, int], None], unit: Unit
 ) -> None:
     """Queue a unit for the targets for which it is not in the cache."""
     for target in wanted:
         if kept.read_object(unit.key, target) is None or kept.read_unit(unit.key, str(target), "bc") is None:
-            kept.write_unit(unit.key, "source", "bc", unit.source())
-            submitted()
+            source = unit.source()
+            kept.write_unit(unit.key, "source", "bc", source)
+            submitted(unit.key, len(source))
             workers.submit(unit.key, target)
 
 
 def _own_functions(
-    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[], None]
+    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[str, int], None]
 ) -> list[str]:
     """Queue the mathematical functions of portable code, where that is wanted; return the keys of their units."""
     portable = tuple(target for target in wanted if target.is_portable)
