@@ -166,10 +166,12 @@ def built(tree, folder, kind):
 
     looking = threading.Thread(target=look)
     looking.start()
-    subprocess.run(words, cwd=tree, check=True, capture_output=True, env=lent, preexec_fn=take_terminal)
-    os.close(theirs)
-    looking.join()
-    os.close(ours)
+    try:
+        subprocess.run(words, cwd=tree, check=True, capture_output=True, env=lent, preexec_fn=take_terminal)
+    finally:
+        os.close(theirs)
+        looking.join()
+        os.close(ours)
     (archive,) = folder.glob("*.whl")
     return archive, b"".join(shown).decode()
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..errors import tell
 from .options import RATE, SCORE, add_presets
 from .parser import Command, one_of, whole
+from .progress import AT_WORK, Work, shown_progress
 
 if TYPE_CHECKING:
     from ...presets import Presets
@@ -69,26 +70,51 @@ def _export(arguments: argparse.Namespace) -> int:
     warnings: list[str] = []
     score = parse(content, name)
     require_objects(score, presets)
+    Options(arguments.rate).lines_of(score)  # an empty score is refused before anything is compiled
+    _require(arguments.to)
     folder = made_folder(Path(arguments.folder))
+    _prepare(arguments.to)
+    with shown_progress(Work("export", AT_WORK), title) as change:
 
-    def baked(rate: int) -> Scene:
-        return bake_scene(score, text, title, presets, Options(rate), warnings.append)
+        def baked(rate: int) -> Scene:
+            change(description=f"{title} at {rate} Hz")
+            return bake_scene(score, text, title, presets, Options(rate), warnings.append)
 
-    if arguments.to == "web":
-        from ..export.web import write_page
+        if arguments.to == "web":
+            from ..export.web import write_page
 
-        write_page(baked(arguments.rate), folder)
-    elif arguments.to == "c":
-        from ..export.c import write_library
+            write_page(baked(arguments.rate), folder)
+        elif arguments.to == "c":
+            from ..export.c import write_library
 
-        write_library(baked(arguments.rate), folder)
-    else:
-        from ..export.clap import RATES, write_plugin
+            write_library(baked(arguments.rate), folder)
+        else:
+            from ..export.clap import RATES, write_plugin
 
-        write_plugin([baked(rate) for rate in sorted({*RATES, arguments.rate})], folder)
+            write_plugin([baked(rate) for rate in sorted({*RATES, arguments.rate})], folder)
     for warning in dict.fromkeys(warnings):
         tell("export", warning)
     return 0
+
+
+def _require(target: str) -> None:
+    """Raise ExportError where this machine can't make an export."""
+    from ..export import c, clap
+
+    if target == "clap":
+        clap.require_system()
+    if target != "web":
+        c.c_compiler()
+
+
+def _prepare(target: str) -> None:
+    """Have the machine code that an export is made of: what did not come along is compiled now, and told."""
+    from ...dsp.native.wasm import object_file
+    from ...dsp.runtime import callback, engine
+    from ..export import c
+
+    engine.prepare()
+    (object_file(callback.__name__) if target == "web" else c.engine_file()).content()
 
 
 def read_scene(word: str, presets: "Presets") -> tuple[str, str, bytes]:

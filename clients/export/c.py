@@ -45,14 +45,20 @@ def write_library(scene: Scene, folder: Path) -> None:
     run(*compiler, "-shared", "-o", _SHARED.get(system(), "libcarom.so"), *_ALL, "-lm", cwd=folder)
 
 
+def c_compiler() -> list[str]:
+    """Return the words that call this machine's C compiler; ExportError where there is none."""
+    compiler = shlex.split(os.environ.get("CC", "")) or ["cc"]
+    if system() == "windows" or not shutil.which(compiler[0]):
+        raise ExportError(f"{compiler[0]}: no such C compiler here; expected one, as the environment's CC names it")
+    return compiler
+
+
 def write_static(folder: Path) -> list[str]:
     """Write the static library and its header into a folder that is there; return the words that call the compiler.
 
     ExportError where this machine has no C compiler.
     """
-    compiler = shlex.split(os.environ.get("CC", "cc"))
-    if system() == "windows" or not shutil.which(compiler[0]):
-        raise ExportError(f"{compiler[0]}: no such C compiler here; expected one, as the environment's CC names it")
+    compiler = c_compiler()
     shutil.copyfile(_FILES / "carom.h", folder / "carom.h")
     with tempfile.TemporaryDirectory() as made:
         engine = Path(made) / "engine.o"

@@ -29,8 +29,7 @@ def write_plugin(scenes: Sequence[Scene], folder: Path) -> Path:
 
     ExportError where this machine cannot make one, and where no object has a mode that is heard.
     """
-    if system() != "linux":
-        raise ExportError("a CLAP plug-in is made on Linux alone")
+    require_system()
     described = _described(scenes)
     compiler = c.write_static(folder)
     for scene in scenes:
@@ -43,6 +42,12 @@ def write_plugin(scenes: Sequence[Scene], folder: Path) -> Path:
     flags = ("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wl,--exclude-libs,ALL")
     c.run(*compiler, *flags, *_SOURCES, "libcarom.a", "-lm", "-o", made.name, cwd=folder)
     return made
+
+
+def require_system() -> None:
+    """Raise ExportError where no plug-in can be made."""
+    if system() != "linux":
+        raise ExportError("a CLAP plug-in is made on Linux alone")
 
 
 def _described(scenes: Sequence[Scene]) -> str:

@@ -33,7 +33,8 @@ class CompileNotice:
     def __init__(self, kernels: int, kept: bool = True) -> None:
         self._expected = kernels
         self._first = "the first time only" if kept else "as each time"
-        self._kernels = self._units = self._waiting = 0
+        self._kernels = self._compiled = self._submitted = 0
+        self._sizes: dict[str, int] = {}
         self._share = 0.0
         self._begun = time.monotonic()
         self._done = Event()
@@ -43,13 +44,14 @@ class CompileNotice:
         """Count a kernel that is translated."""
         self._kernels += 1
 
-    def compiled(self) -> None:
+    def compiled(self, key: str) -> None:
         """Count a unit that is compiled."""
-        self._units += 1
+        self._compiled += self._sizes[key]
 
-    def submitted(self) -> None:
-        """Count a unit that is to be compiled."""
-        self._waiting += 1
+    def submitted(self, key: str, size: int) -> None:
+        """Count a unit that is to be compiled, by the size of its code: the largest, which take longest, come last."""
+        self._sizes[key] = size
+        self._submitted += size
 
     def progress(self, now: float) -> tuple[float, float]:
         """Return the share of the work that is done, and the seconds that are left, estimated.
@@ -59,7 +61,7 @@ class CompileNotice:
         if not self._expected:
             return 0.0, 0.0
         translated = min(1.0, self._kernels / self._expected)
-        units = self._units / max(1, self._waiting)
+        units = self._compiled / max(1, self._submitted)
         share = _TRANSLATION * translated + (1.0 - _TRANSLATION) * translated * units
         self._share = min(0.99, max(self._share, share))
         return self._share, (now - self._begun) * (1.0 / max(self._share, 1e-3) - 1.0)

@@ -111,23 +111,24 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[
     lists = {}
     collecting = gc.isenabled()
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
+    notice = CompileNotice(sum(KERNELS.get(module, 0) for module in modules), is_kept(kept.root))
     try:
-        for module in modules:
-            notice = CompileNotice(KERNELS.get(module, 0), is_kept(kept.root))
-            with notice, Workers(kept, notice.compiled) as workers:
-                from .translation import translate_units  # it imports numba
+        with notice:
+            from .translation import translate_units  # it imports numba
 
+            for module in modules:
                 functions, read = functions_of(module), sources(module)
                 name = hash_of(read)  # before anybody can edit them while they are compiled
-                submit = partial(_submit, kept, workers, wanted, notice.submitted)
-                units = translate_units(functions, submit, notice.translated)
-                own = _own_functions(kept, workers, wanted, notice.submitted)
-                workers.finish()
-            portable = {str(target) for target in wanted if target.is_portable}
-            units_of = {str(target): units + own * (str(target) in portable) for target in wanted}
-            before = next((listed.units for key, listed in kept.lists(module) if key == name), {})
-            lists[module] = name, Listed(read, {**before, **units_of})
-            kept.write_list(module, *lists[module])
+                with Workers(kept, notice.compiled) as workers:
+                    submit = partial(_submit, kept, workers, wanted, notice.submitted)
+                    units = translate_units(functions, submit, notice.translated)
+                    own = _own_functions(kept, workers, wanted, notice.submitted)
+                    workers.finish()
+                portable = {str(target) for target in wanted if target.is_portable}
+                units_of = {str(target): units + own * (str(target) in portable) for target in wanted}
+                before = next((listed.units for key, listed in kept.lists(module) if key == name), {})
+                lists[module] = name, Listed(read, {**before, **units_of})
+                kept.write_list(module, *lists[module])
     finally:
         if collecting:
             gc.enable()
@@ -135,18 +136,19 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[
 
 
 def _submit(
-    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[], None], unit: Unit
+    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[str, int], None], unit: Unit
 ) -> None:
     """Queue a unit for the targets for which it is not in the cache."""
     for target in wanted:
         if kept.read_object(unit.key, target) is None or kept.read_unit(unit.key, str(target), "bc") is None:
-            kept.write_unit(unit.key, "source", "bc", unit.source())
-            submitted()
+            source = unit.source()
+            kept.write_unit(unit.key, "source", "bc", source)
+            submitted(unit.key, len(source))
             workers.submit(unit.key, target)
 
 
 def _own_functions(
-    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[], None]
+    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[str, int], None]
 ) -> list[str]:
     """Queue the mathematical functions of portable code, where that is wanted; return the keys of their units."""
     portable = tuple(target for target in wanted if target.is_portable)

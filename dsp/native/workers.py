@@ -23,7 +23,7 @@ class Workers:
     or ends, leaves its work to the others.
     """
 
-    def __init__(self, store: Store, made: Callable[[], None] = lambda: None, count: int | None = None) -> None:
+    def __init__(self, store: Store, made: Callable[[str], None] = lambda key: None, count: int | None = None) -> None:
         self._store, self._made = store, made
         self._count = _others() if count is None else count
         self._jobs: queue.SimpleQueue[tuple[str, Target] | None] = queue.SimpleQueue()
@@ -76,7 +76,7 @@ class Workers:
                 make_object(self._store, *job)
             except TypeError as error:
                 self._errors.append(str(error))
-            self._made()
+            self._made(job[0])
         return True
 
     def _feed(self) -> None:
@@ -99,7 +99,7 @@ class Workers:
             return False
         if error:
             self._errors.append(error)
-        self._made()
+        self._made(key)
         return True
 
 

@@ -59,7 +59,14 @@ SECONDS = 0.3
 FRAMES = 14_400
 LONGEST = 1.0
 """s of CPU that one may take, beyond what the scene takes as it is."""
-SANE = ["-std=gnu11", "-g", "-O2", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"]
+SANE = [
+    "-std=gnu11",
+    "-g",
+    "-O2",
+    "-fsanitize=address,undefined",
+    "-fno-sanitize-recover=all",
+    "-fno-omit-frame-pointer",
+]
 MODULE = __spec__.name
 TINY = "tests.clients.export.tiny"
 

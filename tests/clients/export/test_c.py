@@ -82,6 +82,17 @@ def test_an_empty_score_is_refused_before_an_engine_is_compiled(tmp_path: Path, 
     assert not (tmp_path / "cache").exists()
 
 
+@pytest.mark.parametrize(("target", "compiler", "named"), [("clap", "no-such-cc", "no-such-cc"), ("c", "", "cc")])
+def test_a_missing_compiler_is_told_before_an_engine_is_compiled(
+    tmp_path: Path, target: str, compiler: str, named: str
+) -> None:
+    words = [sys.executable, "-m", "carom", "export", "--to", target, "church-bell", "out"]
+    own = {"XDG_CACHE_HOME": str(tmp_path / "cache"), "CC": compiler, "PATH": str(tmp_path)}
+    made = run(*words, cwd=tmp_path, env=os.environ | own)
+    assert made.returncode == 1 and f"carom export: {named}: no such C compiler here" in made.stderr
+    assert not (tmp_path / "cache").exists() and not (tmp_path / "out").exists()
+
+
 def test_the_library_shows_its_own_names_alone(folder: Path) -> None:
     """Programs see the functions of the header, and no other name of the library's."""
     declared = {word.split("(")[0].strip("* ") for word in (SOURCES / "carom.h").read_text().split() if "(" in word}

@@ -41,7 +41,7 @@ def kept(tmp_path):
 def make_all(store: Store, count: int) -> int:
     """Make all units' machine code with some processes beside this one; return how often progress was told."""
     told = []
-    with Workers(store, lambda: told.append(1), count) as workers:
+    with Workers(store, lambda key: told.append(key), count) as workers:
         for number in range(COUNT):
             workers.submit(f"key{number}", targets()[0])
         workers.finish()
