@@ -103,4 +103,5 @@ def _tap(state: State) -> None:
     for n in range(QUANTUM):
         for channel in range(channels):
             tap.frames[(written % TAP + n) * channels + channel] = state.output.ready[channel, n]
+    tap.first[written % TAP // QUANTUM] = state.position - QUANTUM - state.output.delay
     store_release(tap.written, 0, written + QUANTUM)

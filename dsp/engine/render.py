@@ -3,6 +3,7 @@
 Objects that share a contact are rendered together, sample by sample; every other one by itself.
 """
 
+from ..native.atomics import fence
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View2D
 from ..resonator.simd import LANES
@@ -241,7 +242,9 @@ def forget_quiet(state: State) -> None:
         if _is_over(state, obj):
             _rest_all(state, obj)
             end_contacts(state, obj)
-            obj.fading = obj.used = obj.awake = 0
+            obj.fading = obj.awake = 0
+            fence()  # Python lays another object out in its place as soon as it sees this
+            obj.used = 0
         elif _goes_on(obj):
             state.order[kept] = slot
             kept += 1

@@ -52,6 +52,19 @@ def exchange(typingctx: object, array: View[int], index: int, before: int, after
     return types.boolean(array, types.intp, types.int64, types.int64), codegen
 
 
+@intrinsic
+def fence(typingctx: object) -> Lowered[None]:
+    """Keep all that this thread has read and written before all that it reads and writes after: what acquire and
+    release leave out is a load that must not overtake an earlier store, and plain stores that must not overtake an
+    atomic one."""
+
+    def codegen(context, builder, signature, args):
+        builder.fence("seq_cst")
+        return context.get_dummy_value()
+
+    return types.void(), codegen
+
+
 @c_function(None, c_void_p, c_int64)
 def publish_at(address: int, value: int) -> None:
     """Store an int64 at an address with release ordering."""
@@ -61,6 +74,13 @@ def publish_at(address: int, value: int) -> None:
 @c_function(c_int64, c_void_p)
 def _observe(address: int) -> int:
     """Load an int64 from an address with acquire ordering."""
+    return load_acquire(carray(address, (1,), np.int64), 0)
+
+
+@c_function(c_int64, c_void_p)
+def _confirm(address: int) -> int:
+    """Load an int64 from an address after all that this thread has read and written before."""
+    fence()
     return load_acquire(carray(address, (1,), np.int64), 0)
 
 
@@ -78,6 +98,12 @@ def publish(counter: Any, value: int) -> None:
 def observe(counter: Any) -> int:
     """Load counter[0] (int64). All that its writer wrote before can be read from then on."""
     return int(_observe(address_of(counter)))
+
+
+def confirm(counter: Any) -> int:
+    """Load counter[0] (int64) as `observe` does, but not before what this thread has read and written so far: it tells
+    whether what was read is still right, or whether anything came while this thread said that it would wait."""
+    return int(_confirm(address_of(counter)))
 
 
 def swap(counter: Any, before: int, after: int) -> bool:

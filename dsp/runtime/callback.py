@@ -11,7 +11,7 @@ from ..engine.events.queue import look_again
 from ..engine.memory.clock import lock
 from ..engine.memory.state import QUANTUM, STATE, State
 from ..engine.process import process
-from ..native.jit import c_function, carray
+from ..native.jit import c_function, carray, kernel
 from ..native.system import flush_denormals, monotonic_ns, restore_denormals, thread_id
 from ..native.typed import View
 from ..swarm.making import make_values
@@ -19,6 +19,9 @@ from .signature import C_LONG, OUTPUT_UNDERFLOW, SIGNATURE
 
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
 _LATELY = 0.1  # s
+_HOLE, _HOLE_UNTOLD = 50e6, 1e9
+"""ns by which a callback comes late after a hole in the sound: where the device says that it ran dry, and where it does
+not: JACK does not tell, but no device holds as much sound as that."""
 
 
 @c_function(*SIGNATURE)
@@ -35,6 +38,7 @@ def callback(_input: int, output: int, frames: int, times: int, flags: int, user
     first = state.position - QUANTUM + state.output.consumed
     if lock(state.clock, state.rate, entered, first, frames, underflow):
         look_again(state.queue, state.position)
+        _count_hole(state, first, underflow)
     told: View[float] = carray(times, (3,), np.float64)
     channels = state.output.channels + state.output.sensors
     process(state, carray(output, (frames, channels), np.float32), frames)
@@ -48,6 +52,15 @@ def callback(_input: int, output: int, frames: int, times: int, flags: int, user
     state.stats.overruns += load > 1.0
     state.stats.callbacks += 1
     return 0
+
+
+@kernel
+def _count_hole(state: State, first: int, underflow: bool) -> None:
+    """Count a hole in the sound before a frame, if the process or its device stood still there."""
+    if state.clock.late > (_HOLE if underflow else _HOLE_UNTOLD):
+        state.stats.hole_at = first
+        state.stats.hole_last = 1e-9 * state.clock.late
+        state.stats.holes += 1
 
 
 @c_function(None, c_void_p, c_int64)

@@ -1,6 +1,7 @@
 """The engine from Python: it checks, lays out memory and sends commands; the compiled callback does the rest."""
 
 from collections.abc import Collection, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..engine.memory.capacity import SHAPE_VALUES, USUAL_MODES, USUAL_OBJECTS, c
 from ..engine.memory.commands import Command, Handle, Kind
 from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
 from ..native.addresses import address_of, as_bytes
-from ..native.atomics import observe, publish
+from ..native.atomics import confirm, observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
 from ..resonator.bank import top_of
@@ -175,7 +176,7 @@ class Engine:
         is set meanwhile."""
         clock = self._record["clock"]
         turn = -1
-        while turn % 2 or turn != observe(clock["turn"]):
+        while turn % 2 or turn != confirm(clock["turn"]):
             turn = observe(clock["turn"])
             origin = int(clock["origin"]) or clock_ns()  # before the first callback, that is now
             period = 1e9 / self.measured_rate
@@ -285,7 +286,9 @@ class Engine:
         self._ends_read = count
         ended = self._record["ends"]["entries"]
         ends = ended[np.arange(first, count) % ENDED].tolist()
-        return [(serial, End(end)) for serial, end in ends]
+        # The engine waits for nobody: what it may have written over meanwhile is lost.
+        lost = max(0, int(confirm(self._record["ends"]["written"])) + 1 - ENDED - first)
+        return [(serial, End(end)) for serial, end in ends[lost:]]
 
     @property
     def sent(self) -> int:
@@ -307,27 +310,31 @@ class Engine:
         `most`."""
         ring = self._record[name]
         written = int(observe(ring["written"]))
-        read = max(int(ring["read"][0]), written - (most or len(entries)))
-        first, last = read % len(entries), written - read + read % len(entries)
-        if first == last:
-            return entries[:0].copy()
-        kind = entries.dtype
-        whole = as_bytes(entries) if kind.names else entries
-        if last <= len(entries):
-            taken: NDArray[Any] = whole[first:last].copy()
-        else:
-            taken = np.concatenate([whole[first:], whole[: last - len(entries)]])
+        taken = _between(entries, max(int(ring["read"][0]), written - (most or len(entries))), written)
         publish(ring["read"], written)
-        return taken.view(kind)
+        return taken
 
     def record(self) -> None:
         """Keep the sound from here on for `recorded`."""
         self._record["tap"]["on"] = 1
 
     def recorded(self) -> NDArray[np.float32]:
-        """Return the sound since the last call, float32 (frames, width)."""
-        frames = self._record["tap"]["frames"]
-        return self._taken("tap", frames[: TAP * self.width].reshape(TAP, self.width))
+        """Return the sound since the last call, float32 (frames, width), whatever is missing in it."""
+        return np.concatenate([np.empty((0, self.width), np.float32), *(sound for _, sound in self.recorded_parts())])
+
+    def recorded_parts(self) -> list[tuple[int, NDArray[np.float32]]]:
+        """Return the sound since the last call in parts of which nothing is missing: the number of the first frame of
+        each since the start, and float32 (frames, width)."""
+        tap = self._record["tap"]
+        read, written = int(tap["read"][0]), int(observe(tap["written"]))
+        numbers = _between(tap["first"], read // QUANTUM, written // QUANTUM)
+        sound = _between(tap["frames"][: TAP * self.width].reshape(TAP, self.width), read, written)
+        publish(tap["read"], written)
+        begins = [0, *(np.flatnonzero(np.diff(numbers) != QUANTUM) + 1)] if len(numbers) else []
+        return [
+            (int(numbers[begin]), sound[begin * QUANTUM : end * QUANTUM])
+            for begin, end in pairwise([*begins, len(numbers)])
+        ]
 
     def trace(self, on: bool) -> None:
         """Keep the forces of contacts from here on for `traced`, or no more."""
@@ -420,6 +427,19 @@ class Engine:
     def release(self, handle: Handle) -> None:
         """Take back the place of an object that the engine doesn't have, or has no more."""
         self._memory.release(handle)
+
+
+def _between(entries: NDArray[Any], read: int, written: int) -> NDArray[Any]:
+    """Return a copy of the entries of a ring from a number up to another."""
+    first, last = read % len(entries), written - read + read % len(entries)
+    if first == last:
+        return entries[:0].copy()
+    whole = as_bytes(entries) if entries.dtype.names else entries
+    if last <= len(entries):
+        taken: NDArray[Any] = whole[first:last].copy()
+    else:
+        taken = np.concatenate([whole[first:], whole[: last - len(entries)]])
+    return taken.view(entries.dtype)
 
 
 def _sample(time: int, origin: int, begin: float, period: float) -> float:

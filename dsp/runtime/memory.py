@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..bodies.modes import Modes
 from ..engine.memory.commands import Handle
 from ..engine.memory.state import BANK
-from ..native.atomics import hold_page
+from ..native.atomics import hold_page, observe
 from .arena import Arena, EngineFull
 from .plan import COLUMNS, Plan, planned
 from .sheets import Sheets
@@ -132,8 +132,8 @@ class Memory:
     def _collect(self) -> None:
         """Take back the places of objects that the engine has given up."""
         # An object can only be gone if it was told to go and the engine has seen it.
-        slots = self._objects
-        gone = [h for h in self._leaving if slots[h.slot]["serial"] == h.serial and not slots[h.slot]["used"]]
+        serials, used = self._objects["serial"], self._objects["used"]
+        gone = [h for h in self._leaving if serials[h.slot] == h.serial and not observe(used[h.slot :])]
         for handle in gone:
             self._leaving.remove(handle)
             self.release(handle)

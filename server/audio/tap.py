@@ -25,7 +25,6 @@ class Tap:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._sinks: list[Sink] = []
-        self._read = 0
         self._hurries = False
         self._stop = threading.Event()
         engine.record()
@@ -45,12 +44,8 @@ class Tap:
             self._look()
 
     def _look(self) -> None:
-        sound = self._engine.recorded()
-        if not len(sound):
-            return
-        first = self._read + self._engine.stats.tap_lost
-        self._read += len(sound)
-        self._hurries = any([sink(first, sound) for sink in tuple(self._sinks)])
+        for first, sound in self._engine.recorded_parts():
+            self._hurries = any([sink(first, sound) for sink in tuple(self._sinks)])
 
     def close(self) -> None:
         """Hand on what is left, and end."""

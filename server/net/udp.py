@@ -16,7 +16,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ...dsp.native.atomics import load_acquire, observe, publish, store_release
+from ...dsp.native.atomics import confirm, fence, load_acquire, observe, publish, store_release
 from ...dsp.native.jit import c_function, carray, external, kernel
 from ...dsp.native.typed import Record, View, dtype_of, i32
 
@@ -88,7 +88,9 @@ def drain(address: int) -> None:
         before = written
         written = _beyond(written, size)
         store_release(box.written, 0, written)
-        # `read` is loaded after `written` is stored: the reader may have found nothing a moment before.
+        # The reader may have found nothing a moment before. Each of the two tells what it has done, and then looks at
+        # what the other has: without a fence in both either look could come first, and the bell would not be rung.
+        fence()
         if load_acquire(box.read, 0) == before:
             _send(box.bell, start, 1)
 
@@ -134,7 +136,7 @@ class Intake:
     def take(self) -> tuple[bytes, tuple[str, int]] | None:
         """Return the next datagram and its sender's address, or None if none waits."""
         read = int(self._read[0])
-        if read == observe(self._written):
+        if read == confirm(self._written):
             return None
         at = 8 * (read % _WORDS)
         size, port, host = _ENTRY.unpack_from(self._ring, at)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ...native.atomics import store_release
+from ...native.atomics import fence, store_release
 from ...native.jit import kernel
 from ...numerics.random import STEP, mixed
 from ..bodies.strikers import release_voice
@@ -141,6 +141,7 @@ def report_end(state: State, gesture: int, end: int) -> None:
         return
     ends = state.ends
     written = ends.written[0]
+    fence()  # Python sees that this place may be written over before it is
     ends.entries[written % ENDED, 0] = gesture
     ends.entries[written % ENDED, 1] = end
     store_release(ends.written, 0, written + 1)

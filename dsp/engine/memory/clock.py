@@ -8,7 +8,7 @@ Conference 2005.
 import math
 from typing import Annotated
 
-from ...native.atomics import store_release
+from ...native.atomics import fence, store_release
 from ...native.jit import kernel
 from ...native.typed import Record, View, dtype_of
 from ...numerics.constants import GRID
@@ -29,6 +29,7 @@ class Clock(Record):
     bandwidth: float  # Hz
     begun: int  # times the loop began anew
     latency: float  # samples between a callback and its sound
+    late: float  # ns by which the last callback came later than the loop thought
 
 
 CLOCK = dtype_of(Clock)
@@ -43,7 +44,9 @@ def lock(clock: Clock, rate: float, entered: int, sample: int, frames: int, gap:
     predicted = clock.time + (sample - clock.sample) * clock.period
     error = entered - clock.origin - predicted
     anew = clock.origin == 0 or gap or abs(error) > _LOST
+    clock.late = 0.0 if clock.origin == 0 else error
     store_release(clock.turn, 0, clock.turn[0] + 1)
+    fence()  # a release alone lets what follows become visible before it: a reader would take half of it for whole
     clock.sample = sample
     if anew:
         clock.origin = entered

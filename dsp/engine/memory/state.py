@@ -329,6 +329,7 @@ class TapRing(Record):
 
     on: int
     frames: Annotated[View[f32], TAP * MOST_CHANNELS]
+    first: Annotated[View[int], TAP // QUANTUM]  # of each quantum in `frames`: its first frame since the start
     written: Annotated[View[int], 8]
     read: Annotated[View[int], 8]
 
