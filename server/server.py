@@ -90,7 +90,7 @@ class Server:
             self._session.on_sent = log.expect
         self._writers: dict[str, Recorder | Log | None] = {"recording": recorder, "logging": log}
         self._printed: set[str] = set()
-        self.recording = Recording(log, self._reply, self._warn)
+        self.recording = Recording(engine, log, self._reply, self._warn)
         self.midi = Midi(network.doorway, self._session, self._warn)
         self._handlers = self._all_handlers()
         self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look(), engine.plan)
@@ -324,6 +324,8 @@ class Server:
         if lost := self.network.dropped():
             count, sender = lost
             self._reply(fail("datagram", f"{count} datagrams dropped: the queue was full"), sender)
+        if hole := self._status.hole():
+            self._warn(self.recording.tell_hole(*hole))
         for warning in (*self._status.warnings(), *self.network.warnings(), *self.player.look()):
             self._warn(warning)
 
