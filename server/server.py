@@ -325,7 +325,9 @@ class Server:
             count, sender = lost
             self._reply(fail("datagram", f"{count} datagrams dropped: the queue was full"), sender)
         if hole := self._status.hole():
-            self._warn(self.recording.tell_hole(*hole))
+            told = self.recording.tell_hole(*hole)
+            self._print_once(told)  # nobody may listen to warnings, and a recording has no word for it
+            self._warn(told)
         for warning in (*self._status.warnings(), *self.network.warnings(), *self.player.look()):
             self._warn(warning)
 

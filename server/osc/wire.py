@@ -200,7 +200,7 @@ def encode(address: str, *args: object, real: str = "f") -> bytes:
         raise ValueError(f"address {address!r}: expected it to start with /")
     if "\0" in address:
         raise ValueError(f"address {address!r} contains a zero character")
-    tags, parts = [","], []
+    tags, parts = [","], list[bytes]()
     try:
         for value in args:
             _add(tags, parts, value, real, 0)

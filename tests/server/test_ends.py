@@ -58,8 +58,9 @@ def test_a_hole_in_the_sound_is_told_where_and_how_long(tmp_path):
             told = values(client.status())
             warnings = client.warnings()
             client.ask("/record", 0)
-        server.quit()
+        _, errors = server.quit()
     (line,) = (line for line in warnings if "stood still" in line)
+    assert line in errors.splitlines()
     found = re.fullmatch(
         r".*the sound stood still for (1\.\d\d) s, as the process or its device was stopped: "
         r"(\d+\.\d{3}) s in the sound, (\d+\.\d{3}) s in take\.wav",
