@@ -22,6 +22,7 @@ _ALARMING = {
     "limited",
     "faults",
     "underflows",
+    "holes",
     "tap_lost",
     "reconnects",
 }

@@ -181,6 +181,8 @@ class Counters(Record):
     notes_lost: int
     trace_lost: int  # samples
     underflows: int
+    holes: int
+    hole_at: int  # frames
     overruns: int
     callbacks: int
     synced: int
@@ -196,6 +198,7 @@ class Counters(Record):
     load_now: float
     load_peak: float
     late_last: float  # s
+    hole_last: float  # s
     late_worst: float  # s
     latency_measured: float  # s
 

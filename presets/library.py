@@ -31,6 +31,10 @@ Folder = str | PathLike[str]
 _MADE = "mesh-"
 """The beginning of names of objects that are looked for among those that are kept, too (presets/made.py)."""
 
+MOST_BYTES, MOST_KEYS = 4_000_000, 10_000
+"""Bounds of a preset's file, which is read within a second or two: an object of 4,096 modes takes a tenth of them. Each
+= counts as a key, wherever it stands."""
+
 _SETTLED = 3_000_000_000
 """ns after an edit from which on the next one surely gives a file another time: some file systems count by 2 s."""
 
@@ -176,6 +180,8 @@ def read_file(path: Path) -> tuple[str, dict[str, Any]]:
     cannot be read."""
     try:
         return f"{path}: ", _data(path)
+    except PresetError:
+        raise
     except (ValueError, RecursionError) as error:  # not only TOMLDecodeError: an integer may have too many digits
         raise PresetError(f"{path}: not TOML: {error}") from None
     except OSError as error:
@@ -203,4 +209,10 @@ def _kept_data(path: Path, edition: tuple[int, ...]) -> dict[str, Any]:
 
 
 def _parsed(path: Path) -> dict[str, Any]:
-    return tomllib.loads(path.read_text(encoding="utf-8"))
+    with path.open("rb") as file:
+        content = file.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise PresetError(f"{path}: expected at most {MOST_BYTES} bytes")
+    if (keys := content.count(b"=")) > MOST_KEYS:
+        raise PresetError(f"{path}: {keys} keys: expected at most {MOST_KEYS}")
+    return tomllib.loads(content.decode())

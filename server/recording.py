@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
+from ..dsp.runtime.engine import Engine
 from .files.log import Log
 from .files.takes import Takes
 from .net.network import Source
@@ -16,9 +17,14 @@ class Recording:
     """Carries out /record, where `takes` says in which folder."""
 
     def __init__(
-        self, log: Log | None, reply: Callable[[Message, Source], object], warn: Callable[[str], None]
+        self,
+        engine: Engine,
+        log: Log | None,
+        reply: Callable[[Message, Source], object],
+        warn: Callable[[str], None],
     ) -> None:
         self.takes: Takes | None = None
+        self._engine = engine
         self._log, self._reply, self._warn = log, reply, warn
         self._asked: Source = ("", 0)  # for the take that goes on
 
@@ -53,6 +59,15 @@ class Recording:
             self._warn(f"the recording {take.file} ended: {reason}")
         else:
             self._reply(Message("/done", (RECORD, take.file, take.first, take.end)), self._asked)
+
+    def tell_hole(self, frame: int, text: str) -> str:
+        """Remark in the log that the sound stood still before a frame; return the text with its places in the sound,
+        which a recording by `--record` shares, and in the take that goes on."""
+        self._remark(frame, text)
+        rate = self._engine.rate
+        take = self.takes.now if self.takes else None
+        place = f", {(frame - take.first) / rate:.3f} s in {take.file}" if take and take.first <= frame else ""
+        return f"{text}: {frame / rate:.3f} s in the sound{place}"
 
     def _remark(self, frame: int, text: str) -> None:
         if self._log:

@@ -101,7 +101,7 @@ class Server:
             self._session.on_sent = log.expect
         self._writers: dict[str, Recorder | Log | None] = {"recording": recorder, "logging": log}
         self._printed: set[str] = set()
-        self.recording = Recording(log, self._reply, self._warn)
+        self.recording = Recording(engine, log, self._reply, self._warn)
         self.midi = Midi(network.doorway, self._session, self._warn)
         self._handlers = self._all_handlers()
         self._least_answers: dict[str, int] = {}  # bytes of the shortest answer so far to each question that only asks
@@ -361,6 +361,10 @@ class Server:
         self.on_look(self.teller.look())
         for text, sender in self.network.losses():
             self._reply(fail("datagram", text), sender)
+        if hole := self._status.hole():
+            told = self.recording.tell_hole(*hole)
+            self._print_once(told)  # nobody may listen to warnings, and a recording has no word for it
+            self._warn(told)
         for warning in (*self._status.warnings(), *self.network.warnings(), *self.player.look()):
             self._warn(warning)
 

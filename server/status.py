@@ -26,6 +26,7 @@ _COUNTERS = (
     "limited",
     "faults",
     "underflows",
+    "holes",
     "tap_lost",
     "ramps_dropped",
     "nonlinear_dropped",
@@ -205,6 +206,16 @@ class Status:
             lines.append(f"object {self._names().get(int(slot), '(freed)')} was silenced: its output was not finite")
         self._object_faults = faults
         return lines
+
+    def hole(self) -> tuple[int, str] | None:
+        """Return the frame before which the sound stood still since the last call, and how long; None if it did
+        not."""
+        stats = self._engine.stats
+        count = stats.holes - self._warned["holes"]
+        self._warned["holes"] = stats.holes
+        more = f", and {count - 1} times before" if count > 1 else ""
+        text = f"the sound stood still for {stats.hole_last:.2f} s{more}, as the process or its device was stopped"
+        return (stats.hole_at, text) if count else None
 
     def _limiter_warnings(self) -> list[str]:
         """Return a line about the limiter, once it has rested for a while, or has gone on for long."""

@@ -17,7 +17,7 @@ def time_of(time_tag: int, engine: Engine) -> float:
     if time_tag <= IMMEDIATELY:
         return NOW
     wall, clock = _clocks()
-    ahead = unix_ns(time_tag) - wall
+    ahead = unix_ns(time_tag, wall) - wall
     if ahead > _FURTHEST_AHEAD * 1e9:
         raise Refused(f"time tag: {ahead / 1e9:.0f} s ahead; expected at most {_FURTHEST_AHEAD:.0f} s")
     ahead = max(ahead, -round(_FURTHEST_AHEAD * 1e9))  # a clock that was never set says nothing of how late

@@ -100,10 +100,14 @@ def _port(word: str) -> int:
     raise argparse.ArgumentTypeError(f"{word}: expected 1 to {MOST_PORT}")
 
 
+ENDING = "SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT", "SIGXCPU"
+"""The signals by which the system asks a program to end."""
+
+
 def on_end(act: Callable[[], object]) -> None:
     """Act when the system asks this program to end."""
     import signal  # slow to load
 
-    for name in ("SIGTERM", "SIGINT", "SIGHUP"):
-        if hasattr(signal, name):  # Windows has no SIGHUP
+    for name in ENDING:
+        if hasattr(signal, name):  # Windows has but two
             signal.signal(getattr(signal, name), lambda *_: act())

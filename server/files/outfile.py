@@ -58,6 +58,13 @@ class OutFile:
             raise OSError(error.errno, f"{error.strerror}: expected a plain file", str(self.path)) from error
         self.begun = True
 
+    def require_room(self, size: int) -> None:
+        """Raise OSError if an empty file cannot grow to so many bytes now. Who writes next may still find no room."""
+        if size and stat.S_ISREG(os.fstat(self.descriptor).st_mode):
+            write_whole(self.descriptor, bytes(size))
+            os.ftruncate(self.descriptor, 0)
+            os.lseek(self.descriptor, 0, os.SEEK_SET)
+
     def write(self, data: bytes) -> None:
         """Append data, which leaves this process at once. OSError where not all can be written, and then none is."""
         write_whole(self.descriptor, data)

@@ -51,10 +51,12 @@ class Recorder:
         if take is None:
             engine.record()
 
-    def start(self) -> None:
-        """Begin to write, from the engine's first sample on. OSError if that fails."""
+    def start(self, room: float = 0.0) -> None:
+        """Begin to write, from the engine's first sample on. OSError if that fails, or there is no room for so many
+        seconds."""
         self._out.begin()
         try:
+            self._out.require_room(round(room * self._engine.rate) * self._engine.width * 4)
             self._file = FloatWav(self._out.descriptor, round(self._engine.rate), self._engine.width, self._comment)
         except OSError as error:
             self._out.begun = False

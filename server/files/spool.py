@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .names import file_names
 from .whole import writing
 
 _PIECE = 65_536  # frames that are read at once
@@ -89,9 +90,11 @@ class StemSpools:
         gain: float,
         comment: str,
     ) -> None:
-        """Write the first frames of each object, times a gain, to the file that its name gets, with a comment."""
+        """Write the first frames of each object, times a gain, to the file that its name gets (`file_names`), with a
+        comment."""
         self._flush()
+        names = file_names(self._spools)
         for name, spool in self._spools.items():
-            with writing(file_of(name), rate, self._channels, format, comment) as write:
+            with writing(file_of(names[name]), rate, self._channels, format, comment) as write:
                 for piece in spool.pieces(gain, frames):
                     write(piece)

@@ -11,11 +11,14 @@ from ...dsp.runtime.engine import Engine
 from ..audio.tap import Part, Tap
 from ..osc.arguments import Refused, shown
 from .floatwav import header
+from .names import file_names
 from .recorder import Recorder
 
 _NAME = re.compile(r"\w([\w .+-]{0,98}[\w+-])?")
 _ENDING = ".wav"
 _LEAST_BYTES = 4_096  # that a file counts
+_LEAST_SECONDS = 0.25
+"""s of sound for which a take must find room as it begins: where a disk is full, a header often fits still."""
 
 
 class Take(NamedTuple):
@@ -57,7 +60,7 @@ class Takes:
         try:
             self._recorder = Recorder(self._engine, path, lambda: part.take(), True, self._comment)
             part = self._part = Part(self._engine, self._tap, most)
-            self._recorder.start()
+            self._recorder.start(_LEAST_SECONDS)
         except FileExistsError:
             raise Refused(f"name = {shown(path.name)}: there is such a file already; expected another name") from None
         except OSError as error:
@@ -72,6 +75,11 @@ class Takes:
             raise Refused("nothing is being recorded: expected /record 1 first")
         self._stopped = True
         return Take(self._file, self._part.first, self._part.stop())
+
+    @property
+    def now(self) -> Take | None:
+        """The take that goes on, as long as it may be."""
+        return Take(self._file, self._part.first, self._part.end) if self._part else None
 
     def look(self) -> tuple[Take, str] | None:
         """Return a take that has ended since the last call, and why, if nobody stopped it."""
@@ -125,6 +133,6 @@ def made_folder(folder: Path) -> Path:
 def _file_of(name: str) -> str:
     """Return the file of a name: with the ending, in no other folder."""
     stem = name[: -len(_ENDING)] if name.lower().endswith(_ENDING) else name
-    if not _NAME.fullmatch(stem):
+    if not _NAME.fullmatch(stem) or file_names([stem])[stem] != stem:
         raise Refused(f"name = {shown(name)}: expected up to 100 letters, digits, blanks and . _ + -, for a new file")
     return stem + _ENDING

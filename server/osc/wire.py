@@ -1,19 +1,16 @@
 """OSC on the wire: datagrams checked and read, messages and bundles written.
 
-python-osc writes the messages. Reading is done here, because its reader trusts sizes (a negative one loops
-for ever), drops the tags it does not know, pads short floats, makes dates of time tags, ignores what follows
-the last argument, and copies the rest of the datagram for each argument.
+Not by python-osc, whose reader trusts sizes (a negative one loops for ever), drops the tags it does not know, pads
+short floats, makes dates of time tags, ignores what follows the last argument, and copies the rest of the datagram for
+each argument; its writer ends a string at a zero inside, takes a tuple of four for MIDI, and takes ten times as long.
 """
 
 import reprlib
 import struct
-from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 from ...dsp.errors import CaromError
-
-if TYPE_CHECKING:
-    from pythonosc.osc_message_builder import OscMessageBuilder
 
 Argument = int | float | str | bytes | bool | tuple["Argument", ...] | None
 """Argument of a message; a tuple is an array."""
@@ -28,6 +25,7 @@ _BUNDLE = b"#bundle\0"
 _SIZE = struct.Struct(">i")
 _TIME = struct.Struct(">Q")
 _UNIX_EPOCH = 2208988800 << 32  # 1 January 1970 as an NTP time tag
+_ERA = 1 << 64  # units of a time tag, of 2**-32 s
 _CODES = {"i": "i", "h": "q", "f": "f", "d": "d", "t": "Q", "r": "I", "m": "4s", "c": "I"}
 _SIZED = {tag: struct.Struct(">" + code) for tag, code in _CODES.items()}
 # 1.0 calls I infinitum, 1.1 impulse: a bang. A control that is banged is on.
@@ -202,36 +200,73 @@ def encode(address: str, *args: object, real: str = "f") -> bytes:
         raise ValueError(f"address {address!r}: expected it to start with /")
     if "\0" in address:
         raise ValueError(f"address {address!r} contains a zero character")
-    from pythonosc.osc_message_builder import BuildError, OscMessageBuilder  # slow to load
-
-    builder = OscMessageBuilder(address)
+    tags, parts = [","], list[bytes]()
     try:
         for value in args:
-            _add(builder, argument(value), real, 0)
-        return _fitting(builder.build().dgram)
-    except (BuildError, OverflowError, RecursionError, ValueError) as error:
+            _add(tags, parts, value, real, 0)
+        return _fitting(b"".join([_padded(address), _padded("".join(tags)), *parts]))
+    except (OverflowError, RecursionError, ValueError, struct.error) as error:
         raise ValueError(f"{address}: cannot send {reprlib.repr(args)}: {error}") from error
 
 
-def _add(builder: "OscMessageBuilder", value: Argument, real: str, depth: int) -> None:
-    """Add an argument to a message. python-osc would take a tuple of four for MIDI, and a list's floats for f."""
-    if isinstance(value, tuple):
+def _add(tags: list[str], parts: list[bytes], value: object, real: str, depth: int) -> None:
+    """Add an argument to a message's type tags and to its data."""
+    if isinstance(value, str):
+        if "\0" in value:
+            raise ValueError("a string contains a zero character")
+        tags.append("s")
+        parts.append(_padded(value))
+    elif isinstance(value, float):
+        tags.append(real)
+        parts.append(_SIZED[real].pack(value))
+    elif value is True or value is False or value is None:
+        tags.append("T" if value else "N" if value is None else "F")
+    elif isinstance(value, int):
+        tag = "h" if value.bit_length() > 31 else "i"
+        tags.append(tag)
+        parts.append(_SIZED[tag].pack(value))
+    elif isinstance(value, tuple):
         if depth == MAX_DEPTH:
             raise ValueError(f"arrays nested deeper than {MAX_DEPTH}")
-        builder.args.append((builder.ARG_TYPE_ARRAY_START, None))
+        tags.append("[")
         for item in value:
-            _add(builder, item, real, depth + 1)
-        builder.args.append((builder.ARG_TYPE_ARRAY_STOP, None))
-        return
-    # The builder writes a zero inside a string as it is, and so ends the string there.
-    if isinstance(value, str) and "\0" in value:
-        raise ValueError("a string contains a zero character")
-    builder.add_arg(value, real if isinstance(value, float) else None)
+            _add(tags, parts, item, real, depth + 1)
+        tags.append("]")
+    elif isinstance(value, bytes):
+        if not value:
+            raise ValueError("a blob without bytes")
+        tags.append("b")
+        parts.append(_SIZE.pack(len(value)) + value + bytes(-len(value) % 4))
+    else:
+        _add(tags, parts, argument(value), real, depth)
+
+
+def _padded(text: str) -> bytes:
+    """Return a string as OSC has it: with at least one zero at its end."""
+    data = text.encode()
+    return data + bytes(4 - len(data) % 4)
+
+
+_FEW, _SHORT = 30, 1_000
+"""Arguments, and characters of a string in ASCII: a message of no more than that fits a datagram by far."""
+
+
+def require_sendable(address: str, args: Sequence[Argument]) -> None:
+    """Raise ValueError for a message that `encode` refuses; in a fraction of its time."""
+    plain = address[:1] == "/" and len(args) <= _FEW and _is_plain(address)
+    if not (plain and all([type(arg) is float or _is_plain(arg) for arg in args])):
+        encode(address, *args, real="d")
+
+
+def _is_plain(value: Argument) -> bool:
+    """True for a number or a short string of which nothing needs to be looked at."""
+    if type(value) is str:
+        return len(value) <= _SHORT and value.isascii() and "\0" not in value
+    return type(value) is float or (type(value) is int and -(2**63) <= value < 2**63)
 
 
 def encode_bundle(time_tag: int, messages: Iterable[Message], real: str = "f") -> bytes:
     """Write one flat bundle for a 64-bit NTP time tag; floats and errors as in encode."""
-    # Not python-osc's bundle: it takes the time as float seconds, and so rounds the tag.
     parts = [_BUNDLE, _TIME.pack(time_tag)]
     for message in messages:
         packet = encode(message.address, *message.args, real=real)
@@ -246,12 +281,17 @@ def _fitting(packet: bytes) -> bytes:
 
 
 def time_tag(unix_seconds: float) -> int:
-    """Return the 64-bit NTP time tag of a Unix time (s), up to 7 February 2036, when 32 bits of seconds end."""
-    if not 0 <= unix_seconds + _UNIX_EPOCH / 2**32 < 2**32:
-        raise ValueError(f"time {unix_seconds!r} s: expected a Unix time between 1900 and 7 February 2036")
-    return round(unix_seconds * 2**32) + _UNIX_EPOCH
+    """Return the 64-bit NTP time tag of a Unix time (s), from 1900 to 26 February 2242. From 7 February 2036 on its
+    32 bits of seconds count from 0 again: it is then that of a time in the era before, which is for the reader to tell
+    (`unix_ns`); the first two mean now, and so become the third."""
+    if not 0 <= unix_seconds + _UNIX_EPOCH / 2**32 < 2 * 2**32:
+        raise ValueError(f"time {unix_seconds!r} s: expected a Unix time between 1900 and 26 February 2242")
+    tag = (round(unix_seconds * 2**32) + _UNIX_EPOCH) % _ERA
+    return tag if tag > IMMEDIATELY else IMMEDIATELY + 1
 
 
-def unix_ns(tag: int) -> int:
-    """Return the Unix time (ns) of a 64-bit NTP time tag; 0 and 1, meaning now, are the caller's to see first."""
-    return (tag - _UNIX_EPOCH) * 1_000_000_000 >> 32
+def unix_ns(tag: int, near: int) -> int:
+    """Return the Unix time (ns) of a 64-bit NTP time tag in the era in which it is nearest to another, `near` (ns):
+    eras are 136 years long. 0 and 1, meaning now, are the caller's to see first."""
+    units = (tag - _UNIX_EPOCH - (near << 32) // 1_000_000_000 + _ERA // 2) % _ERA - _ERA // 2
+    return near + (units * 1_000_000_000 >> 32)

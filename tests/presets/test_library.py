@@ -2,6 +2,7 @@
 
 import math
 import os
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -200,3 +201,23 @@ def test_a_folder_is_no_preset(tmp_path):
     with pytest.raises(PresetError, match="did you mean church-bell or tubular-bell") as refused:
         mine.object("bel")
     assert "bel.toml" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("".join(f"k{n} = {n}\n" for n in range(1_000_000)), "expected at most 4000000 bytes"),
+        ("".join(f"k{n}=1\n" for n in range(10_001)), "10001 keys: expected at most 10000"),
+        ("k = '" + "=" * 10_000 + "'", "10001 keys: expected at most 10000"),
+        ("".join(f"k{n}=1\n" for n in range(10_000)), "k0 = 1: expected one of"),
+        ("k = [" + "1," * 1_000_000 + "]", "k = .*: expected one of"),
+        ("[" * 100_000, "not TOML"),
+    ],
+)
+def test_a_preset_of_a_million_keys_is_refused_at_once(tmp_path, content, said):
+    (tmp_path / "objects").mkdir()
+    (tmp_path / "objects" / "mine.toml").write_text(content)
+    begun = time.process_time()
+    with pytest.raises(PresetError, match=rf"mine\.toml: {said}"):
+        Presets(tmp_path).object("mine")
+    assert time.process_time() - begun < 4.0

@@ -195,3 +195,13 @@ def test_the_limiter_names_no_object_of_less_than_a_hundredth():
 def test_silence_stays_and_is_told(tmp_path):
     done, sound, warnings = rendered(tmp_path, "0 /object/new a tom\n", normalize=-1.0)
     assert not sound.any() and done.normalized == 0.0 and warnings == ["the sound is silence: it is not normalized"]
+
+
+def test_stems_lie_in_their_folder_whatever_their_objects_are_called(tmp_path):
+    """Names that lead elsewhere on some system, that are devices there, and that differ but in case."""
+    names = ("\\..\\y", "NUL", "a:b", "x", "X", "..")
+    text = "".join(f"0 /object/new '{name}' wood-block\n0 '/object/{name}/impact' 1\n" for name in names)
+    rendered(tmp_path, text, stems="parts", seconds=0.05)
+    assert sorted(path.stem for path in (tmp_path / "parts").iterdir()) == sorted(
+        ["%5C..%5Cy", "%4EUL", "a%3Ab", "x", "X%2", "%2E%2E"]
+    )

@@ -109,7 +109,27 @@ def test_the_wall_clock_may_be_set_while_events_wait(monkeypatch):
     monkeypatch.setattr(time, "time_ns", lambda: wall + 10**9)
     at, clock = time_tags._clocks()
     assert at == wall + 10**9 and abs(clock - time_tags.clock_ns()) < 10**8
-    assert wire.unix_ns(wire.time_tag(1.5)) == 1_500_000_000
+    assert wire.unix_ns(wire.time_tag(1.5), wall) == 1_500_000_000
+
+
+@pytest.mark.parametrize("away", [-10.0, -0.25, 0.0, 0.25, 1_000.0, 3e9])
+def test_time_tags_are_right_where_their_seconds_begin_anew(monkeypatch, away):
+    """On 7 February 2036 and after it: a tag a second before or after now, whichever side of the border each is on."""
+    from carom.dsp.native.system import clock_ns
+    from carom.dsp.runtime.engine import Engine
+    from carom.server import time_tags
+    from carom.server.osc import wire
+    from carom.server.osc.arguments import Refused
+
+    engine, wall = Engine(RATE), round(1e9 * (2**32 - 2208988800 + away))
+    engine.process(64)
+    monkeypatch.setattr(time_tags, "_clocks", lambda: (wall, clock_ns()))
+    for ahead in (-1.0, -0.1, 0.1, 1.0):
+        before = engine.stamp(clock_ns())
+        at = time_tags.time_of(wire.time_tag(1e-9 * wall + ahead), engine)
+        assert (at - before) / RATE == pytest.approx(ahead, abs=0.05)
+    with pytest.raises(Refused, match="7200 s ahead; expected at most 3600 s"):
+        time_tags.time_of(wire.time_tag(1e-9 * wall + 7_200.0), engine)
 
 
 def an_hour_late() -> None:

@@ -301,7 +301,7 @@ def test_what_is_answered_is_short_and_can_be_shown(client):
 def test_time_tags_reach_an_hour_ahead_and_back_to_the_beginning_of_time(server, client):
     client.new("a", "wood-block")
     strike = Message("/object/a/impact", (0.1,))
-    for tag in (0, 2, wire.time_tag(0.0)):
+    for tag in (0, wire.time_tag(1e8), wire.time_tag(0.0)):
         client._connection.transmit(wire.encode_bundle(tag, [strike]))
     with client.bundle(at=time.time() + 3_590):
         client.impact("a", 0.1)

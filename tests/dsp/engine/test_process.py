@@ -36,3 +36,25 @@ def test_a_recorder_gets_what_was_heard_and_is_told_what_is_missing():
     np.testing.assert_array_equal(engine.recorded(), heard[:TAP])
     assert engine.stats.tap_lost == 3 * QUANTUM
     np.testing.assert_array_equal(engine.process(QUANTUM), engine.recorded())
+
+
+@pytest.mark.parametrize("limited", [False, True])
+def test_what_a_recorder_gets_says_where_something_is_missing(limited):
+    """Sound that was lost lies after what waited for the recorder, and before what came once that had taken it."""
+    engine = Engine(RATE, limited=limited)
+    strike(engine, engine.add(bell(), 0.05))
+    engine.record()
+    heard = [engine.process(10 * QUANTUM)]
+    (one,) = engine.recorded_parts()
+    heard.append(engine.process(TAP + 3 * QUANTUM))
+    (two,) = engine.recorded_parts()
+    heard.append(engine.process(2 * QUANTUM))
+    heard.append(engine.process(5 * QUANTUM))
+    (three,) = engine.recorded_parts()
+    engine._record["tap"]["read"] -= 9 * QUANTUM  # as if it had copied while a quantum was lost
+    joined = engine.recorded_parts()
+    whole = np.concatenate(heard)[engine.delay :]
+    for first, sound in (one, two, three, *joined):
+        np.testing.assert_array_equal(sound, whole[first : first + len(sound)])
+    assert [first for first, _ in (one, two, three)] == [0, len(one[1]), len(one[1]) + TAP + 3 * QUANTUM]
+    assert [len(sound) for _, sound in joined] == [2 * QUANTUM, 7 * QUANTUM]

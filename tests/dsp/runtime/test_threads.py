@@ -7,7 +7,6 @@ beside the kernels stands in threads/threads.c once more.
 
 import os
 import subprocess
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +17,7 @@ from carom.dsp.engine.memory.state import ENDED, EVENTS, NOTE, NOTES, QUANTUM, R
 from carom.dsp.runtime.handover import HANDOVER
 from carom.dsp.runtime.jobs import JOB
 from carom.server.net import udp
-
-from .threads.instrumented import LACKING, build, compiler, operations
+from tests.dsp.runtime.threads.instrumented import LACKING, build, compiler, operations
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(compiler() is None, reason=LACKING)]
 

@@ -12,10 +12,9 @@ from carom.dsp.native import atomics
 from carom.dsp.native.jit import CFunction
 from carom.dsp.runtime import handover, jobs, pacer
 from carom.server.net import udp
-
-from .threads import entries
-from .threads.instrumented import orders
-from .threads.weak_memory import Op, outcomes
+from tests.dsp.runtime.threads import entries
+from tests.dsp.runtime.threads.instrumented import orders
+from tests.dsp.runtime.threads.weak_memory import Op, outcomes
 
 ORDERS = {
     (entries.take, "take_commands"): "load acquire, store release",

@@ -14,6 +14,7 @@ from carom.server.audio.tap import Part, Tap
 from carom.server.files.floatwav import header
 from carom.server.files.takes import Takes
 from carom.server.osc.arguments import Refused
+from tests.attack import full_disc
 from tests.dsp.engine.support import bell, strike
 from tests.server.support import counted
 from tests.support import serving
@@ -191,3 +192,12 @@ def test_a_server_without_a_folder_records_nothing(tmp_path):
     ):
         client.ask("/record", 1)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_a_take_on_a_full_disc_is_refused(tmp_path):
+    """Where a header fits still, and nothing else; what has room for a while is kept as far as it came."""
+    for size in (200, 20_000, 400_000):
+        folder = tmp_path / str(size)
+        folder.mkdir()
+        assert full_disc.one(folder, size, 2) == (2, [])

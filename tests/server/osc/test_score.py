@@ -267,3 +267,19 @@ def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate
         whole = rng.randrange(10**6) * 64
         assert sample_at(whole / rate, rate) == whole
     assert sample_at(0.1234567, 48_000) == 0.1234567 * 48_000  # other times stay as they are
+
+
+@pytest.mark.slow
+def test_long_scores_are_read_in_a_fraction_of_a_minute():
+    """Two million lines in a minute, and as many again as the machine may be slow."""
+    text = "".join(f"{n * 5e-4:.4f} /object/x/impact {0.1 + n % 7}\n" for n in range(50_000)).encode()
+    begun = time.process_time()
+    lines = score.parse(text, "score")
+    assert len(lines) == 50_000 and (time.process_time() - begun) * 40 < 60.0
+
+
+@given(st.text(st.sampled_from("01.eE+-ax/ \t\u2003\x1f#[]'\""), max_size=12))
+def test_lines_with_and_without_signs_are_read_alike(text):
+    """A line that has no quote, list or comment is split at its blanks: as if it had a comment."""
+    if not set(text) & set("#[]'\""):
+        assert score._words(text) == score._words(f"{text} # so")

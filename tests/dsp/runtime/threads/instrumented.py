@@ -22,8 +22,7 @@ from carom.dsp.native.linking import show_only
 from carom.dsp.native.translation import translator
 from carom.dsp.runtime import handover, jobs, pacer
 from carom.server.net import udp
-
-from . import entries
+from tests.dsp.runtime.threads import entries
 
 FUNCTIONS: tuple[CFunction, ...] = (
     entries.take, entries.tap, entries.note, entries.report, entries.trace,

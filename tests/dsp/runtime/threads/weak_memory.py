@@ -1,6 +1,6 @@
 """Short programs of threads on a weak memory, in every way in which they can run.
 
-The memory is C11's, as a machine with views: a location keeps all that was stored there, in order, and a thread may load
+The memory is C11, as a machine with views: a location keeps all that was stored there in order, and a thread may load
 anything that is not older than what it knows of. A release gives what the thread knows along, an acquire takes it, and
 sequentially consistent fences tell one another. After J. Kang et al., "A promising semantics for relaxed-memory
 concurrency", POPL 2017, without promises.
