@@ -157,7 +157,12 @@ def _state() -> dict[str, Any]:
     places = {name: _offset(path) for name, path in paths.items()}
     sizes = {"values": PULSE_VALUES, "most": STATE.itemsize, "ring": RING, "events": EVENTS, "most_ended": ENDED}
     objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
-    rooms = {"modes": bank["frequency"].shape[0], "objects": objects.shape[0], "most_channels": MOST_CHANNELS, "shapes": SHAPE_VALUES}
+    rooms = {
+        "modes": bank["frequency"].shape[0],
+        "objects": objects.shape[0],
+        "most_channels": MOST_CHANNELS,
+        "shapes": SHAPE_VALUES,
+    }
     return {**places, **sizes, **rooms, "most_pulses": MOST_PULSES}
 
 

@@ -60,6 +60,7 @@ from .memory.striker_state import STRIKER_MODES, STRIKERS
 _WORD = 8
 _REAL, _WHOLE, _SINGLES = range(3)  # kinds of words: a float64, an int64, two float32
 _MANY = 2.0**53
+_TINY = 1e-100
 _LONG = 1e12  # samples
 """A time of eight months at 48 kHz."""
 
@@ -131,6 +132,12 @@ _SHEET_WORDS: int = STATE["sheets"].base.itemsize // _WORD
 
 
 @kernel
+def _is_tiny(x: float) -> bool:
+    """True of a number that no measure is, and whose products processors compute a hundred times more slowly."""
+    return x != 0.0 and abs(x) < _TINY
+
+
+@kernel
 def _is_of_row(row: int, word: int) -> bool:
     """True if a word lies in a row of those that a file may write."""
     after = word - _FIRST[row]
@@ -186,7 +193,7 @@ def wrong_word(reals: View[float], wholes: View[int], singles: View[np.float32],
                 least = most = float(wholes[n])
             elif kind == _SINGLES:
                 least, most = float(singles[2 * n]), float(singles[2 * n + 1])
-            if not (low <= least <= high and low <= most <= high):
+            if not (low <= least <= high and low <= most <= high) or (kind == _REAL and _is_tiny(least)):
                 return n
         word = _end_of(row, word, last)
     return -1
@@ -480,7 +487,7 @@ def _wrong_of_group(group: int, reals: View[float], wholes: View[int]) -> int:
     """Return the word of a command that is out of a group's bounds, -1 if none is."""
     for n in range(_BEGINS[group], _BEGINS[group + 1]):
         value = float(wholes[_AT[n]]) if _IS_WHOLE[n] == 1 else reals[_AT[n]]
-        if not _LEAST[n] <= value <= _MOST[n]:
+        if not _LEAST[n] <= value <= _MOST[n] or _is_tiny(value):
             return _AT[n]
     return -1
 

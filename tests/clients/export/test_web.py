@@ -15,8 +15,9 @@ from typing import Any
 
 import pytest
 
-from carom.clients.export.packing import compressed, summed
+from carom.clients.export.packing import compressed
 from carom.clients.export.parting import parted
+from carom.clients.export.scene_file import summed
 from carom.dsp.native.wasm_object import CODE, as_leb
 from tests.clients.export.pages import RENDER, served
 
