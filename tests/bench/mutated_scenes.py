@@ -1,9 +1,9 @@
 """Scenes for C that are changed at random, opened and played under the sanitizers of addresses and undefined behaviour.
 
 `python -m tests.bench.mutated_scenes --count 10000 --seed 1` bakes three scenes, and changes a bit, a byte, a number, a
-character of the map, some bytes or the end of one. Every second one gets the checksum of what it is then. It fails where
-one without is opened, and where one crashes, sounds of what is no number, or takes a second. `--tiny` has the engine of
-the tests, which compiles in seconds, in place of Carom's.
+character of the map, some bytes or the end of one. Every second one gets the checksum of what it is then. It fails
+where one without is opened, and where one crashes, sounds of what is no number, or takes a second. `--tiny` has the
+engine of the tests, which compiles in seconds, in place of Carom's.
 """
 
 import argparse
