@@ -6,7 +6,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..dsp.errors import CaromError
@@ -14,6 +14,7 @@ from ..dsp.wording import listed, near
 from ..presets import BUILT_IN
 from ..server.files.whole import require_name
 from ..server.osc.score import Line, ScoreError, parse, read
+from .export.scene_file import MAGIC, require_no_scene
 
 STREAM = "-"
 """Stands for stdin where a file is read, and for stdout where one is written."""
@@ -29,9 +30,16 @@ def score_name(word: str) -> str:
 
 
 def read_score(word: str) -> list[Line]:
-    """Read the lines of a score from a file, from stdin, or of one of Carom's own by its name."""
+    """Read the lines of a score from a file, from stdin, or of one of Carom's own by its name.
+
+    SceneError where the file is a scene that was exported.
+    """
     if word != STREAM:
-        return read(score_path(word))
+        path = score_path(word)
+        with suppress(OSError), path.open("rb") as file:  # an error is told as it is read
+            if file.read(len(MAGIC)) == MAGIC:
+                require_no_scene(path.read_bytes(), word)
+        return read(path)
     if sys.stdin is None:
         raise StreamError("stdin is closed: expected a score there")
     return parse(sys.stdin.buffer.read(), score_name(word))

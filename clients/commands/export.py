@@ -120,6 +120,7 @@ def _prepare(target: str) -> None:
 def read_scene(word: str, presets: "Presets") -> tuple[str, str, bytes]:
     """Return a score's name in errors, its title and its bytes; a preset's name is a score that makes that object."""
     from ...server.osc.score import ScoreError
+    from ..export.scene_file import require_no_scene
     from ..streams import STREAM, score_name, score_path
 
     if word == STREAM:
@@ -130,7 +131,9 @@ def read_scene(word: str, presets: "Presets") -> tuple[str, str, bytes]:
         if word not in presets.names("objects"):
             raise
         return word, word, f"0 /object/new {word} {word}\n".encode()
-    return score_name(word), path.stem, path.read_bytes()
+    content = path.read_bytes()
+    require_no_scene(content, word)
+    return score_name(word), path.stem, content
 
 
 COMMAND = Command("export", "SCORE OUT", "write a scene as files that play without Python", _options, _run)

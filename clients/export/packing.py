@@ -14,29 +14,19 @@ u32 of 0; for each the first word and the number of words, u32; then all words. 
 
 from __future__ import annotations
 
-import hashlib
 import json
 import lzma
 import struct
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...dsp.engine.memory.commands import COMMAND
-from ...dsp.errors import CaromError
 from ...dsp.runtime.series import terms
 from .baking import MAKES, Baked, Patch, maker_of
 from .mapping import Strikers, layout, scene_map
+from .scene_file import HEAD, MAGIC, SUM, summed
 from .tables import Laid, coded, taken_out
-
-MAGIC = b"carom 2\n"
-_SUM = 32
-HEAD = len(MAGIC) + _SUM + 8
-"""Bytes before the map."""
-
-
-class SceneError(CaromError, ValueError):
-    """A file that is no scene, or a damaged one; the text says so."""
 
 
 class PageEngine(NamedTuple):
@@ -93,26 +83,7 @@ def packed(
             said["objects"][name]["at"] = places[name]
     text = json.dumps(said, separators=(",", ":")).encode()
     text += b" " * (-(len(text) + HEAD) % 8)
-    return summed(MAGIC + bytes(_SUM) + struct.pack("<II", len(text), 0) + text + bytes(data))
-
-
-def summed(file: bytes) -> bytes:
-    """Return a scene's file with the checksum of its bytes."""
-    head, rest = file[: len(MAGIC)], file[len(MAGIC) + _SUM :]
-    return head + hashlib.sha256(head + rest).digest() + rest
-
-
-def checked_map(file: bytes, name: str) -> dict[str, Any]:
-    """Return the map in a scene's file, whose name is given.
-
-    SceneError if it is none, or its bytes are not those that were written.
-    """
-    if len(file) < HEAD or not file.startswith(MAGIC):
-        raise SceneError(f"{name}: expected a scene that carom export has written")
-    if file != summed(file):
-        raise SceneError(f"{name}: it is damaged: its bytes are not those of its checksum; export the scene anew")
-    length = int.from_bytes(file[HEAD - 8 : HEAD - 4], "little")
-    return dict(json.loads(file[HEAD : HEAD + length]))
+    return summed(MAGIC + bytes(SUM) + struct.pack("<II", len(text), 0) + text + bytes(data))
 
 
 def _runs(patches: list[Patch]) -> bytes:

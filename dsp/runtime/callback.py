@@ -7,7 +7,6 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
-from ..engine.admission import answer, judge_command
 from ..engine.events.queue import look_again
 from ..engine.memory.clock import lock
 from ..engine.memory.state import QUANTUM, STATE, State
@@ -16,6 +15,7 @@ from ..native.jit import c_function, carray, kernel
 from ..native.system import flush_denormals, monotonic_ns, restore_denormals, thread_id
 from ..native.typed import View
 from ..swarm.making import make_values
+from .admission import answer, judge_command
 from .signature import C_LONG, OUTPUT_UNDERFLOW, SIGNATURE
 
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output

@@ -8,11 +8,13 @@ sums and products of what their presets say, to the bit, whatever numpy's BLAS i
 import argparse
 import hashlib
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import carom
+from carom.presets import stored
 from tests.clients.export.pages import ENGINE
 
 FILE = Path(__file__).parents[1] / "measured" / "golden.json"
@@ -91,15 +93,18 @@ MODULE = __spec__.name
 SECONDS = 1.0
 
 
-def rendered() -> dict[str, str]:
-    """Return the hash of each score's sound, by an engine of portable code that has a page's room."""
-    found = subprocess.run([sys.executable, "-m", MODULE, "--print"], env=ENGINE, check=True, stdout=subprocess.PIPE)
+def rendered(**more: str) -> dict[str, str]:
+    """Return the hash of each score's sound, by an engine of portable code that has a page's room; more: variables of
+    its environment."""
+    words = [sys.executable, "-m", MODULE, "--print"]
+    found = subprocess.run(words, env=ENGINE | more, check=True, stdout=subprocess.PIPE)
     return dict(json.loads(found.stdout))
 
 
 def hashes() -> dict[str, str]:
-    """Return the same, by this process's engine."""
+    """Return the same, by this process's engine, whose modes no other process has made."""
     found = {}
+    stored.folder = lambda: Path(os.devnull)
     for name, score in SCORES.items():
         samples = carom.render(score, seconds=SECONDS).samples
         assert samples.any(), f"{name} is silent"

@@ -1,9 +1,9 @@
 """Scenes for C that are changed at random, opened and played under the sanitizers of addresses and undefined behaviour.
 
 `python -m tests.bench.mutated_scenes --count 10000 --seed 1` bakes three scenes, and changes a bit, a byte, a number, a
-character of the map, some bytes or the end of one: every second one gets the checksum of what it is then. It fails where
-one without is opened, where one crashes, sounds of what is no number, or takes a second. `--tiny` has the engine of the
-tests, which compiles in seconds, in place of Carom's.
+character of the map, some bytes or the end of one. Every second one gets the checksum of what it is then. It fails
+where one without is opened, and where one crashes, sounds of what is no number, or takes a second. `--tiny` has the
+engine of the tests, which compiles in seconds, in place of Carom's.
 """
 
 import argparse
@@ -125,7 +125,7 @@ def build(folder: Path, tiny: bool = False) -> Path:
 
 
 def tried(program: Path, name: str, seed: int, count: int) -> Iterator[Tried]:
-    """Yield what comes of so many changes of a scene. A program that ends is begun anew behind the one that ended it."""
+    """Yield what comes of so many changes of a scene. A program that ends is begun anew after that."""
     first = 0
     while first < count:
         words = [str(program), str(program.with_name(f"{name}.carom")), *map(str, (seed, first, count, FRAMES))]

@@ -12,7 +12,7 @@
 #define MANY 9007199254740992.0
 
 enum { SUM = 32, HEAD = 8 + SUM + 8, LINE = 64, BLOCK = 4096 };
-enum { BEGIN, MAY_START, MAY_WRITE, WRONG_WORD, WRONG_RECORD }; /* questions to the engine: dsp/engine/admission.py */
+enum { BEGIN, MAY_START, MAY_WRITE, WRONG_WORD, WRONG_RECORD }; /* questions to the engine: dsp/runtime/admission.py */
 
 /* The engine: functions over its memory, and what is said of all its scenes. */
 int carom_engine_callback(void *input, void *out, int64_t frames, void *times, int64_t flags, void *state);

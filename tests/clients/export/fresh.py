@@ -7,9 +7,9 @@ with what may be in one: run by a process that has a page's sizes.
 import numpy as np
 
 from carom.clients.export.mapping import rules
-from carom.dsp.engine.admission import BEGIN, MAY_WRITE
 from carom.dsp.engine.memory.state import STATE, new_state
 from carom.dsp.native.pages import own_zeros
+from carom.dsp.runtime.admission import BEGIN, MAY_WRITE
 from tests.clients.export import tiny
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from carom.clients.export import c
-from carom.clients.export.packing import summed
+from carom.clients.export.scene_file import summed
 from carom.server.osc.score import format_line
 from carom.server.osc.wire import Message
 from tests import needs

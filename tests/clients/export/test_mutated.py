@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from carom.clients.export.packing import SceneError, checked_map, summed
+from carom.clients.cli import main
+from carom.clients.export.scene_file import SceneError, checked_map, summed
 from tests.bench import mutated_scenes
 from tests.clients.export.pages import ENGINE
 
@@ -50,3 +51,19 @@ def test_a_changed_byte_is_told_by_python() -> None:
                 changed += chance.randbytes(1 + chance.randrange(9))
         with pytest.raises(SceneError, match=r"^a\.carom: (expected a scene that|it is damaged: its bytes)"):
             checked_map(bytes(changed), "a.carom")
+
+
+def test_commands_tell_a_scene_from_a_score(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A scene where a score is expected: whole, or damaged."""
+    said = b'{"title":"bell","rate":48000,"frames":24000} '
+    whole = summed(b"carom 2\n" + bytes(32) + len(said).to_bytes(8, "little") + said)
+    file = tmp_path / "bell.carom"
+    for content, told in (
+        (whole, "a whole scene (bell, 0.5 s at 48000 Hz), which programs in C play: expected a score"),
+        (whole[:-2], "it is damaged: its bytes are not those of its checksum; export the scene anew"),
+    ):
+        file.write_bytes(content)
+        for command in ("render", "play"):
+            words = [command, str(file), *([str(tmp_path / "out.wav")] if command == "render" else [])]
+            assert main(words) == 1
+            assert capsys.readouterr().err == f"carom {command}: {file}: {told}\n"

@@ -15,8 +15,9 @@ from typing import Any
 
 import pytest
 
-from carom.clients.export.packing import compressed, summed
+from carom.clients.export.packing import compressed
 from carom.clients.export.parting import parted
+from carom.clients.export.scene_file import summed
 from carom.dsp.native.wasm_object import CODE, as_leb
 from tests import needs
 from tests.clients.export.pages import RENDER, served
@@ -133,6 +134,52 @@ ENDED = """async () => {
   return told;
 }"""
 """A script that sends to an engine in a context that is closed, and to one that has stopped: the answers, in turn."""
+
+CHANGED = """async ([count, mended]) => {
+  const { unpacked: plain } = await import("./lzma.js");
+  const { unpacked, rulesOf } = await import("./file.js");
+  const { joined } = await import("./wasm.js");
+  const { sumOf } = await import("./sum.js");
+  const { Carom } = await import("./carom.js");
+  const { worklet } = await Carom.fetch();
+  Object.assign(globalThis, { AudioWorkletProcessor: class {}, registerProcessor() {} });
+  const { Scene } = await import(worklet);
+  const read = async (name) => new Uint8Array(await (await fetch(name)).arrayBuffer());
+  const module = await WebAssembly.compile(joined(plain(await read("carom.wasm.lzma"))));
+  const whole = plain(await read("scene.carom.lzma"));
+  let state = 84;
+  const drawn = (below) => Math.floor(((state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32) * below);
+  const length = new DataView(whole.buffer).getUint32(40, true);
+  const told = {};
+  for (let n = 0; n < count; n++) {
+    let bytes = whole.slice();
+    const at = n % 2 ? 48 + drawn(length) : drawn(bytes.length);
+    if (n % 5 < 3) bytes[at] ^= 1 << drawn(8);
+    else if (n % 5 < 4) bytes.fill(drawn(256), at, at + 8);
+    else bytes = bytes.slice(0, 1 + drawn(bytes.length));
+    if (mended && bytes.length > 48) {
+      const rest = new Uint8Array([...bytes.subarray(0, 8), ...bytes.subarray(40)]);
+      sumOf(rest).match(/../g).forEach((each, k) => (bytes[8 + k] = parseInt(each, 16)));
+    }
+    const begun = performance.now();
+    let said = "finite";
+    try {
+      const { map, data } = unpacked(bytes.buffer, rulesOf(module));
+      const scene = new Scene(module, map, data);
+      scene.load(n % 3 > 0);
+      for (let left = 4096; left > 0; ) {
+        const now = scene.compute(left);
+        if (!scene.sound.subarray(0, now * map.channels).every(Number.isFinite)) said = "not finite";
+        left -= now;
+      }
+    } catch (error) {
+      said = error instanceof WebAssembly.RuntimeError ? `trap: ${error.message}` : mended ? "refused" : error.message;
+    }
+    told[said] = Math.max(told[said] ?? 0, performance.now() - begun);
+  }
+  return told;
+}"""
+"""A script that opens and plays changed scenes: the longest time in ms for each thing that came of it."""
 
 OPEN = """async (engine) => {
   const { Carom } = await import("./carom.js");
@@ -287,6 +334,13 @@ def test_a_scene_of_another_engine_is_refused(page: Any, folder: Path, tmp_path:
         opened.wait_for_function("document.querySelector('output').textContent")
         assert opened.inner_text("output") == said
         opened.close()
+
+
+def test_a_damaged_scene_is_refused_and_a_wrong_one_plays_finite_sound_at_most(page: Any) -> None:
+    """A changed bit, eight bytes or an end: a sentence; with a mended checksum that, or finite sound. No trap."""
+    told = page.evaluate(CHANGED, [300, False])
+    assert all(text.startswith(("the scene is damaged", "expected a scene")) for text in told), told
+    assert {*page.evaluate(CHANGED, [30, True])} == {"refused", "finite"}
 
 
 def test_a_list_is_taken_whole_or_not_at_all(page: Any) -> None:

@@ -11,11 +11,11 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
-from carom.dsp.engine.admission import answer, judge_command
 from carom.dsp.engine.memory.commands import KIND_GESTURE, KIND_NEW, KIND_PANIC, Event
 from carom.dsp.engine.memory.state import END_RESTED, ENDED, RING, STATE, Bank, State
 from carom.dsp.native.jit import c_function, carray, kernel, noinline_kernel, simd_kernel
 from carom.dsp.native.typed import View
+from carom.dsp.runtime.admission import answer, judge_command
 from carom.dsp.runtime.signature import SIGNATURE
 from carom.dsp.swarm.making import make_values
 
