@@ -189,7 +189,7 @@ def wheel(built_wheel):
 
 @pytest.mark.slow
 def test_a_terminal_sees_what_pip_hides(built_wheel):
-    lines = built_wheel[1].replace("\r", "").strip().split("\n")
+    lines = [line.rpartition("\r")[2] for line in built_wheel[1].replace("\r\n", "\n").strip().split("\n")]
     assert lines[0] == f"carom: compiling the engine for {processors()[0]}"
     assert re.fullmatch(r"carom: compiled in \d+ s", lines[-1])
 
