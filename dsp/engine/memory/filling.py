@@ -5,7 +5,7 @@ none, as in an engine that plays; in the checked build it is 255, by which float
 """
 
 from ...native.jit import kernel, noinline_kernel
-from ...native.records import fill_bytes
+from ...native.records import clear_record, fill_bytes
 from ...resonator.bank import RESPONSES
 from ...resonator.simd import LANES
 from ...swarm.record import SWARMS
@@ -43,7 +43,7 @@ def fill_unused(state: State) -> None:
     scratch.abreast.count = 0  # of those that wait, none between quanta
     fill_bytes(scratch.drivers, byte)
     fill_bytes(scratch.blows, byte)
-    fill_bytes(scratch.batch, byte)
+    clear_record(scratch.batch)  # blows that were not drawn go through the same loops: they must be numbers
     fill_bytes(scratch.placed, byte)
     fill_bytes(scratch.taps, byte)
     fill_bytes(scratch.group, byte)
