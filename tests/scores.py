@@ -20,7 +20,7 @@ METHODS = ("closed", "closed", "closed", "am1", "verlet", "heun", "rk4")
 SUPPORTS = ("felt", "foam", "finger", "palm", "table")
 LIVELY = 0.3
 """The part of a wide range, as its logarithm goes, that swarms keep to: some hundred blows a second."""
-_SWARMS_AT_ONCE = 3  # of them: more cost a hundred times real time
+_SWARMS_AT_ONCE = 2  # of them: more cost a hundred times real time
 _PRESETS = Presets()
 
 
@@ -109,7 +109,7 @@ def _law_of(chance: random.Random, declared: Gesture) -> list[str | float]:
 
 def any_score(seed: int, prefix: str = "o", edges: float = 0.05, seconds: float = 1.5) -> Score:
     """Return a score of all gestures, some of them at once, on objects that come and go: with what steers them,
-    settings, methods, accuracies, panics and frees. It says at first how is computed, and frees all at its end.
+    settings, methods, accuracies, panics and frees. It says at first how is computed; at its end all is freed.
 
     prefix: of its objects' names and gestures' ids; edges: chance that a key is anywhere in its declared range.
     """
@@ -119,7 +119,7 @@ def any_score(seed: int, prefix: str = "o", edges: float = 0.05, seconds: float 
     first = {"/accuracy": chance.choice(ACCURACIES), "/bank": bank, "/contact": "closed", "/quality": 0}
     lines = [Line(0.0, Message(address, (word,)), "") for address, word in first.items()]
     lines += [Line(0.05 * (n // 3), _made(chance, name), "") for n, name in enumerate(names)]
-    played = [chance.choice(list(GESTURES)) for _ in range(chance.randint(4, 14))]
+    played = [chance.choice(list(GESTURES)) for _ in range(chance.randint(3, 9))]
     swarms = 0
     for n, name in enumerate(played):
         swarms += GESTURES[name].swarms > 0
@@ -137,6 +137,7 @@ def any_score(seed: int, prefix: str = "o", edges: float = 0.05, seconds: float 
     if chance.random() < 0.1:
         lines.append(Line(chance.uniform(0.3, 0.9) * seconds, Message("/panic", ()), ""))
     lines += [Line(seconds - 0.1, Message(f"/object/{name}/free", (1,)), "") for name in names]
+    lines.append(Line(seconds - 0.02, Message("/panic", ()), ""))
     lines.sort(key=lambda line: line.time)
     block = round(math.exp(chance.uniform(0.0, math.log(4_096.0))))
     return Score(tuple(lines), chance.choice(RATES), block, seconds)

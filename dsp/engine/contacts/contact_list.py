@@ -10,7 +10,7 @@ from ...native.records import clear_record, fill_bytes
 from ...numerics.random import STEP, mixed
 from ..bodies.strikers import release_voice
 from ..memory.commands import Event
-from ..memory.filling import fill_contact, fill_roll, fill_swarm
+from ..memory.filling import fill_roll, fill_swarm
 from ..memory.records import Contact
 from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, Object, State
 
@@ -223,7 +223,6 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
         fill_swarm(state, contact.swarm)
     else:
         give_place_back(state, contact)
-    fill_contact(state, index)
 
 
 @kernel

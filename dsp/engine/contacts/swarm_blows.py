@@ -8,7 +8,6 @@ import math
 import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
-from ...native.records import clear_record
 from ...numerics.elementary import exp, log
 from ...numerics.indices import index_of
 from ...schema import DROPS
@@ -58,7 +57,6 @@ _IMPACT = NUMBERS["impact"]
 def lay_drawn(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
     """Lay a swarm's blows up to a time (s from its beginning) onto its grids."""
     blows, most = state.scratch.batch, swarm.index + _MOST
-    clear_record(blows)  # loops go over blows that were not drawn, too
     while swarm.index < most:
         take_blows(swarm, blows, until)
         if blows.count == 0:
@@ -78,7 +76,7 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
     """
     table, blows = state.pulses.tables[swarm.table], state.scratch.batch
     left, often = False, flow_of(swarm) / swarm.m
-    clear_record(blows)
+    blows.count = 0
     for p in range(swarm.pieces):
         for _ in range(BOUNCES):
             if not swarm.next_of[p] < until:

@@ -111,14 +111,15 @@ def is_steered(state: State, event: Event) -> bool:
 @kernel
 def _takes(state: State, contact: Contact, event: Event) -> bool:
     """True if a contact is of the gesture that an event steers; to a point, if its object has a surface."""
+    if contact.gesture != event.gesture:
+        return False  # or nobody is there
     side = -1
     if _POINT <= event.parameter < _POINT + 3:
         side = 0
     elif _BY_POINT <= event.parameter < _BY_POINT + 3:
         side = 1
     slot = contact.point[max(side, 0)].slot
-    has_surface = slot >= 0 and state.objects[slot].faces > 0
-    return contact.gesture == event.gesture and (side < 0 or has_surface)
+    return side < 0 or (slot >= 0 and state.objects[slot].faces > 0)
 
 
 @kernel

@@ -5,7 +5,7 @@ none, as in an engine that plays; in the checked build it is 255, by which float
 """
 
 from ...native.jit import kernel, noinline_kernel
-from ...native.records import fill_bytes
+from ...native.records import clear_record, fill_bytes
 from ...resonator.bank import RESPONSES
 from ...resonator.simd import LANES
 from ...swarm.record import SWARMS
@@ -13,7 +13,7 @@ from .capacity import OBJECTS
 from .state import ROLLS, ROWS_OF_SWARM, State
 from .striker_state import VOICES
 
-_NEXT = 8  # places on top of a stack of large ones that are filled at the beginning: those that are taken first
+_NEXT = 8  # places on top of a stack: those that are taken first
 
 
 @noinline_kernel
@@ -23,6 +23,10 @@ def fill_unused(state: State) -> None:
         return
     if state.position == 0:
         _fill_places(state)
+    # A list of an object's rolls goes through contacts that have ended within a quantum.
+    free = len(state.contacts) - state.stats.contacts_active
+    for i in range(max(free - _NEXT, 0), free):
+        fill_contact(state, state.free_contact[i])
     scratch, byte = state.scratch, state.filler
     fill_bytes(scratch.work, byte)
     for g in range(min(state.active + 1, OBJECTS)):
@@ -43,7 +47,7 @@ def fill_unused(state: State) -> None:
     scratch.abreast.count = 0  # of those that wait, none between quanta
     fill_bytes(scratch.drivers, byte)
     fill_bytes(scratch.blows, byte)
-    fill_bytes(scratch.batch, byte)
+    clear_record(scratch.batch)  # blows that were not drawn go through the same loops: they must be numbers
     fill_bytes(scratch.placed, byte)
     fill_bytes(scratch.taps, byte)
     fill_bytes(scratch.group, byte)
