@@ -52,7 +52,12 @@ PROCESSOR = (
     "dsp/fitting",
     "dsp/mesh",
     "dsp/spectral",
-    "presets",
+    "presets/test_losses.py",
+    "presets/test_loudness.py",
+    "presets/test_making.py",
+    "presets/test_sound.py",
+    "presets/test_stored.py",
+    "presets/test_tables.py",
 )
 """Tests of what BLAS, LAPACK and FFT compute, and of sounds that depend on it."""
 

@@ -89,11 +89,14 @@ def levels(sound: np.ndarray) -> np.ndarray:
 
 
 def write_spread() -> None:
-    """Keep mean and standard deviation of the levels of what is chaotic, over STARTS that differ by 1e-9 m/s."""
+    """Keep mean and standard deviation of the levels (dB) of what is chaotic, and of its length (s), over STARTS that
+    differ by 1e-9 m/s."""
     found = {}
     for name in CHAOTIC:
-        each = np.array([levels(rendered(name, start + 1)) for start in range(STARTS)])
+        sounds = [rendered(name, start + 1) for start in range(STARTS)]
+        each, seconds = np.array([levels(sound) for sound in sounds]), [len(sound) / RATE for sound in sounds]
         found[name] = {"mean": each.mean(axis=0).tolist(), "deviation": each.std(axis=0, ddof=1).tolist()}
+        found[name]["seconds"] = [float(np.mean(seconds)), float(np.std(seconds, ddof=1))]
     rounded = json.loads(json.dumps(found), parse_float=lambda digits: round(float(digits), 3))
     SPREAD.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
 

@@ -44,14 +44,21 @@ def kept(name):
     return sound
 
 
+def told(name):
+    """Return what is kept of a chaotic sound's kind: mean and deviation of its levels (dB) and of its length (s)."""
+    return json.loads(SPREAD.read_text(encoding="utf-8"))[name]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*SOUNDS, *SCENES])
 def test_a_sound_is_its_scores(name):
     """Length, octaves and loudness over time agree: a preset or a score that changed is heard. Rounding makes another
     sound of a chaotic one; its levels lie among those of its kind."""
     known = kept(name)
-    for sound in made(name):
-        assert abs(len(known) - len(sound)) < 0.1 * RATE and known.shape[1] == sound.shape[1], "run `make sounds`"
+    seconds, chance = told(name)["seconds"] if name in CHAOTIC else (len(known) / RATE, 0.0)
+    for sound in (known, *made(name)):
+        assert abs(len(sound) / RATE - seconds) < 0.1 + DEVIATIONS * chance, "run `make sounds`"
+        assert known.shape[1] == sound.shape[1]
     assert beyond(name, made(name)) < 0 and beyond(name, [known]) < 0, "run `make sounds`"
 
 
@@ -59,9 +66,8 @@ def beyond(name, sounds):
     """Return by how much (dB) the mean levels of sounds lie beyond those that are kept, and that they may be off."""
     levelled = np.mean([levels(sound) for sound in sounds], axis=0)
     if name in CHAOTIC:
-        told = json.loads(SPREAD.read_text(encoding="utf-8"))[name]
-        wanted, chance = np.array(told["mean"]), 1 / len(sounds) + 1 / STARTS
-        within = CLOSE + DEVIATIONS * np.sqrt(chance) * np.array(told["deviation"])
+        wanted, chance = np.array(told(name)["mean"]), 1 / len(sounds) + 1 / STARTS
+        within = CLOSE + DEVIATIONS * np.sqrt(chance) * np.array(told(name)["deviation"])
     else:  # the shorter of two is silent at the end of the longer
         known = kept(name)[: len(sounds[0])]
         wanted, within = levels(np.pad(known, ((0, len(sounds[0]) - len(known)), (0, 0)))), CLOSE
