@@ -27,7 +27,7 @@ class GestureEnded(Refused):
 def shown(value: Argument) -> str:
     """Return a value as an error names it: a list as a score has it, and nil and blobs by OSC's names."""
     if isinstance(value, float):
-        return f"{value:g}"
+        return min(f"{value:g}", repr(value), key=len)
     if value is None:
         return "nil"
     if isinstance(value, bytes):
