@@ -191,7 +191,7 @@ def test_a_wrong_line_of_a_score_is_told_in_one_line(folder, tmp_path, capsys, l
         (
             lambda: carom.Hearing(faintest="0"),
             carom.WorldError,
-            "faintest = '0': expected a number from -1000 to 1000 dB",
+            "faintest = '0': expected a number from -1000",
         ),
         (lambda: carom.Hearing([carom.Microphone("abc")]), carom.WorldError, "microphone 0: position = 'abc'"),
         (lambda: carom.Hearing([carom.Microphone((0, 0, 1), pattern="x")]), carom.WorldError, "pattern = 'x'"),
