@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from operator import index
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from time import thread_time
 from typing import NamedTuple, SupportsIndex
 
 import numpy as np
@@ -45,6 +46,8 @@ LONGEST_REST = LONGEST_BOUNCE + LONGEST_TAIL
 _MOST_NAMES = 8  # of gestures, in a warning
 
 
+_FREE = 2.0
+"""s of a processor that a sound may take, beside as many as it lasts, of which a render doesn't tell."""
 _BUDGET = "/budget"
 _PEAK = Parameter("normalize", -100.0, 0.0, "dBFS")
 
@@ -324,7 +327,8 @@ def blocks(
     engine: `options.engine(score)`. session: of the engine, if it has one already.
     Without `seconds` the sound ends with the quantum in which the last object falls silent. If all that goes on would
     go on for ever (a press, a roll without friction) it ends LONGEST_TAIL after the last event, and in any case
-    LONGEST_REST after it; `warn` is told of either, and of lines that have no effect. The block size does not matter.
+    LONGEST_REST after it; `warn` is told of either, of lines that have no effect, and of a sound that took more time
+    of a processor than it lasts. The block size does not matter.
     look: is called after each PIECE frames at the latest.
     """
     lines = options.lines_of(score)
@@ -334,6 +338,7 @@ def blocks(
     timeline = _Timeline(lines, options, engine.delay)
     written = -engine.delay
     silence = engine.delay  # that a limiter begins with: it is dropped
+    cost = 0.0  # s of a processor
     while timeline.end is None or written < timeline.end:
         stop = written + options.block if timeline.end is None else min(written + options.block, timeline.end)
         parts = []
@@ -341,7 +346,9 @@ def blocks(
             for line in timeline.due(engine.position):
                 _perform(session, line, warn)
             piece = timeline.piece(written, stop - written)
+            begun = thread_time()
             parts.append(engine.process(piece))
+            cost += thread_time() - begun
             look()
             written += piece
             timeline.look_for_end(session, warn)
@@ -354,6 +361,10 @@ def blocks(
         silence -= dropped
         if len(sound) > dropped:
             yield sound[dropped:]
+    seconds = written / options.rate
+    if cost > seconds + _FREE:
+        advice = "/budget 16 8192 bounds what contacts cost"
+        warn(f"{seconds:.3g} s of sound took {cost:.3g} s of a processor: {advice}")
 
 
 def _perform(session: Session, line: Line, warn: Callable[[str], object]) -> None:

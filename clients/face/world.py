@@ -54,8 +54,7 @@ Blocks = NDArray[np.float32]
 
 _FADED = 16 * QUANTUM  # frames in which a panic fades
 _BUDGET = 1_000_000, 0  # steps and modes: any number, but counted, so that no striker is kept: the simulator moves it
-_LONGEST = 3600  # s of sound at once
-_RATE = Range(1.0, 1e6, "Hz")  # a render takes fewer
+_LONGEST, _RATE = 3600, Range(1.0, 1e6, "Hz")  # s of sound at once; a render takes fewer rates
 _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 

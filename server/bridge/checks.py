@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.numerics.quantities import Range
-from ..osc.arguments import Refused
+from ..osc.arguments import Refused, shown
 
 
 class WorldError(Refused):
@@ -20,8 +20,8 @@ class WorldError(Refused):
 def require_number(name: str, value: object, within: Range) -> None:
     """Raise WorldError for a value that is no number in a range."""
     if not (isinstance(value, Real) and within.within(float(value)) is not None):
-        shown = f"{value:g}" if isinstance(value, float) else repr(value)
-        raise WorldError(f"{name} = {shown}: expected {within.expected}")
+        told = shown(float(value)) if isinstance(value, float) else repr(value)
+        raise WorldError(f"{name} = {told}: expected {within.expected}")
 
 
 def require_kind(name: str, value: object, kind: type) -> None:

@@ -120,7 +120,7 @@ def _is_vector(value: object) -> bool:
     """True for three numbers up to FARTHEST."""
     if not isinstance(value, Sequence | np.ndarray) or len(value) != 3:
         return False
-    return all(isinstance(each, Real) and abs(each) <= FARTHEST for each in value)
+    return all(isinstance(each, Real) and abs(float(each)) <= FARTHEST for each in value)
 
 
 def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:

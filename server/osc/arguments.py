@@ -27,9 +27,11 @@ class GestureEnded(Refused):
 def shown(value: Argument) -> str:
     """Return a value as an error names it: a list as a score has it, and nil and blobs by OSC's names."""
     if isinstance(value, float):
-        return f"{value:g}"
+        return min(f"{value:g}", repr(value), key=len)
     if value is None:
         return "nil"
+    if isinstance(value, int) and value.bit_length() > 64:  # Python refuses to spell the longest
+        return f"a whole number of {value.bit_length()} bits"
     if isinstance(value, bytes):
         return f"a blob of {len(value)} bytes"
     if isinstance(value, tuple | list):
@@ -71,7 +73,7 @@ def check_number(number: Number, value: Argument) -> float:
     if taken is None:
         raise Refused(f"{number.name} = {beyond(number, value)}: expected {number.expected}")
     if number.whole and not taken.is_integer():
-        raise Refused(f"{number.name} = {value:g}: expected a whole number")
+        raise Refused(f"{number.name} = {shown(value)}: expected a whole number")
     return taken
 
 
@@ -100,7 +102,7 @@ class Either(NamedTuple):
 
     def check(self, value: Argument) -> str:
         """Return the word; raise Refused if it is none of them."""
-        word = f"{value:g}" if isinstance(value, int | float) else value
+        word = shown(float(value) if isinstance(value, bool) else value) if isinstance(value, int | float) else value
         if isinstance(word, str) and word in self.words:
             return word
         raise Refused(f"{self.name} = {shown(value)}: {expected(value, self.words)}")

@@ -75,7 +75,7 @@ WORLD = (
         "says where a body is: x y z (m) of its centre of mass, and as many as are known of the quaternion w x y z of "
         "its axes, its velocity x y z (m/s) and its spin x y z (rad/s)",
         (Word("name"),),
-        many=Numbers(_PLACE, 13, "values"),
+        many=Numbers(Parameter("value", -_FAR, _FAR), 13, "values"),
     ),
     Verb(
         "/world/touch",

@@ -20,7 +20,7 @@ _SUPPORTS = ("felt", "foam", "finger", "palm", "table", "b")
 _SECONDS = 0.3
 
 
-@kind("combinations", 25)
+@kind("combinations", 12)
 def combinations(chance: random.Random) -> Iterator[Tried]:
     """Two objects, and one to three gestures on them, at edges that are allowed."""
     names = PRESETS.names("objects")

@@ -17,7 +17,7 @@ PRESETS = Presets()
 _SECONDS = 0.05
 
 
-@kind("edges", 30)
+@kind("edges", 20)
 def edges(chance: random.Random) -> Iterator[Tried]:
     """An object with one or a few keys at their edges, which is struck."""
     names = PRESETS.names("objects")

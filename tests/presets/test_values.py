@@ -63,7 +63,8 @@ def test_a_value_that_does_not_fit_is_named(domain, value, message):
 
 @given(st.lists(st.floats(-2, 5), min_size=1), st.sampled_from([",", ", ", " ", " ,", "\t"]))
 def test_a_text_spells_its_numbers_exactly(numbers, separator):
-    assert Many(NUMBER).fit(Many(NUMBER).parse(separator.join(map(repr, numbers)))) == tuple(numbers)
+    told = tuple(0.0 if abs(each) < NUMBER.least else each for each in numbers)
+    assert Many(NUMBER).fit(Many(NUMBER).parse(separator.join(map(repr, numbers)))) == told
 
 
 @pytest.mark.slow

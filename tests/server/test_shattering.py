@@ -232,3 +232,21 @@ def test_a_gesture_that_breaks_ends_once_as_the_last_of_its_pieces_lies_still(st
         assert not ends or falling[-1] == 0
     assert [name for _, name in ends] == ["breaks"] and max(falling) >= 2
     assert ends[0][0] < 20 if stops else 1 in falling
+
+
+@pytest.mark.parametrize("mass", [1e-9, 1e-6, 1e3])
+def test_pieces_of_another_mass_than_the_strikers_die_away(mass):
+    """A mode radiates no more than it loses: with 1 mg in place of 2.8 g it grew, up to no number."""
+    score = f"0 /object/new a wine-glass\n0 /object/a/shatter 1 onto none seed 78 mass {mass}"
+    done = carom.render(score, RATE, calibrated=True, channels=1, seconds=0.3)
+    sound = np.abs(done.samples[:, 0])
+    assert np.isfinite(sound).all() and 0.0 < sound.max() < 1e4
+
+
+def test_a_mass_that_no_float_divides_is_refused():
+    session = Session(Engine(RATE), Presets())
+    say(session, "/object/new", "a", "wood-block")
+    for key in ("wall_mass", "thick_mass"):
+        for value in (5e-324, 1e-323, 1e-308, 1e-10):
+            (reply,) = say(session, "/object/a/shatter", key, value)
+            assert reply.args[1].startswith(f"{key} = ") and "expected 0, or from 1e-09 to 1e+06 kg" in reply.args[1]

@@ -16,7 +16,7 @@ from carom.presets.gestures import FIELDS
 from carom.presets.values import Many, Quantity, Row, Rows
 from carom.server import options, render
 from carom.server.osc.addresses import VERBS
-from carom.server.osc.arguments import Note, Numbers, Refused, Vector, check_number
+from carom.server.osc.arguments import Note, Numbers, Refused, Vector, check_number, shown
 
 SUBNORMAL = 5e-324
 WRONG = (math.nan, math.inf, -math.inf, 1e308, -1e308, 10**400)
@@ -102,7 +102,7 @@ def test_a_mass_that_may_be_0_is_0_or_a_mass(name, value):
     assert check_number(number, 0) == 0.0 and check_number(number, -0.0) == 0.0 and check_number(number, 1e-9) == 1e-9
     with pytest.raises(Refused) as refused:
         check_number(number, value)
-    assert str(refused.value) == f"{name} = {value:g}: expected 0, or from 1e-09 to 1e+06 kg"
+    assert str(refused.value) == f"{name} = {shown(value)}: expected 0, or from 1e-09 to 1e+06 kg"
 
 
 def test_what_is_too_little_to_tell_is_0():
