@@ -83,15 +83,23 @@ def _join(group: CoupledGroup, candidates: View[int], i: int) -> None:
 
 
 @kernel
-def _sort(group: CoupledGroup) -> None:
-    """Bring the members into the order of their places, so that one keeps its own while contacts take turns."""
+def _sort(state: State, group: CoupledGroup) -> None:
+    """Bring the members into the order in which they began, so that one keeps its own while contacts take turns.
+
+    Their places would not do: who has which depends on what was freed before, and sums are rounded in this order.
+    """
     for i in range(1, group.size):
         member = group.member[i]
         j = i
-        while j > 0 and group.member[j - 1] > member:
+        while j > 0 and _began_before(state.contacts[member], state.contacts[group.member[j - 1]]):
             group.member[j] = group.member[j - 1]
             j -= 1
         group.member[j] = member
+
+
+@kernel
+def _began_before(contact: Contact, other: Contact) -> bool:
+    return contact.start < other.start or (contact.start == other.start and contact.fraction < other.fraction)
 
 
 @kernel
@@ -105,7 +113,7 @@ def _see_each_other(contact: Contact, other: Contact) -> bool:
 def _solve(state: State, frame: int) -> None:
     """Find the moments of all forces in `together` over the sample that ends at a frame, and have them act."""
     group = state.scratch.together
-    _sort(group)
+    _sort(state, group)
     price = price_of(group.size)
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
