@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 from carom.server.osc import wire
@@ -115,6 +116,7 @@ def _took(begun: float, ask: Callable[[], object]) -> float:
     return time.monotonic() - begun
 
 
+@cache
 def anybody() -> ssl.SSLContext:
     """Return a client's side of TLS that takes any certificate."""
     context = ssl.create_default_context()
