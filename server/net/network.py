@@ -37,7 +37,7 @@ RECEIVE_BUFFER = 1 << 22
 
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
-_ACCEPTED = 32  # connections that are accepted at once: some 2 ms
+_ACCEPTING = 0.003  # s for which connections are accepted at once
 _OUTDATED = 256  # questions that are dropped at once: some 2 ms
 _MOST_CALLERS = 4_096  # addresses that datagrams wait from; a host may have as many as are left
 _TRIES = 16  # ports that may be free for UDP and not for TCP
@@ -340,7 +340,8 @@ class Network:
 
     def _accept(self) -> None:
         """Accept those that want to connect, as many as take a short time."""
-        for _ in range(_ACCEPTED):
+        end = time.monotonic() + _ACCEPTING
+        while time.monotonic() < end:
             try:
                 sock, (host, _) = self._listener.accept()
             except BlockingIOError:
@@ -363,23 +364,26 @@ class Network:
         """Give a newcomer a place, perhaps another one's; else tell it that there is none."""
         places, host = self._places, connection.host
         if not places.is_free(host):
-            late = time.monotonic() - LONGEST_SILENCE
-            for each in sorted(self._connections, key=lambda connection: connection.heard_at):
-                if each.heard_at < late:
-                    places.hush(each)
             silent = places.who_makes_way(host)
+            if silent is None:
+                late = time.monotonic() - LONGEST_SILENCE
+                for each in sorted(self._connections, key=lambda connection: connection.heard_at):
+                    if each.heard_at < late:
+                        places.hush(each)
+                silent = places.who_makes_way(host)
             if silent is None:
                 self._connections.add(connection)
                 most = min(places.most, places.most_of_host)
                 connection.wrong = f"{most} clients are connected already: expected one to leave first"
                 self._part(connection)
                 return
-            if silent in self._lingering:
-                self._leave(silent)
+            if silent in self._lingering or not silent.has_spoken:
+                self._leave(silent)  # without a word: thousands of such may come
             else:
                 seconds = time.monotonic() - silent.heard_at
                 silent.wrong = f"silent for {seconds:.3g} s, and another client needs the place"
                 self._part(silent)
+                silent.arrived.clear()  # else what such clients sent would pile up
         self._connections.add(connection)
         places.come(connection, host)
         self._watch(connection)

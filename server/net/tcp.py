@@ -93,6 +93,11 @@ class Connection:
         self._unsent.clear()
 
     @property
+    def has_spoken(self) -> bool:
+        """True if it has sent anything."""
+        return self._framing is not None
+
+    @property
     def waiting(self) -> bool:
         """True if replies wait for the client to take them."""
         return bool(self._unsent)

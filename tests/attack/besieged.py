@@ -111,7 +111,8 @@ def _took(begun: float, ask: Callable[[], object]) -> float:
     """Return how long a question took; 60 s where it got no answer."""
     try:
         ask()
-    except OSError:
+    except OSError as error:
+        print(f"no answer after {time.monotonic() - begun:.3f} s: {error!r}", file=sys.stderr)
         return 60.0
     return time.monotonic() - begun
 
