@@ -12,6 +12,7 @@ from collections import Counter
 from contextlib import suppress
 from functools import lru_cache
 
+from ..osc.framing import Slip
 from ..osc.urgency import Urgency, urgency
 from ..osc.wire import Message, encode
 from .places import PAUSE, Complaint, Places, is_out, most_places
@@ -37,7 +38,9 @@ RECEIVE_BUFFER = 1 << 22
 
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
-_ACCEPTING = 0.003  # s for which connections are accepted at once
+_UNREAD = 1 << 14  # bytes
+_LOOK = 0.1  # s between looks at who has long been silent
+_ACCEPTING = 0.006  # s for which connections are accepted at once
 _OUTDATED = 256  # questions that are dropped at once: some 2 ms
 _MOST_CALLERS = 4_096  # addresses that datagrams wait from; a host may have as many as are left
 _TRIES = 16  # ports that may be free for UDP and not for TCP
@@ -75,6 +78,7 @@ class Network:
         most = most_places(MOST_CONNECTIONS, _SHARE)
         self._places: Places[Connection] = Places(most, min(MOST_OF_HOST, most - most // 4))
         self._complaint = Complaint()
+        self._aged = -_LOOK  # s: when one looked last at who has long been silent
         self._accepts_from = 0.0  # s: when the listener is looked at again
         self._connections: set[Connection] = set()
         self._paused: set[Source] = set()
@@ -353,40 +357,40 @@ class Network:
                     self._complaint.say(f"OSC over TCP: no new client: {error.strerror}")
                     return
                 continue  # the client has left already
+            if not self._makes_room(host):
+                most = self._places.most_of_host
+                _turn_away(sock, f"{most} clients are connected already: expected one to leave first")
+                continue
             try:
                 connection = Connection(sock, host)
             except OSError:
                 sock.close()
                 continue
-            self._admit(connection)
+            self._connections.add(connection)
+            self._places.come(connection, host)
+            self._watch(connection)
 
-    def _admit(self, connection: Connection) -> None:
-        """Give a newcomer a place, perhaps another one's; else tell it that there is none."""
-        places, host = self._places, connection.host
-        if not places.is_free(host):
+    def _makes_room(self, host: str) -> bool:
+        """True if there is a place for a newcomer of a host, perhaps another one's, who has left now."""
+        places, now = self._places, time.monotonic()
+        if places.is_free(host):
+            return True
+        silent = places.who_makes_way(host)
+        if silent is None and now > self._aged + _LOOK:
+            self._aged = now
+            for each in sorted(self._connections, key=lambda connection: connection.heard_at):
+                if now - each.heard_at > LONGEST_SILENCE:
+                    places.hush(each)
             silent = places.who_makes_way(host)
-            if silent is None:
-                late = time.monotonic() - LONGEST_SILENCE
-                for each in sorted(self._connections, key=lambda connection: connection.heard_at):
-                    if each.heard_at < late:
-                        places.hush(each)
-                silent = places.who_makes_way(host)
-            if silent is None:
-                self._connections.add(connection)
-                most = min(places.most, places.most_of_host)
-                connection.wrong = f"{most} clients are connected already: expected one to leave first"
-                self._part(connection)
-                return
-            if silent in self._lingering or not silent.has_spoken:
-                self._leave(silent)  # without a word: thousands of such may come
-            else:
-                seconds = time.monotonic() - silent.heard_at
-                silent.wrong = f"silent for {seconds:.3g} s, and another client needs the place"
-                self._part(silent)
-                silent.arrived.clear()  # else what such clients sent would pile up
-        self._connections.add(connection)
-        places.come(connection, host)
-        self._watch(connection)
+        if silent is None:
+            return False
+        if silent in self._lingering or not silent.has_spoken:
+            self._leave(silent)  # without a word: thousands of such may come
+        else:
+            silent.wrong = f"silent for {now - silent.heard_at:.3g} s, and another client needs the place"
+            self._part(silent)
+        silent.arrived.clear()  # else what such clients sent would pile up
+        return True
 
     def _attend(self, connection: Connection, events: int) -> None:
         if events & selectors.EVENT_WRITE:
@@ -452,6 +456,15 @@ class Network:
             with suppress(KeyError):
                 self._selector.unregister(connection.socket)
             connection.close()
+
+
+def _turn_away(sock: socket.socket, reason: str) -> None:
+    """Tell a newcomer why there is no place, and close: fast, as thousands may come."""
+    with suppress(OSError):
+        sock.setblocking(False)
+        sock.send(Slip.framed(_encoded_texts("/fail", "stream", reason)))
+        sock.recv(_UNREAD)  # what is left unread would drop the reply on its way
+    sock.close()
 
 
 def host_of(source: Source) -> str:
