@@ -86,12 +86,15 @@ def test_the_engine_is_run_by_one_at_a_time():
     assert refused and state[1] > 100 and state[2] == 0
 
 
+LOUD = np.array([3e4, -1.5, 0.25, np.inf, -np.inf, np.nan])
+
+
 @c_function(*SIGNATURE)
 def loud(_input, output, frames, times, flags, userdata):
     """Play samples beyond full scale, within it, infinite, and none."""
     out = carray(output, (6,), np.float32)
-    for n, sample in enumerate((3e4, -1.5, 0.25, np.inf, -np.inf, np.nan)):
-        out[n] = sample
+    for n in range(6):
+        out[n] = LOUD[n]
     return 0
 
 
