@@ -12,15 +12,14 @@ from collections import Counter
 from contextlib import suppress
 from functools import lru_cache
 
-from ..osc.framing import Slip
 from ..osc.urgency import Urgency, urgency
 from ..osc.wire import Message, encode
 from .places import PAUSE, Complaint, Places, is_out, most_places
 from .remote import Doorway, Remote
 from .reply_budget import Allowance, Nets
 from .rotation import Rotation
-from .tcp import Connection, listen
-from .udp import Caller, Intake
+from .tcp import Connection, listen, turn_away
+from .udp import Caller, Intake, dropped_by_system
 
 MOST_CONNECTIONS = 64
 MOST_OF_HOST = 32
@@ -38,7 +37,6 @@ RECEIVE_BUFFER = 1 << 22
 
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
-_UNREAD = 1 << 14  # bytes
 _LOOK = 0.1  # s between looks at who has long been silent
 _ACCEPTING = 0.006  # s for which connections are accepted at once
 _OUTDATED = 256  # questions that are dropped at once: some 2 ms
@@ -115,7 +113,7 @@ class Network:
         long, and of replies that were dropped."""
         return {
             "dropped": self._intake.dropped + self._refused,
-            "dropped_by_system": _dropped_by_system(self._udp),
+            "dropped_by_system": dropped_by_system(self._udp),
             "outdated": self._outdated,
             "replies_dropped": self._replies_dropped,
         }
@@ -359,7 +357,8 @@ class Network:
                 continue  # the client has left already
             if not self._makes_room(host):
                 most = self._places.most_of_host
-                _turn_away(sock, f"{most} clients are connected already: expected one to leave first")
+                text = f"{most} clients are connected already: expected one to leave first"
+                turn_away(sock, _encoded_texts("/fail", "stream", text))
                 continue
             try:
                 connection = Connection(sock, host)
@@ -458,15 +457,6 @@ class Network:
             connection.close()
 
 
-def _turn_away(sock: socket.socket, reason: str) -> None:
-    """Tell a newcomer why there is no place, and close: fast, as thousands may come."""
-    with suppress(OSError):
-        sock.setblocking(False)
-        sock.send(Slip.framed(_encoded_texts("/fail", "stream", reason)))
-        sock.recv(_UNREAD)  # what is left unread would drop the reply on its way
-    sock.close()
-
-
 def host_of(source: Source) -> str:
     """Return the address of the host that a source is of."""
     return source[0] if isinstance(source, tuple) else source.host
@@ -503,13 +493,3 @@ def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
             if port or attempt == _TRIES - 1:
                 raise
     raise AssertionError
-
-
-def _dropped_by_system(udp: socket.socket) -> int:
-    """Return the datagrams that found no room in the system's buffer, where the system tells (Linux)."""
-    memory_info, drops = 55, 8  # SO_MEMINFO, and where in its nine uint32 the drops stand
-    if sys.platform != "linux":
-        return 0
-    with suppress(OSError):
-        return int.from_bytes(udp.getsockopt(socket.SOL_SOCKET, memory_info, 36)[4 * drops :], sys.byteorder)
-    return 0

@@ -9,6 +9,7 @@ from carom.server.net.places import Places, most_places
 from carom.server.net.rotation import Rotation
 from carom.server.osc import wire
 from carom.server.osc.urgency import Urgency, urgency
+from tests import needs
 from tests.server.net.sockets import A, send_in_time, taken, udp
 
 STATUS = wire.encode("/status")
@@ -135,7 +136,7 @@ def test_places_go_to_hosts_that_have_fewer_and_from_those_that_are_quiet():
 
 
 def test_places_are_no_more_than_descriptors_allow(monkeypatch):
-    resource = pytest.importorskip("resource")
+    resource = needs.module("resource")
     for limit, most in ((1_024, 64), (256, 53), (100, 8), (resource.RLIM_INFINITY, 64)):
         monkeypatch.setattr(resource, "getrlimit", lambda kind, limit=limit: (limit, limit))
         assert most_places(64, 1 / 3) == most
