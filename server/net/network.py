@@ -18,8 +18,8 @@ from .places import PAUSE, Complaint, Places, is_out, most_places
 from .remote import Doorway, Remote
 from .reply_budget import Allowance, Nets
 from .rotation import Rotation
-from .tcp import Connection, listen
-from .udp import Caller, Intake
+from .tcp import Connection, listen, turn_away
+from .udp import Caller, Intake, dropped_by_system
 
 MOST_CONNECTIONS = 64
 MOST_OF_HOST = 32
@@ -37,7 +37,8 @@ RECEIVE_BUFFER = 1 << 22
 
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
-_ACCEPTED = 32  # connections that are accepted at once: some 2 ms
+_LOOK = 0.1  # s between looks at who has long been silent
+_ACCEPTING = 0.006  # s for which connections are accepted at once
 _OUTDATED = 256  # questions that are dropped at once: some 2 ms
 _MOST_CALLERS = 4_096  # addresses that datagrams wait from; a host may have as many as are left
 _TRIES = 16  # ports that may be free for UDP and not for TCP
@@ -75,6 +76,7 @@ class Network:
         most = most_places(MOST_CONNECTIONS, _SHARE)
         self._places: Places[Connection] = Places(most, min(MOST_OF_HOST, most - most // 4))
         self._complaint = Complaint()
+        self._aged = -_LOOK  # s: when one looked last at who has long been silent
         self._accepts_from = 0.0  # s: when the listener is looked at again
         self._connections: set[Connection] = set()
         self._paused: set[Source] = set()
@@ -111,7 +113,7 @@ class Network:
         long, and of replies that were dropped."""
         return {
             "dropped": self._intake.dropped + self._refused,
-            "dropped_by_system": _dropped_by_system(self._udp),
+            "dropped_by_system": dropped_by_system(self._udp),
             "outdated": self._outdated,
             "replies_dropped": self._replies_dropped,
         }
@@ -340,7 +342,8 @@ class Network:
 
     def _accept(self) -> None:
         """Accept those that want to connect, as many as take a short time."""
-        for _ in range(_ACCEPTED):
+        end = time.monotonic() + _ACCEPTING
+        while time.monotonic() < end:
             try:
                 sock, (host, _) = self._listener.accept()
             except BlockingIOError:
@@ -352,37 +355,41 @@ class Network:
                     self._complaint.say(f"OSC over TCP: no new client: {error.strerror}")
                     return
                 continue  # the client has left already
+            if not self._makes_room(host):
+                most = self._places.most_of_host
+                text = f"{most} clients are connected already: expected one to leave first"
+                turn_away(sock, _encoded_texts("/fail", "stream", text))
+                continue
             try:
                 connection = Connection(sock, host)
             except OSError:
                 sock.close()
                 continue
-            self._admit(connection)
+            self._connections.add(connection)
+            self._places.come(connection, host)
+            self._watch(connection)
 
-    def _admit(self, connection: Connection) -> None:
-        """Give a newcomer a place, perhaps another one's; else tell it that there is none."""
-        places, host = self._places, connection.host
-        if not places.is_free(host):
-            late = time.monotonic() - LONGEST_SILENCE
+    def _makes_room(self, host: str) -> bool:
+        """True if there is a place for a newcomer of a host, perhaps another one's, who has left now."""
+        places, now = self._places, time.monotonic()
+        if places.is_free(host):
+            return True
+        silent = places.who_makes_way(host)
+        if silent is None and now > self._aged + _LOOK:
+            self._aged = now
             for each in sorted(self._connections, key=lambda connection: connection.heard_at):
-                if each.heard_at < late:
+                if now - each.heard_at > LONGEST_SILENCE:
                     places.hush(each)
             silent = places.who_makes_way(host)
-            if silent is None:
-                self._connections.add(connection)
-                most = min(places.most, places.most_of_host)
-                connection.wrong = f"{most} clients are connected already: expected one to leave first"
-                self._part(connection)
-                return
-            if silent in self._lingering:
-                self._leave(silent)
-            else:
-                seconds = time.monotonic() - silent.heard_at
-                silent.wrong = f"silent for {seconds:.3g} s, and another client needs the place"
-                self._part(silent)
-        self._connections.add(connection)
-        places.come(connection, host)
-        self._watch(connection)
+        if silent is None:
+            return False
+        if silent in self._lingering or not silent.has_spoken:
+            self._leave(silent)  # without a word: thousands of such may come
+        else:
+            silent.wrong = f"silent for {now - silent.heard_at:.3g} s, and another client needs the place"
+            self._part(silent)
+        silent.arrived.clear()  # else what such clients sent would pile up
+        return True
 
     def _attend(self, connection: Connection, events: int) -> None:
         if events & selectors.EVENT_WRITE:
@@ -486,13 +493,3 @@ def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
             if port or attempt == _TRIES - 1:
                 raise
     raise AssertionError
-
-
-def _dropped_by_system(udp: socket.socket) -> int:
-    """Return the datagrams that found no room in the system's buffer, where the system tells (Linux)."""
-    memory_info, drops = 55, 8  # SO_MEMINFO, and where in its nine uint32 the drops stand
-    if sys.platform != "linux":
-        return 0
-    with suppress(OSError):
-        return int.from_bytes(udp.getsockopt(socket.SOL_SOCKET, memory_info, 36)[4 * drops :], sys.byteorder)
-    return 0

@@ -32,8 +32,8 @@ def most_places(wanted: int, share: float) -> int:
 class Places(Generic[Holder]):
     """The holders of places. A newcomer who finds none takes that of another one, or is refused.
 
-    First it is one who is quiet, of the newcomer's host where that has all that it may, else of the host that has the
-    most; the longest quiet one. Where none is quiet, a host that has at least two places more than the newcomer's
+    It is one who is quiet, and has been for longest: of the newcomer's host where that has all that it may, else of the
+    host that has the most. Where no host with at least two places more than the newcomer's has a quiet one, such a host
     gives up the oldest. So a host finds a place, whatever others do, as long as there are fewer hosts than places.
     """
 
@@ -96,11 +96,11 @@ class Places(Generic[Holder]):
         mine = self._count(host)
         if mine >= self.most_of_host:
             return next(iter(self._quiet.get(host, ())), None)
-        crowds = sorted(self._quiet, key=self._count)
-        if crowds and self._count(crowds[-1]) >= mine:
-            return next(iter(self._quiet[crowds[-1]]))
-        crowd = max(self._busy, key=self._count, default=host)
-        return next(iter(self._busy[crowd])) if self._count(crowd) > mine + 1 else None
+        quiet = max(self._quiet, key=self._count, default=None)
+        busy = max(self._busy, key=self._count, default=None)
+        if busy is not None and self._count(busy) > mine + 1 and (quiet is None or self._count(quiet) <= mine + 1):
+            return next(iter(self._busy[busy]))
+        return next(iter(self._quiet[quiet])) if quiet is not None and self._count(quiet) >= mine else None
 
     def _count(self, host: str) -> int:
         return len(self._quiet.get(host, ())) + len(self._busy.get(host, ()))

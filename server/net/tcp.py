@@ -93,6 +93,11 @@ class Connection:
         self._unsent.clear()
 
     @property
+    def has_spoken(self) -> bool:
+        """True if it has sent anything."""
+        return self._framing is not None
+
+    @property
     def waiting(self) -> bool:
         """True if replies wait for the client to take them."""
         return bool(self._unsent)
@@ -121,3 +126,12 @@ def listen(host: str, port: int) -> socket.socket:
         sock.close()
         raise
     return sock
+
+
+def turn_away(sock: socket.socket, farewell: bytes) -> None:
+    """Send a newcomer for whom there is no place a packet, and close: fast, as thousands may come."""
+    with suppress(OSError):
+        sock.setblocking(False)
+        sock.send(Slip.framed(farewell))
+        sock.recv(_PIECE)  # what is left unread would drop the reply on its way
+    sock.close()

@@ -1,11 +1,12 @@
 """HTTP connections, bounded from the moment they are accepted: how many there are, and how long one may take to ask.
 
 aiohttp bounds headers, bodies and frames; it waits for ever for the end of a request's head. asyncio tells of a
-connection over TLS only after its handshake, for which it takes 256 kB at once, and tries a failed accept again all the
-time, with a traceback. So connections are accepted here, and get to asyncio once they have said something.
+connection over TLS only after its handshake, for which it takes memory and a ms, and tries a failed accept again all
+the time, with a traceback. So connections are accepted here, and get to asyncio once they have said something.
 """
 
 import asyncio
+import gc
 import logging
 import socket
 import ssl
@@ -17,14 +18,16 @@ from typing import Any
 from aiohttp import web
 
 from ..net.places import PAUSE, Complaint, Places, is_out, most_places
+from ..net.rotation import Rotation
 from ..net.tcp import listen
 
 MOST_CONNECTIONS, MOST_OF_HOST = 128, 96
 _SHARE = 2 / 3  # of the descriptors
 _HANDSHAKE = 5.0  # s for the first byte, and over TLS for the handshake
 _SPEAKING = 10.0  # s for a request to be sent, and between requests
-_LOOK = 1.0  # s
-_ACCEPTED = 64  # connections that are accepted at once
+_LOOK = 0.25  # s
+_MOST_FAILED = 100  # handshakes that may fail before what they took, some 100 kB each in circles, is given back
+_ACCEPTING = 0.005  # s for which connections are accepted at once
 
 
 class _Visitor:
@@ -61,6 +64,8 @@ class BoundedServer(web.Server):
         most = most_places(MOST_CONNECTIONS, _SHARE)
         self._places: Places[_Visitor] = Places(most, min(MOST_OF_HOST, most - most // 4))
         self._visitors: dict[Any, _Visitor] = {}  # by protocol
+        self._spoken: Rotation[_Visitor] = Rotation()  # those that wait to be opened
+        self._failed = 0  # handshakes
         self._complaint = Complaint()
         self._listener: socket.socket | None = None
         self._watching: asyncio.Task[None] | None = None
@@ -73,8 +78,8 @@ class BoundedServer(web.Server):
         return int(self._listener.getsockname()[1])
 
     def _accept(self) -> None:
-        for _ in range(_ACCEPTED if self._listener else 0):
-            assert self._listener
+        end = time.monotonic() + _ACCEPTING
+        while self._listener and time.monotonic() < end:
             try:
                 sock, (host, _) = self._listener.accept()
             except BlockingIOError:
@@ -101,11 +106,22 @@ class BoundedServer(web.Server):
             self._drop(other)
         self._places.come(visitor, visitor.host)
         visitor.socket.setblocking(False)
-        self._loop.add_reader(visitor.socket, self._open, visitor)
+        self._loop.add_reader(visitor.socket, self._hear, visitor)
 
-    def _open(self, visitor: _Visitor) -> None:
-        """Hand a connection that has said something to asyncio."""
+    def _hear(self, visitor: _Visitor) -> None:
+        """Have a connection that has said something wait to be opened. A handshake takes a ms: hosts take turns."""
         self._loop.remove_reader(visitor.socket)
+        if not self._spoken:
+            self._loop.call_soon(self._open)
+        self._spoken.add(visitor.host, visitor)
+
+    def _open(self) -> None:
+        """Hand the connection whose turn it is to asyncio, and look at all others before the next."""
+        visitor = self._spoken.take()
+        if self._spoken:
+            self._loop.call_soon(self._open)
+        if visitor is None or visitor not in self._places:
+            return  # it had to make way
         try:
             has_spoken = visitor.socket.recv(1, socket.MSG_PEEK)
         except OSError:
@@ -130,6 +146,7 @@ class BoundedServer(web.Server):
             )
             visitor.quiet_since = time.monotonic()
         except (OSError, asyncio.CancelledError):  # ssl.SSLError and TimeoutError are such
+            self._failed += 1
             self._places.leave(visitor)
             visitor.socket.close()
         finally:
@@ -171,6 +188,9 @@ class BoundedServer(web.Server):
             for visitor in self._places.quiet():
                 if now - visitor.quiet_since > (_SPEAKING if visitor.protocol else _HANDSHAKE):
                     self._drop(visitor)
+            if self._failed > _MOST_FAILED:
+                self._failed = 0
+                gc.collect()
 
     async def end(self) -> None:
         """Listen no more, and let those go that have not asked for anything."""

@@ -6,11 +6,16 @@ import os
 import socket
 import ssl
 import tempfile
+from asyncio.sslproto import SSLProtocol
 from contextlib import suppress
 from ipaddress import ip_address
 from pathlib import Path
 
 _DAYS = 30
+
+# Bytes that asyncio takes for each connection's reading, from its handshake on: 256 kB are too much for those that say
+# no more.
+SSLProtocol.max_size = 1 << 14
 
 
 def context(certificate: Path | None, host: str) -> ssl.SSLContext:

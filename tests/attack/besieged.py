@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 from carom.server.osc import wire
@@ -110,11 +111,13 @@ def _took(begun: float, ask: Callable[[], object]) -> float:
     """Return how long a question took; 60 s where it got no answer."""
     try:
         ask()
-    except OSError:
+    except OSError as error:
+        print(f"no answer after {time.monotonic() - begun:.3f} s: {error!r}", file=sys.stderr)
         return 60.0
     return time.monotonic() - begun
 
 
+@cache
 def anybody() -> ssl.SSLContext:
     """Return a client's side of TLS that takes any certificate."""
     context = ssl.create_default_context()

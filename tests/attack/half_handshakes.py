@@ -7,13 +7,14 @@ import random
 import socket
 import ssl
 import sys
+import time
 from collections import deque
 from collections.abc import Iterator
 from contextlib import suppress
 
 from . import Tried, kind
 from .besieged import ENEMIES, anybody
-from .slow_clients import hold_out
+from .slow_clients import PAUSE, hold_out
 
 _MOST = 5_000
 
@@ -49,6 +50,7 @@ def come(page: int, seed: int) -> None:
             pass
         while len(there) > _MOST:
             there.popleft().close()
+        time.sleep(PAUSE)
 
 
 if __name__ == "__main__":

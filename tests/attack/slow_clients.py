@@ -17,6 +17,8 @@ from . import Tried, kind
 from .besieged import ENEMIES, besieged, enemy
 
 _MOST = 5_000  # connections at once
+PAUSE = 0.0005
+"""s between two that come: where the system's own queue of them is full, it has others try again after a second."""
 _STATUS = Slip.framed(wire.encode("/status"))
 WORDS = {
     "silent": b"",
@@ -71,6 +73,7 @@ def come(port: int, page: int, seed: int) -> None:
             pass
         while len(there) > _MOST:
             there.popleft().close()
+        time.sleep(PAUSE)
 
 
 if __name__ == "__main__":

@@ -84,3 +84,22 @@ def test_the_engine_is_run_by_one_at_a_time():
     for thread in threads:
         thread.join()
     assert refused and state[1] > 100 and state[2] == 0
+
+
+LOUD = np.array([3e4, -1.5, 0.25, np.inf, -np.inf, np.nan])
+
+
+@c_function(*SIGNATURE)
+def loud(_input, output, frames, times, flags, userdata):
+    """Play samples beyond full scale, within it, infinite, and none."""
+    out = carray(output, (6,), np.float32)
+    for n in range(6):
+        out[n] = LOUD[n]
+    return 0
+
+
+def test_a_device_gets_no_more_than_full_scale():
+    """Below it each bit is the engine's."""
+    handover = Handover(loud.address, np.zeros(1).ctypes.data, 2)
+    handover.allow()
+    np.testing.assert_array_equal(call(handover, 3).ravel(), np.float32([1.0, -1.0, 0.25, 1.0, -1.0, 0.0]))

@@ -7,12 +7,11 @@ import time
 from collections.abc import Iterable
 from contextlib import ExitStack
 
-import pytest
-
 from carom.server.net.network import Network, Source
 from carom.server.osc import wire
 from carom.server.osc.framing import Sized, Slip
 from carom.server.osc.wire import Message
+from tests import needs
 
 A = wire.encode("/a", 1)
 
@@ -20,7 +19,7 @@ A = wire.encode("/a", 1)
 def require_hosts(host: str) -> None:
     """Skip a test that needs another address of this machine than 127.0.0.1, where it has no other."""
     if host != "127.0.0.1" and sys.platform != "linux":
-        pytest.skip("a machine of one address")
+        needs.skip("127.0.0.2 is no address of this machine", "Linux has all of 127.0.0.0/8")
 
 
 def client(net: Network, stack: ExitStack, host: str = "127.0.0.1") -> socket.socket:
