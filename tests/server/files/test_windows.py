@@ -22,6 +22,7 @@ from carom.server.files.log import Log
 from carom.server.files.outfile import OutFile
 from carom.server.files.recorder import Recorder
 from carom.server.files.whole import appearing, writing
+from tests import needs
 from tests.test_house import sources
 
 BINARY = 0x8000  # the flag's value on Windows
@@ -32,7 +33,7 @@ FRAMES = np.frombuffer(b"\x0a\x0a\x0a\x3d" * 2_000, "f4").reshape(-1, 2)  # of b
 def windows(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Have `os` open, write and rename files as Windows does."""
     if not os.path.isdir("/proc/self/fd"):
-        pytest.skip("needs /proc, which says which files are open: Linux has it")
+        needs.skip("/proc, which says which files are open, is not there", "Linux has it")
     plain, written, renamed, text = os.open, os.write, os.replace, set[int]()
 
     def open_file(path: str, flags: int, *rest: int, **more: int) -> int:
