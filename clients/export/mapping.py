@@ -203,7 +203,7 @@ def _gesture(name: str) -> dict[str, Any]:
         "argument": gesture.argument.name,
         "own": [key.name for key in gesture.keys if key.name not in _SHARED],
         "steerable": gesture.steerable,
-        "values": commands._DEFAULTS[name],
+        "values": commands.DEFAULTS[name],
         **{trait: bool(getattr(gesture, trait)) for trait in TRAIT_NAMES if trait != "meets"},
         "drops": gesture.swarms == DROPS,
         "seeded": any(key.name == "seed" for key in gesture.keys),

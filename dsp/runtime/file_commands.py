@@ -10,8 +10,8 @@ from ..contact.accuracy import LEVELS as ACCURACIES
 from ..contact.sampled import CORRECTIONS, METHODS
 from ..engine.memory.capacity import FACE, MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES
 from ..engine.memory.commands import (
-    _DEFAULTS,
     COMMAND,
+    DEFAULTS,
     KIND_GESTURE,
     KIND_NEW,
     KIND_SET,
@@ -22,7 +22,6 @@ from ..engine.memory.commands import (
 )
 from ..engine.memory.mounted import SENSORS
 from ..engine.memory.state import RING, Quality, State
-from ..engine.memory.striker_state import STRIKERS
 from ..karman.layout import SHEETS
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View
@@ -40,31 +39,24 @@ from ..schema import (
     gestures_steered_by,
 )
 from ..schema_values import OF_RAMPS, OWN, SHARED
-from ..swarm.record import (
-    PULSES,
-)
 from .file_records import is_sheet
 from .file_words import MANY, WORD, is_tiny
 
-_CAPS = {"sound": STRIKERS - 1, "pulses": PULSES, "friction": 1e3, "own_stiffness": 1e16, "own_dissipation": 1e6}
-"""Bounds of values that only Python writes, and whose declarations leave them open."""
-_OPEN = {"sound_serial": MANY, "press": MANY, "delay": 1e6, "whole": 1e6, "own_level": 1e12, "level": 1e12}
-_OPEN_TIMES = {"after": 1e6}
 _Bounds = dict[str, tuple[float, float]]
 
 
 def _bounds_of(each: Parameter, *also: float) -> tuple[float, float]:
     """Return the bounds of a parameter in the engine's units, and of other values that stand for none."""
-    ends = (each.in_engine(each.low), each.in_engine(min(each.high, 1e300)), *also)
-    high = {**_CAPS, **_OPEN, **_OPEN_TIMES}.get(each.name, max(ends)) if math.isinf(each.high) else max(ends)
-    return min(ends), high
+    none = (0.0,) if each.or_zero else ()
+    ends = (each.in_engine(each.low), each.in_engine(each.high), *none, *also)
+    return min(ends), max(ends)
 
 
 def _of_gesture(name: str) -> _Bounds:
     """Return the bounds of a gesture's values; those that it has not are as `commands.py` leaves them."""
-    bounds = {f"values.{key}": (value, value) for key, value in _DEFAULTS[name].items()}
+    bounds = {f"values.{key}": (value, value) for key, value in DEFAULTS[name].items()}
     for key, each in (SHARED | OWN[name]).items():
-        also = (_DEFAULTS[name][key],) if key in _DEFAULTS[name] else ()
+        also = (DEFAULTS[name][key],) if key in DEFAULTS[name] else ()
         bounds[f"values.{key}"] = _bounds_of(each, *also)
     return bounds
 

@@ -187,7 +187,7 @@ def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:
     return {key: 0.0 for key in VALUES.names or () if key not in has} | _defaults(has.values()) | _ALWAYS
 
 
-_DEFAULTS = {name: _defaults_of(own) for name, own in OWN.items()}
+DEFAULTS = {name: _defaults_of(own) for name, own in OWN.items()}
 _HAS = {name: {*SHARED, *own} for name, own in OWN.items()}
 _OF_RECORDS: dict[str, dict[str, float]] = {
     "settings": _defaults(SETTINGS.values()),
@@ -235,7 +235,7 @@ def _write_gesture(entry: np.void, gesture: str, command: Command) -> None:
     """Write the values of a gesture into an entry of COMMAND."""
     entry["what"] = NUMBERS[gesture]
     _require_known(gesture, command.values, _HAS[gesture])
-    entry["values"] = _filled(gesture, _VALUE_NAMES, command.values, _DEFAULTS[gesture])
+    entry["values"] = _filled(gesture, _VALUE_NAMES, command.values, DEFAULTS[gesture])
     if GESTURES[gesture].along:
         if unknown := set(command.given) - _PLACES.keys():
             raise ValueError(f"{gesture}: given {', '.join(sorted(unknown))}: expected some of {', '.join(_PLACES)}")
