@@ -28,10 +28,10 @@ SCORES = {
 0.4 /object/ball/impact 1 0.3 restitution 0.4
 """,
     "bounce": """0 /accuracy -60
-0 /object/new tumbler tumbler
-0 /object/tumbler/bounce 0.05 0.4 striker glass-marble seed 1
-0.3 /object/tumbler/tune -2 over 0.2
-0.3 /object/tumbler/damp 0.4
+0 /object/new mug mug
+0 /object/mug/bounce 0.05 0.4 striker glass-marble seed 1
+0.3 /object/mug/tune -2 over 0.2
+0.3 /object/mug/damp 0.4
 """,
     "roll": """0 /accuracy -80
 0 /object/new pan steel-pan
@@ -48,12 +48,12 @@ SCORES = {
 0.45 /object/bottle/impact 1 0.3
 """,
     "spin": """0 /accuracy -40
-0 /object/new panel door-panel
+0 /object/new panel steel-pan
 0 /object/panel/spin 0.8 0.4 seed 4 irregularity 0.5
 """,
     "slide": """0 /accuracy -60
-0 /object/new goblet goblet
-0 /object/goblet/slide 0.2 0.5 force 0.5 surface glass seed 5 id s
+0 /object/new pan steel-pan
+0 /object/pan/slide 0.2 0.5 force 0.5 surface glass seed 5 id s
 0.3 /gesture/s/force 1 over 0.1
 0.7 /gesture/s/stop
 """,
@@ -72,18 +72,18 @@ SCORES = {
 0.7 /gesture/pour/stop
 """,
     "steps": """0 /accuracy -60
-0 /object/new path gravel-path
-0 /object/new leaves leaf-litter
-0 /object/path/step 700 0.5 seed 9
-0.2 /object/leaves/crumple 0.3 0.5 seed 10 id c
-0.3 /object/path/shake 80 0.5 seed 11 id s
+0 /object/new panel steel-pan
+0 /object/new pan steel-pan
+0 /object/panel/step 700 0.5 seed 9
+0.2 /object/pan/crumple 0.3 0.5 seed 10 id c
+0.3 /object/panel/shake 80 0.5 seed 11 id s
 0.6 /gesture/c/stop
 0.6 /gesture/s/stop
 """,
     "shatter": """0 /accuracy exact
-0 /object/new tumbler tumbler
-0 /object/new panel door-panel
-0.1 /object/tumbler/shatter 2 seed 12 onto panel
+0 /object/new mug mug
+0 /object/new panel steel-pan
+0.1 /object/mug/shatter 2 seed 12 onto panel
 0.5 /panic
 0.6 /object/panel/impact 1 0.3
 """,
