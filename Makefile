@@ -14,7 +14,7 @@ INSTALL := $(if $(UV),$(UV) pip install --quiet --python $(BIN)/python,\
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
 
-.PHONY: help demo quick test portable attack coverage serve bench chart levels sounds picture documents study lint clean
+.PHONY: help demo quick test portable checked attack coverage serve bench chart levels sounds picture documents study lint clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
@@ -35,7 +35,7 @@ test: $(DEV) lint  ## linters, types and all tests: some twenty minutes on two c
 portable: $(DEV)  ## all tests under each BLAS kernel and level of this processor, and as another user: hours
 	@$(BIN)/python .ci/passes --all
 
-.PHONY: checked
+
 MINUTES ?= 10
 SEED ?= 0
 checked: $(DEV)  ## engine tests and MINUTES=10 of random scores from SEED=0 on, by kernels that check their indices

@@ -95,18 +95,23 @@ class BuildWithCode(build_py):
 
         setuptools' own finder, which no type checker knows, is asked last: after a folder of the name `carom` that lies
         beside the script, as the checkout itself may. It stays for systems without links, and for files that are new.
+        `pip uninstall` leaves the links: they end with the checkout.
         """
         tree = Path(".editable").resolve()
         shutil.rmtree(tree, ignore_errors=True)
-        for package, folder in self.package_dir.items():
-            place = tree.joinpath(*package.split("."))
-            if package == "carom":
-                place.mkdir(parents=True)
-                for file in Path(folder).iterdir():
-                    if file.is_file():
-                        (place / file.name).symlink_to(os.path.relpath(file, place))
-            else:
-                place.symlink_to(os.path.relpath(folder, place.parent), target_is_directory=True)
+        try:
+            for package, folder in self.package_dir.items():
+                place = tree.joinpath(*package.split("."))
+                if package == "carom":
+                    place.mkdir(parents=True)
+                    for file in Path(folder).iterdir():
+                        if file.is_file():
+                            (place / file.name).symlink_to(os.path.relpath(file, place))
+                else:
+                    place.symlink_to(os.path.relpath(folder, place.parent), target_is_directory=True)
+        except OSError:  # Windows makes links for those alone who have the right to
+            shutil.rmtree(tree, ignore_errors=True)
+            return
         site = Path(self.get_finalized_command("install").install_lib)
         (site / "carom-links.pth").write_text(f"{tree}\n")
 

@@ -79,7 +79,7 @@ class _Spared(io.FileIO):
 
     def write(self, data: Any) -> int:
         with suppress(OSError):
-            return super().write(data) or 0
+            return super().write(data) or len(data)  # None where it would have to wait
         return len(data)
 
 

@@ -130,10 +130,10 @@ def _require_counts(path: Path) -> None:
     """Raise MeshError for a .ply file whose head counts less than nothing, or more rows of text than there are."""
     head, _, body = path.read_bytes().partition(b"end_header")
     said = re.findall(rb"^element\s+(\S+)\s+(\S+)", head, re.MULTILINE)
-    counts = [int(count) if count.isdigit() else -1 for _, count in said]
+    counts = [int(count) if count.isdigit() and len(count) < 19 else -1 for _, count in said]  # of 64 bits
     for (name, count), number in zip(said, counts, strict=True):
         if number < 0:
-            raise MeshError(f"{path}: element {name.decode(errors='replace')} {count.decode(errors='replace')}: "
+            raise MeshError(f"{path}: element {name.decode(errors='replace')} {count[:20].decode(errors='replace')}: "
                             "expected a count from 0 on")  # fmt: skip
     rows = sum(1 for line in body.splitlines() if line.strip()) if b"format ascii" in head else sum(counts)
     if rows < sum(counts):

@@ -47,7 +47,7 @@ _MOST_NAMES = 8  # of gestures, in a warning
 
 
 _FREE = 2.0
-"""s of a processor that a sound may take, beside as many as it lasts, of which a render doesn't tell."""
+"""s of a processor, beyond its own length, that a sound may take before a render warns."""
 _BUDGET = "/budget"
 _PEAK = Parameter("normalize", -100.0, 0.0, "dBFS")
 

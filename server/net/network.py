@@ -190,9 +190,10 @@ class Network:
 
     def _is_heard(self, caller: Caller, packet: bytes, kind: Urgency) -> bool:
         """Give back a datagram's room; False if it is a question that has waited for too long."""
-        self._intake.end(caller.group, len(packet))
+        came, group = caller.came.popleft()
+        self._intake.end(group, len(packet))
         now = time.monotonic()
-        since = max(caller.since, caller.times.popleft())
+        since = max(caller.since, came)
         if not kind & Urgency.QUESTION:
             caller.since = now  # what comes behind has waited for this
         elif now - since > PATIENCE:
@@ -215,10 +216,10 @@ class Network:
                     self._intake.end(group, len(packet))
                     self.drop(address)
                     continue
-                caller = self._callers[address] = Caller(address, group)
+                caller = self._callers[address] = Caller(address)
                 self._callers_of[host] += 1
             caller.arrived.append(packet)
-            caller.times.append(now)
+            caller.came.append((now, group))
             self._queue(caller)
 
     def wake(self) -> None:
@@ -356,7 +357,7 @@ class Network:
                     return
                 continue  # the client has left already
             if not self._makes_room(host):
-                most = self._places.most_of_host
+                most = self._places.limit_of(host)
                 text = f"{most} clients are connected already: expected one to leave first"
                 turn_away(sock, _encoded_texts("/fail", "stream", text))
                 continue

@@ -91,6 +91,10 @@ class Places(Generic[Holder]):
         """True if a newcomer of a host finds a place that nobody has."""
         return len(self) < self.most and self._count(host) < self.most_of_host
 
+    def limit_of(self, host: str) -> int:
+        """Return the number of places that a newcomer of a host finds taken: all, or all that its host may have."""
+        return self.most_of_host if self._count(host) >= self.most_of_host else self.most
+
     def who_makes_way(self, host: str) -> Holder | None:
         """Return the holder whose place a newcomer of a host takes, where none is free; None: nobody's."""
         mine = self._count(host)

@@ -137,15 +137,15 @@ def drain(address: int) -> None:
 
 
 class Caller:
-    """An address that datagrams wait from: `arrived`, each with the time (s) at which it was taken in. group: of its
-    host, as Intake tells it."""
+    """An address that datagrams wait from: `arrived`. Each came at a time (s), and takes room of a group of hosts, as
+    Intake tells it: a host's group may change."""
 
-    __slots__ = ("address", "arrived", "group", "queued", "since", "times")
+    __slots__ = ("address", "arrived", "came", "queued", "since")
 
-    def __init__(self, address: tuple[str, int], group: int) -> None:
-        self.address, self.group = address, group
+    def __init__(self, address: tuple[str, int]) -> None:
+        self.address = address
         self.arrived: deque[bytes | None] = deque()
-        self.times: deque[float] = deque()
+        self.came: deque[tuple[float, int]] = deque()
         self.since = 0.0  # s: when what was before them was done
         self.queued = False
 

@@ -166,7 +166,7 @@ class Site:
         if not self._places.is_free(host):
             other = self._places.who_makes_way(host)
             if other is None:
-                most = min(MOST_CLIENTS, MOST_OF_HOST)
+                most = self._places.limit_of(host)
                 return _refused(503, f"{most} web sockets are open already: expected a page to be closed first")
             self._places.leave(other)
             other.abort()

@@ -3,43 +3,32 @@
 import random
 import re
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import soundfile
 
 from carom.clients.actions import CommandError
-from tests.support import serving
+from tests.support import limited, serving
 
-LIMITED = (
-    "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); "
-    "from carom.clients import cli; sys.exit(cli.main(sys.argv[1:]))"
-)
-"""A server none of whose files may be larger: writing more fails as on a full disc, for any user."""
+from . import Tried, kind
 
 
-def run(seed: int, seconds: float) -> tuple[int, list[str]]:
-    """Have servers record on discs that are full sooner or later; return how many recordings were asked for, and
-    faults."""
-    chance = random.Random(seed)
-    tried, faults = 0, []
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
+@kind("full disc", 1)
+def run(chance: random.Random) -> Iterator[Tried]:
+    """Yield what servers did that record on discs that are full sooner or later."""
+    while True:
         size = chance.choice([200, 4_096, 20_000, 95_000, 97_000, 400_000])
         with TemporaryDirectory() as folder:
-            more, wrong = one(Path(folder), size)
-        tried += more
-        faults += [f"{seed}: {size} bytes: {fault}" for fault in wrong]
-    return tried, faults
+            takes, wrong = one(Path(folder), size)
+        yield Tried(fine=takes - len(wrong), faults=tuple(f"{size} bytes: {fault}" for fault in wrong))
 
 
 def one(folder: Path, size: int, takes: int = 3) -> tuple[int, list[str]]:
     """Ask a server whose files can have so many bytes for takes; return how many, and what is wrong."""
-    import sys
-
-    faults = []
-    carom = (sys.executable, "-c", LIMITED.format(size=size))
-    with serving(folder, "--device", "none", "--recordings", "takes", carom=carom) as server:
+    faults: list[str] = []
+    with serving(folder, "--device", "none", "--recordings", "takes", carom=limited(size)) as server:
         with server.client() as client:
             client.new("a", "wood-block")
             for n in range(takes):

@@ -3,6 +3,7 @@
 import random
 import signal
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -11,24 +12,22 @@ import soundfile
 from carom.server.osc.score import read
 from tests.support import serving
 
+from . import Tried, kind
+
 ENDING = ("SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT", "SIGXCPU")
 IGNORED = ("SIGUSR1", "SIGUSR2", "SIGALRM", "SIGVTALRM", "SIGPROF", "SIGIO")
 FILES = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--recordings", "takes")
 MOST_LOST = 0.2  # s that a recording may lack of the time that the server has told
 
 
-def run(seed: int, seconds: float) -> tuple[int, list[str]]:
-    """Send servers that play and record ignored signals, then one that ends them; return how many were sent, and
-    faults."""
-    chance = random.Random(seed)
-    tried, faults = 0, []
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
+@kind("signals", 1)
+def run(chance: random.Random) -> Iterator[Tried]:
+    """Yield what servers that play and record did of ignored signals, then of one that ends them."""
+    while True:
         names = [chance.choice(IGNORED) for _ in range(chance.randrange(1, 12))]
-        tried += len(names) + 1
         with TemporaryDirectory() as folder:
-            faults += [f"{seed}: {fault}" for fault in one(Path(folder), names, chance.choice(ENDING), chance)]
-    return tried, faults
+            faults = one(Path(folder), names, chance.choice(ENDING), chance)
+        yield Tried(fine=0 if faults else len(names) + 1, faults=tuple(faults))
 
 
 def one(folder: Path, names: list[str], last: str, chance: random.Random) -> list[str]:

@@ -14,7 +14,7 @@ from tests.attack.children import Child, Died, least
 from tests.bench.attack import attack, table
 
 ROOT = Path(__file__).parents[2]
-SEED = 84
+SEED = 1
 
 
 @pytest.mark.slow
@@ -37,6 +37,7 @@ def test_each_promise_names_tests_that_are_there():
             assert f"def {name}(" in (ROOT / path).read_text(), name
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no clock of a processor's time")
 def test_what_ends_a_process_or_takes_too_long_or_raises_is_told():
     with Child() as child:

@@ -94,6 +94,7 @@ def test_a_shorter_bar_sounds_the_note_and_is_struck_as_far_off_its_middle(prese
     assert (0.5 - place) * shorter["length"] == pytest.approx((0.5 - bar.position) * bar.geometry["length"])
 
 
+@pytest.mark.slow
 def test_a_bowed_cello_falls_as_recorded_ones_do():
     """Nine notes of FluidR3's cello fall by 17.2 dB an octave in the mean, from 13.5 to 20.6; nine of ToneJS's by 22.6,
     from 11.4 to 35.2."""

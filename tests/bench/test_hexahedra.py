@@ -37,6 +37,7 @@ def test_a_skin_is_closed_and_turned_outward(blocks, volume):
     assert volume_of(surface) == pytest.approx(volume)
 
 
+@pytest.mark.slow
 def test_a_lump_of_hexahedra_rings_as_one_of_tetrahedra():
     """The map is singular at the cube's edges: so the tetrahedra's error goes with the third power of their side."""
     needs.module("skfem")

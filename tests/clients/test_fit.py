@@ -82,6 +82,7 @@ REFUSED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("words", "culprit", "right"), REFUSED, ids=[words for words, _, _ in REFUSED])
 def test_what_cannot_be_fitted_is_told_in_one_line(folder, capsys, monkeypatch, words, culprit, right):
     monkeypatch.chdir(folder)
@@ -115,6 +116,7 @@ def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsy
     assert json.loads(capsys.readouterr().out)["log_spectral_distance_db"] < 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loud", [0.01, 0.3, 3.0])
 @pytest.mark.parametrize("noise", ["hum", "hiss", "offset"])
 def test_a_channel_without_a_hit_is_not_taken_however_loud_it_is(tmp_path, noise, loud):

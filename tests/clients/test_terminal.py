@@ -54,6 +54,7 @@ def test_what_takes_long_shows_its_progress(tmp_path, monkeypatch):
     assert "fitting block" in shown
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("work", "begun", "change", "line"),
     [

@@ -17,7 +17,7 @@ from ..memory.state import QUANTUM, State
 from .contact_force import observe_points
 
 _GLIDE = FORCE.glide  # s: also of a striker's weight
-_TRAVELS = POSITION.glide  # s
+_PLACE_GLIDE = POSITION.glide  # s
 _REACHED = 1e-12  # N: as near to its target a push has reached it
 
 
@@ -56,7 +56,7 @@ def move_press(state: State, contact: Contact, frame: int) -> None:
     """Put a coupled striker that is pressed on where it is amid the sample that ends at a frame; at a surface, and for
     how objects answer it, where it was at the first of LINE samples."""
     if glides(contact):
-        left = (QUANTUM - frame - 0.5) / (_TRAVELS * state.rate)
+        left = (QUANTUM - frame - 0.5) / (_PLACE_GLIDE * state.rate)
         anew = frame % LINE == 0
         put_behind(state, contact, math.expm1(left), anew)
         contact.unsettled |= int(anew)

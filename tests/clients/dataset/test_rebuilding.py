@@ -95,6 +95,7 @@ def test_what_stands_on_its_feet_is_refused_by_name(tmp_path):
         missed(recipe_of(tmp_path, text), 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ["tom", "splash-cymbal"])
 def test_what_stretches_is_refused_by_name(tmp_path, preset):
     recipe = recipe_of(
@@ -167,6 +168,7 @@ def test_a_slide_whose_friction_is_steered_to_and_fro_is_rebuilt(tmp_path, trave
     assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ["wine-glass", "tin-lid"])
 @pytest.mark.parametrize("travels", [(0.0, 0.1), (0.0,) * 6], ids=["one travels", "many"])
 def test_slides_beside_each_other_are_rebuilt(tmp_path, preset, travels):
@@ -189,6 +191,7 @@ def test_a_slide_of_an_object_of_few_modes_on_one_of_many_is_rebuilt(tmp_path):
     assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate", "preset", "lines"),
     [

@@ -44,6 +44,7 @@ def same(first, second):
     return bool(np.array_equal(first, second))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("recipe", "objects"), [(RECIPE, 2), (BY, 1)])
 def test_clips_of_a_scene_that_is_kept_are_those_of_a_new_one(tmp_path, monkeypatch, kept, recipe, objects):
     bell = carom.Presets().path("objects", "church-bell").read_text()
@@ -131,6 +132,7 @@ def test_a_blow_that_is_repeated_is_the_command_of_its_message(rewound, preset, 
         rewind()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ["wood-block", "frame-drum", "glass-ball", "piano-string", "marimba-bar"])
 def test_a_blow_is_the_same_command_on_an_object_of_another_size(preset):
     keys = ("striker", "drumstick", "gain", -6.0, "id", "impact")

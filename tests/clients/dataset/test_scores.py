@@ -75,6 +75,7 @@ def test_an_item_is_its_score_with_its_values(tmp_path):
         assert bar["position"] == hardest["position"]
 
 
+@pytest.mark.slow
 def test_a_ball_that_falls_gives_the_floor_its_momentum():
     recipe = read(find("worlds"), 40)
     fallen = [each for each in items(recipe, range(40)) if each.values["score"]["file"] == "drop.txt"]

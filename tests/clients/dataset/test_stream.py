@@ -37,6 +37,7 @@ def test_a_dictionary_is_a_recipe_without_an_end():
     assert error < 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gesture", [BLOWS["impact"], {"velocity": 1.0, "striker": "drumstick"}])
 def test_an_item_leaves_nothing_in_memory(gesture):
     """An engine's state that waits for the search for garbage is memory and time."""

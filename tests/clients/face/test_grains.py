@@ -67,6 +67,7 @@ def by_windows(hits, seconds):
     return np.array([np.histogram(values[:, 0], edges, weights=values[:, k])[0] for k in (1, 2, 3)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spread", [0.5, 1.0, 1.8])
 def test_a_swarm_has_the_count_the_impulse_and_the_energy_of_the_blows_that_were_told(spread):
     """Blows of speeds that are nearly even, a gas's, or very uneven, in each 20 ms and in all, on a thick plate."""
@@ -93,6 +94,7 @@ def test_a_course_has_what_it_is_made_of(count, speeds):
     assert rate * 0.02 == pytest.approx(count, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pairs, spread", [(0.0, 1.0), (0.0, 1.6), (1.0, 1.0)])
 def test_grains_are_as_loud_as_their_blows_one_by_one(pairs, spread):
     loud = [power(shower(world(together), 1.0, 3000.0, spread, pairs)[0]) for together in (False, True)]
@@ -187,6 +189,7 @@ def test_grains_that_cannot_be_are_refused():
             made.pour(*arguments, **keys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "told", [{"speed": 1e12}, {"energy": 1e-12}, {"impulse": 1e12, "energy": 1e-12}, {"impulse": 1e-12}]
 )  # fmt: skip

@@ -106,6 +106,7 @@ def test_what_mujoco_resets_as_it_is_unstable_begins_anew(tmp_path, monkeypatch)
     assert found[0] == found[1]
 
 
+@pytest.mark.slow
 def test_a_body_of_any_mass_slides():
     with carom.World(microphones=[(0.0, -1.0, 0.5)]) as world:
         world.body("floor", "plate", (2.0, 2.0, 0.02), "wood", held=True)

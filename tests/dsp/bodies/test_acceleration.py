@@ -136,6 +136,7 @@ def box_resistance(sides, k, cells=8):
     return abs(np.sum(pressure * normals[:, 2] * areas).imag)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("sides", "error"), [((1, 1, 1), 0.8), ((2, 1, 1), 0.5), ((1, 1, 0.5), 0.8), ((1, 1, 2), 1.7)])
 def test_a_box_is_that_of_boundary_elements(sides, error):
     """Frequencies go from sound much longer than the box to half its length."""

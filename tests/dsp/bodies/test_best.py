@@ -20,6 +20,7 @@ BODIES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("most", [1, 20, 4_000, None])
 @pytest.mark.parametrize("name", BODIES)
 def test_the_best_modes_are_those_of_all_to_the_bit(name, most):
@@ -41,6 +42,7 @@ def test_those_are_kept_that_radiate_most_after_a_blow_where_they_move_most():
     assert set(kept.frequency) == set(modes.frequency[np.argsort(loud)[-3:]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cymbal", "gong", "bass-string", "frame-drum"])
 def test_few_modes_lie_where_blows_reach_them_and_are_the_same_at_every_rate(name):
     lower, higher = (Presets().object(name).replace(most_modes=32).modes(top) for top in (10_800.0, 20_000.0))

@@ -164,6 +164,7 @@ def test_vortices_overtones_ring_where_the_bar_has_no_partial():
     assert shedding.decay[near] == pytest.approx(5 / 3 * shedding.decay[first])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("column", "decay"), [((200.0, 7.0), 0.5), ((203.0, 2.0), 0.3), ((190.0, 20.0), 4.0)])
 def test_the_coupled_modes_are_those_of_the_equations_in_time(column, decay):
     """Weakly and strongly coupled, in tune and out of it; Dormand and Prince's method integrates the equations."""
@@ -197,6 +198,7 @@ def envelope(modes, position: float, low: float, high: float, times):
     return weight @ turning
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("diameter", [0.02, 0.035, 0.05])
 @pytest.mark.parametrize("material", [METAL, LIGHT])
 @pytest.mark.parametrize("detuning", [0.0, 0.006, -0.006])

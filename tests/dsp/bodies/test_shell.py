@@ -40,6 +40,7 @@ def test_waves_that_are_short_go_as_on_a_shallow_shell(row):
     assert wall_modes(STUFF, radius, thickness, height, order, row)[0] == pytest.approx(shallow, rel=0.04)
 
 
+@pytest.mark.slow
 def test_a_can_rings_by_its_wall_between_its_ends():
     can = bodies.can(STUFF, radius=0.033, height=0.105, thickness=1e-4, top=20_000)
     assert can.mass == pytest.approx(2 * math.pi * 0.033 * 0.105 * 1e-4 * 2700.0)

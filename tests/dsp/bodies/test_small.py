@@ -64,6 +64,7 @@ def test_one_that_is_held_can_not_click_and_is_refused(shape, size):
         heard_or_felt(shape, TOP, material=HEAVY, **size)
 
 
+@pytest.mark.slow
 def test_a_strip_whose_series_ends_before_its_first_mode_is_looked_at_once():
     tops = []
 

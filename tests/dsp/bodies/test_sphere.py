@@ -90,6 +90,7 @@ def made_of(nu, top=1e6):
     return sphere(material, radius=0.5 / math.pi, top=top), math.sqrt((1 - 2 * nu) / (2 - 2 * nu))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nu", [0.0, 0.225, 0.4999])
 def test_frequencies_are_those_of_the_equation_in_30_digits(nu):
     made, ratio = made_of(nu)

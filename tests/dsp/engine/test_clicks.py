@@ -70,6 +70,7 @@ def sphere_by_quadrature(law, v_in, radius, times, answer):
     return RHO * radius * C / math.sqrt(3) / m * np.array(pressure)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("radius", "rate"), [(0.008, 44_100.0), (0.0125, 48_000.0), (0.03, 192_000.0)])
 def test_a_steel_ball_clicks_as_koss_and_alfredson_say_at_each_sample(radius, rate):
     law = steel(radius)

@@ -114,6 +114,7 @@ NO_STRIKES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NO_STRIKES)
 def test_what_does_not_ring_is_refused_in_one_line(name):
     with pytest.raises(RecordingError, match="expected the sound of a strike"):

@@ -137,6 +137,7 @@ def test_a_slow_force_is_heard_as_the_acceleration_of_what_it_bends(slow):
     assert abs(20 * math.log10(loudest * (1 - share) / share)) < 3.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [48_000.0, 96_000.0])
 def test_a_mode_that_is_bent_by_stretching_loses_by_its_motion_alone(rate):
     """A dome that is pushed in stays so, and swings about there as a differential equation says: what the losses of the

@@ -53,6 +53,7 @@ def test_a_cylinder_twists_as_a_shaft():
     assert (nearest(found, order * shear / (2 * 0.1)) < 1e-7).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "size", [(0.1, 0.08, 0.06), (0.24, 0.03, 0.01), (0.01, 0.24, 0.03), (0.2, 0.2, 0.006), (0.12, 0.1, 0.01)]
 )
@@ -63,6 +64,7 @@ def test_frequencies_of_boxes_are_those_of_polynomials_of_higher_degree(size):
     assert np.abs(found[:20] / known - 1).max() < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("size", "degrees"), [((0.02, 0.1), (10, 14)), ((0.05, 0.01), (10, 14)), ((0.01, 0.2), (8, 20))]
 )
@@ -75,6 +77,7 @@ def test_frequencies_of_cylinders_are_those_of_waves_round_the_axis(size, degree
     assert np.abs(found[:20] / known - 1).max() < 6e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", [Block(BOX, (0.1, 0.08, 0.06)), Block(CYLINDER, (0.02, 0.1))])
 def test_shapes_are_of_unit_mass_and_move_the_body_as_a_whole_in_no_way(block):
     solution = solve(block, STEEL, 40)
@@ -138,6 +141,7 @@ def test_a_box_rings_on_its_edge_less_than_on_its_face_and_more_than_on_its_end(
     assert model.volume == pytest.approx(block.volume)
 
 
+@pytest.mark.slow
 def test_another_size_of_the_same_proportions_is_the_same_body(monkeypatch):
     """Twice as large it rings an octave lower, and all shapes are of unit mass; nothing is computed again."""
     wanted, size = Wanted(modes=5, points=60), (0.06, 0.05, 0.04)

@@ -33,6 +33,7 @@ def test_the_bottom_of_a_cup_of_thick_walls_rings_as_polynomials_of_high_degree_
     assert found == pytest.approx(turned(place, (3, 6), 9, 14), rel=0.015)
 
 
+@pytest.mark.slow
 def test_panels_at_right_angles_bend_at_their_edge_in_cells_of_two_walls():
     beside, along, thick = (WALL, 1.06 * WALL, 1.3 * WALL, 0.02, 0.04), (0.0, 0.01, 0.02), (0.0, 0.7 * WALL, WALL)
     panels = [
@@ -43,6 +44,7 @@ def test_panels_at_right_angles_bend_at_their_edge_in_cells_of_two_walls():
     assert found == pytest.approx(hexahedra.known(panels, meshes.METAL, 6, 1), rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_curved_wall_is_as_stiff_beside_its_rim_as_elsewhere():
     def tube(at):
         radius, turn = 0.038 + WALL * at[0], 2 * np.pi * at[2]

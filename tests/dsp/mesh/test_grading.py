@@ -17,6 +17,7 @@ from tests.bench import hexahedra
 STEEL = Material("steel", 7850.0, 200e9, 0.29, 1.0, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [2, 4])
 def test_polynomials_of_cells_of_all_sizes_meet_at_their_faces(degree):
     rng = np.random.default_rng(0)

@@ -104,6 +104,7 @@ def test_a_part_that_is_open_is_named():
         joined(*forms.together(HALVES[0], cut), division(HALVES[0], cut), False)
 
 
+@pytest.mark.slow
 def test_faces_on_and_inside_of_other_parts_are_not_the_bodys():
     thin = forms.moved(forms.box(0.2, WIDTH / 2, THICKNESS / 2), (0.1, 0, 0))
     sunk = forms.moved(thin, (-0.05, 0, 0))

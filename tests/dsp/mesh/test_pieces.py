@@ -25,6 +25,7 @@ def prongs(gap, length=0.08, width=0.006):
     return forms.together(block, prong, other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("gap", "angles"), [(0.0003, (0.11, 0.13, 0.17)), (0.002, (0.4, -0.7, 0.9))])
 def test_cells_on_both_sides_of_a_gap_share_no_node(gap, angles):
     turn = rotation(angles)
@@ -50,6 +51,7 @@ def test_cells_on_both_sides_of_a_gap_share_no_node(gap, angles):
     assert np.array_equal(np.sign(side[found]), [1, 1, 1, -1, -1, -1])
 
 
+@pytest.mark.slow
 def test_bodies_that_touch_nowhere_hold_each_other():
     box = forms.box(0.05, 0.01, 0.01)
     both = forms.together(box, forms.moved(box, (0, 0.0115, 0)))
@@ -57,6 +59,7 @@ def test_bodies_that_touch_nowhere_hold_each_other():
     assert np.count_nonzero(found.frequency < 1e-3 * found.frequency[-1]) == 6
 
 
+@pytest.mark.slow
 def test_a_gap_that_ends_in_a_large_cell_is_told():
     fork = prongs(0.0005)
     held = cells.solve(Parts((fork,), (STEEL,)), sizing.sizes(fork, 30), 2, 14)

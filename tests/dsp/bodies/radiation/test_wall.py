@@ -16,6 +16,7 @@ PROFILES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
 @pytest.mark.parametrize(("radius", "half", "frequency"), [(0.02, 0.3, 900.0), (0.02, 0.3, 15_000.0), (1.0, 5.0, 4e3)])
 def test_a_long_tube_radiates_as_a_sum_over_its_length_says(profile, radius, half, frequency):

@@ -66,6 +66,7 @@ def true_energy(engine, handle):
     return float(energies(engine, handle).sum() + sheet["tension"] * stored)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dome", [0.0, 0.008])
 def test_no_product_on_a_grid_is_a_denormal(dome):
     """Near the middle high orders are all but 0, where float32 has no more digits, and a page can't flush them."""
@@ -149,6 +150,7 @@ def test_octaves_are_alike_at_any_rate():
     assert np.abs(levels[0] - levels[1]).max() < 1.0
 
 
+@pytest.mark.slow
 def test_a_dome_that_is_pushed_does_not_whistle():
     """A heavy beater that moves a thin dome slowly leaves the modes of 2 kHz and more at rest, though psi follows the
     grid's: what that takes and gives makes none of them grow."""
@@ -456,6 +458,7 @@ def test_a_press_is_felt_by_coupled_modes():
     assert left[1] < 0.9 * left[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ["splash-cymbal", "crash-cymbal"])
 def test_a_cymbal_among_fast_heavy_grains_sounds_on(preset):
     """Blows of kilowatts, some at ten times the speed of most: no mode gets energy where stretching is behind."""

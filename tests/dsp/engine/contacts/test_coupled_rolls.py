@@ -256,6 +256,7 @@ ON_NYLON = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_heavy_body_beside_light_ones():
     """A small share of its force is all of theirs: the forces are found together."""
     assert beside_exact(44_100, "-60", "glass-plate", NYLON, ON_NYLON) < -60

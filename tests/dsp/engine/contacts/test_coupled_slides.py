@@ -51,6 +51,7 @@ def pushes(engine, quanta):
     return np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "law", "keys", "bound"),
     [
@@ -259,6 +260,7 @@ def test_steady_slides_are_as_loud_as_at_exact(name):
     assert all(np.abs(each - levels[0])[loud].max() < 1.0 for each in levels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", ["rubber", "polycarbonate"])
 def test_what_swings_for_hundreds_of_steps_a_sample_does_so_beside_another(material):
     """A weight rolls on a sheet that something as stiff slides on: at `exact` no force is held."""

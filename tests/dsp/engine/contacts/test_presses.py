@@ -104,6 +104,7 @@ def test_what_rings_under_a_press_against_dop853(modal_mass, hand, level, bound)
     assert 20 * math.log10(np.abs(found - right).max() / np.abs(right).max()) < bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("blow", [None, 2.5, 4.5])
 @pytest.mark.parametrize(("level", "bound"), [("-60", -60), ("exact", -120)])
 def test_a_hand_that_leaves_while_its_push_still_grows_against_dop853(level, bound, blow):
@@ -296,6 +297,7 @@ def test_blocks_follow_a_force_that_lasts(name, striker, level):
     assert contact_pressed(engine)["coupled"]["steps"] - before == 60 * QUANTUM
 
 
+@pytest.mark.slow
 def test_presses_take_no_place_from_rolls():
     """128 presses in blocks have the places of all rolls there may be; a roll gets one, and a press goes on without."""
     engine = Engine(RATE)

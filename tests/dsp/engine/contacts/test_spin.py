@@ -60,6 +60,7 @@ def turns_of_eulers_disc(power, **keys):
     return np.interp(np.arange(math.floor(turned[-1]) + 1), turned, t), end
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "slower"), [(1 / 3, lambda omega: omega), (1 / 2, lambda omega: 1.0)])
 def test_contacts_come_as_the_turns_of_eulers_disc(n, slower):
     """A constant moment of rolling friction, and a constant power, each scaled so that it lies still after 3 s."""

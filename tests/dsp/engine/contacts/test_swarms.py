@@ -168,6 +168,7 @@ def test_a_dense_stream_of_heavy_grains_brings_no_more_energy_than_they_have(kin
     assert 1e-3 * drawn(engine)[3] < energy_of(engine) < drawn(engine)[3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("modal_mass", "rate"), [(0.1, 22_050.0), (0.1, 192_000.0), (10.0, 44_100.0)])
 def test_blows_that_last_longer_than_the_grid_bring_no_more_energy(modal_mass, rate):
     """Soft grains of 4 g, each of whose blows lasts a tenth of a second: the modes from 150 Hz on hardly hear them."""
@@ -338,6 +339,7 @@ FATES = {
 """The commands that end swarms on an object, by the name of their fate."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fate", FATES)
 def test_swarms_that_are_over_leave_the_places_of_their_tables_to_others(fate, tables):
     engine = Engine(RATE)

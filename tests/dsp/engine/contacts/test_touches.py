@@ -204,6 +204,7 @@ def caught(frequency, sigma, phi, times):
     return phi @ (solved[4 : 4 + n] + 1j * solved[4 + n :])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("level", "bound"), [("-60", -50), ("exact", -120)])
 def test_an_object_on_which_a_body_rests_catches_up_with_a_striker(level, bound):
     """The body that rests on it throws it back after a striker that has left: they touch again a few samples later."""
