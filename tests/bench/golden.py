@@ -104,10 +104,11 @@ SECONDS = 1.0
 REMEDY = f"`python -m {MODULE} --renew` bakes the scenes anew, and the commit says why"
 
 
-def baked(name: str) -> bytes:
-    """Return a score's scene, by an engine that has a library's room."""
+def baked(name: str) -> tuple[bytes, str]:
+    """Return a score's scene, and the hash of its sound, by an engine that has a library's room and bits."""
     text = SCORES[name]
-    return bake_scene(parse(text.encode(), name), text, name, Presets(), Options(seconds=SECONDS), print).file()
+    scene = bake_scene(parse(text.encode(), name), text, name, Presets(), Options(seconds=SECONDS), print)
+    return scene.file(), hashlib.sha256(scene.baked.sound.astype("<f4").tobytes()).hexdigest()
 
 
 def stored() -> dict[str, bytes]:
@@ -151,8 +152,11 @@ def renew() -> None:
     """Bake the scores, write their scenes and hashes, and tell what changed."""
     known = json.loads(HASHES.read_text())["sounds"] if HASHES.exists() else {}
     before = played_as_stored() if SCENES.exists() else {}
-    scenes = {name: baked(name) for name in SCORES}
+    made = {name: baked(name) for name in SCORES}
+    scenes = {name: scene for name, (scene, _) in made.items()}
     hashes = played(scenes)
+    unlike = [name for name in SCORES if hashes[name] != made[name][1]]
+    assert not unlike, f"{unlike}: the library plays otherwise than they were rendered"
     files = {}
     for name, score in SCORES.items():
         files |= {f"{name}.txt": score.encode(), f"{name}.carom": scenes[name]}
