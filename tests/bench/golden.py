@@ -128,7 +128,7 @@ def store(files: dict[str, bytes]) -> None:
 
 def played(scenes: dict[str, bytes]) -> dict[str, str]:
     """Return the hash of each scene's sound, as the library's example plays it, or why it does not."""
-    found = {}
+    found: dict[str, str] = {}
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         example = Path(c.__file__).parent / "c" / "example.c"
@@ -157,7 +157,7 @@ def renew() -> None:
     hashes = played(scenes)
     unlike = [name for name in SCORES if hashes[name] != made[name][1]]
     assert not unlike, f"{unlike}: the library plays otherwise than they were rendered"
-    files = {}
+    files: dict[str, bytes] = {}
     for name, score in SCORES.items():
         files |= {f"{name}.txt": score.encode(), f"{name}.carom": scenes[name]}
         changed = "as before" if hashes[name] == known.get(name) else f"{known.get(name)} becomes {hashes[name]}"
