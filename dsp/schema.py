@@ -156,6 +156,8 @@ IRREGULARITY = Parameter(
     default=0.0, steerable=True, steered="from its next contact on",
 )  # fmt: skip
 SEED = Parameter("seed", 0, 2**31 - 1, "", "of its random numbers; another for each gesture if not given", whole=True)
+OTHER_SEED = 2.0**40
+"""What the seed of a shatter's thick parts is above that of its other pieces."""
 ROUGHNESS = Parameter(
     "roughness", 0.0, 100.0, "times", "the surface's own", default=1.0, useful=(0.0, 10.0), steerable=True
 )

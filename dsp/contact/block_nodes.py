@@ -12,13 +12,14 @@ from numpy.polynomial import legendre
 
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
+from ..numerics.settled import same_everywhere
 from .block_sizes import MOMENTS_AHEAD, MOST_PARTS, NODES_PER_PART
 
 TILT = math.sqrt(3.0)
 """A line over [-1, 1] is its mean at a part's nodes, and its mean with x times TILT more at the second, less at the
 first."""
 
-_WITHIN = (legendre.leggauss(NODES_PER_PART)[0] + 1.0) / 2.0
+_WITHIN = same_everywhere("WITHIN", (legendre.leggauss(NODES_PER_PART)[0] + 1.0) / 2.0)
 _CARDINAL = np.linalg.inv(np.vander(_WITHIN, increasing=True))
 
 
@@ -102,8 +103,13 @@ AT = _padded([nodes_of(parts) for parts in _PARTS])
 TIMES_OF_ONE = tuple(float(time) for time in nodes_of(1))
 TIMES_OF_TWO = tuple(float(time) for time in nodes_of(2))
 TIMES_OF_THREE = tuple(float(time) for time in nodes_of(3))
-TO_NODES = _padded([np.array([_answers(p, float(c), FINE) for c in nodes_of(p)]) for p in _PARTS])  # [parts, i, n, j]
-RATES = _padded([_rates(parts) for parts in _PARTS])
-TRAVELS = _padded([_travels(parts) for parts in _PARTS])  # [parts, l, n, j]
-FORCE_MOMENTS = _padded([_moments(parts) for parts in _PARTS])
-SHARES = _padded([np.tile(_CARDINAL.T @ (1.0 / np.arange(1, NODES_PER_PART + 1)) / parts, parts) for parts in _PARTS])
+TO_NODES = same_everywhere(  # [parts, i, n, j]
+    "TO_NODES", _padded([np.array([_answers(p, float(c), FINE) for c in nodes_of(p)]) for p in _PARTS])
+)
+RATES = same_everywhere("RATES", _padded([_rates(parts) for parts in _PARTS]))
+TRAVELS = same_everywhere("TRAVELS", _padded([_travels(parts) for parts in _PARTS]))  # [parts, l, n, j]
+FORCE_MOMENTS = same_everywhere("FORCE_MOMENTS", _padded([_moments(parts) for parts in _PARTS]))
+SHARES = same_everywhere(
+    "SHARES",
+    _padded([np.tile(_CARDINAL.T @ (1.0 / np.arange(1, NODES_PER_PART + 1)) / parts, parts) for parts in _PARTS]),
+)

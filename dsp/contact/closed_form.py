@@ -27,16 +27,17 @@ from ..native.jit import kernel, simd_kernel
 from ..native.typed import View
 from ..numerics.elementary import exp, expm1, log
 from ..numerics.legendre import FALL, MOMENTS, RISE
+from ..numerics.settled import same_everywhere
 from .law import potential, restitution_of, time_scale
 from .pulse_record import DEGREE, NODES, ROOM, Pulse
 
-_NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(DEGREE))
-_PIECE_NODES, _PIECE_WEIGHTS = (g.copy() for g in legendre.leggauss(NODES))
+_NODES, _WEIGHTS = map(same_everywhere, ("LONG_NODES", "LONG_WEIGHTS"), legendre.leggauss(DEGREE))
+_PIECE_NODES, _PIECE_WEIGHTS = map(same_everywhere, ("PIECE_NODES", "PIECE_WEIGHTS"), legendre.leggauss(NODES))
 _WIDE = 0.4  # of zeta: a piece that is as long is taken in two halves, as are contacts of some samples
-_LOG_NODES = np.tile(np.log(0.5 + 0.5 * _NODES), 2)  # of both phases
+_LOG_NODES = np.tile(same_everywhere("LOG_NODES", np.log(0.5 + 0.5 * _NODES)), 2)  # of both phases
 
 _PHASE_NODES = 0.5 + 0.5 * _PIECE_NODES  # zeta, of a whole phase
-_PHASE_LOGS = np.log(_PHASE_NODES)
+_PHASE_LOGS = same_everywhere("PHASE_LOGS", np.log(_PHASE_NODES))
 
 
 def _antiderivative() -> NDArray[np.float64]:
@@ -50,7 +51,7 @@ def _antiderivative() -> NDArray[np.float64]:
 
 
 _ANTIDERIVATIVE = np.zeros((DEGREE, ROOM))
-_ANTIDERIVATIVE[:, : DEGREE + 1] = _antiderivative().T
+_ANTIDERIVATIVE[:, : DEGREE + 1] = same_everywhere("ANTIDERIVATIVE", _antiderivative().T)
 
 _LEAST = 1e-300  # what a logarithm is taken of, at least
 

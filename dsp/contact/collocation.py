@@ -18,22 +18,24 @@ from numpy.polynomial import legendre
 
 from ..native.jit import kernel
 from ..native.typed import View, View2D
+from ..numerics.settled import same_everywhere
 from .step_record import NODES, Step
 
-GAUSS = (legendre.leggauss(NODES)[0] + 1.0) / 2.0
+GAUSS = same_everywhere("GAUSS", (legendre.leggauss(NODES)[0] + 1.0) / 2.0)
 """The nodes, in [0, 1] of a step."""
 
-CARDINAL = np.linalg.inv(
-    np.vander(GAUSS, increasing=True)
-)  # power series of the polynomials 1 at one node, 0 at others
+CARDINAL = same_everywhere("CARDINAL", np.linalg.inv(np.vander(GAUSS, increasing=True)))
+# power series of the polynomials 1 at one node, 0 at others
 
-WEIGHTS = np.array([CARDINAL[:, j] @ (1.0 / np.arange(1, NODES + 1)) for j in range(NODES)])
+WEIGHTS = same_everywhere("WEIGHTS", [CARDINAL[:, j] @ (1.0 / np.arange(1, NODES + 1)) for j in range(NODES)])
 """Integrals over the step."""
 
-INTEGRAL = np.array([[c ** np.arange(1, 4) / np.arange(1, 4) @ CARDINAL[:, j] for j in range(NODES)] for c in GAUSS])
+INTEGRAL = same_everywhere(
+    "INTEGRAL", [[c ** np.arange(1, 4) / np.arange(1, 4) @ CARDINAL[:, j] for j in range(NODES)] for c in GAUSS]
+)
 """Integrals from the step's beginning up to a node (row): the Gauss method's matrix."""
 
-LAST: View[float] = CARDINAL.sum(axis=0)
+LAST: View[float] = same_everywhere("LAST", CARDINAL.sum(axis=0))
 """The quadratic's value at the step's end."""
 
 _C = tuple(tuple(float(x) for x in row) for row in CARDINAL)

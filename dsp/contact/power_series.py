@@ -12,6 +12,7 @@ from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
+from ..numerics.settled import same_everywhere
 from ..numerics.sums import AT_ONCE, put_few
 from .collocation import CARDINAL, GAUSS, INTEGRAL, WEIGHTS
 from .step_record import FREE_COUNT, GIVE_COUNT, NODES, PUSH_COUNT, SERIES_COUNT
@@ -21,10 +22,12 @@ QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
 """Nodes and weights over a step, for a force times FINE powers."""
 
 _AT_THEM = np.vander(QUADRATURE, NODES, increasing=True) @ CARDINAL
-FORCES_THERE = np.concatenate([*(QUADRATURE_WEIGHTS[:, None] * _AT_THEM).T, QUADRATURE])
+FORCES_THERE = same_everywhere(
+    "FORCES_THERE", np.concatenate([*(QUADRATURE_WEIGHTS[:, None] * _AT_THEM).T, QUADRATURE])
+)
 """The weights times the quadratic that is 1 at a node of the step and 0 at the others, for each; then QUADRATURE."""
 
-WHOLE_SAMPLE = legendre.legvander(2.0 * GAUSS - 1.0, NODES - 1).T * WEIGHTS
+WHOLE_SAMPLE = same_everywhere("WHOLE_SAMPLE", legendre.legvander(2.0 * GAUSS - 1.0, NODES - 1).T * WEIGHTS)
 """[k, j]: Legendre moments over the sample of a quadratic over all of it, by its values at GAUSS; others are 0."""
 
 BINOMIAL = np.array([[math.comb(n, k) for k in range(FINE)] for n in range(FINE)], np.float64)
@@ -46,7 +49,7 @@ def _beyond() -> Array:
     return np.concatenate([np.zeros(2), -top[:n] / top[n]])
 
 
-LAST_POWER = _beyond()
+LAST_POWER = same_everywhere("LAST_POWER", _beyond())
 """Coefficients of t^FINE on [0, 1] by the powers below it, which err by 1.2e-7 at most."""
 
 
@@ -70,12 +73,14 @@ def _moment_tables() -> tuple[Array, Array, Array]:
     return np.stack([running(c) for c in GAUSS], axis=1), running(1.0), np.asarray(double)
 
 
-_TO_NODE, TO_END, _DOUBLE = _moment_tables()
+_TO_NODE, TO_END, _DOUBLE = map(same_everywhere, ("TO_NODE", "TO_END", "DOUBLE"), _moment_tables())
 """[n, i, j]: int_0^c_i (c_i - s)^n l_j ds; [n, j]: the same up to 1; [n, i, j]: int_0^1 l_i(t) int_0^t (t - s)^n l_j(s)
 ds dt."""
 
-_MISSED = np.vander(GAUSS, FINE, increasing=True).T @ INTEGRAL.T - np.array(
-    [GAUSS ** (n + 1) / (n + 1) for n in range(FINE)]
+_MISSED = same_everywhere(
+    "MISSED",
+    np.vander(GAUSS, FINE, increasing=True).T @ INTEGRAL.T
+    - np.array([GAUSS ** (n + 1) / (n + 1) for n in range(FINE)]),
 )
 """[n, i]: by how much the Gauss method's own integral of t^n up to c_i is above the exact one; 0 up to t^2."""
 
@@ -95,10 +100,9 @@ def _by_lines(count: int, *tables: Array) -> Array:
     return np.ascontiguousarray(lines.transpose(1, 0, 2)).ravel()
 
 
-_WORK = np.array([CARDINAL.T @ (n / np.maximum(n + np.arange(NODES), 1)) for n in range(FINE)])
-FREE = _by_lines(
-    FREE_COUNT, GAUSS ** _N[:, None], _N[:, None] * GAUSS ** _LESS[:, None], np.stack([_N**0, _N], 1), _WORK
-)
+_WORK = same_everywhere("WORK", [CARDINAL.T @ (n / np.maximum(n + np.arange(NODES), 1)) for n in range(FINE)])
+_AT_GAUSS = same_everywhere("AT_GAUSS", GAUSS ** _N[:, None])  # powers
+FREE = _by_lines(FREE_COUNT, _AT_GAUSS, _derived(_AT_GAUSS), np.stack([_N**0, _N], 1), _WORK)
 NODE_RATES, END, WORK = NODES, 2 * NODES, 2 * NODES + 2
 """Tables of the products of a motion (FREE_COUNT), by t^n, and their places: behind its values at the nodes of a unit
 step their rates, value and rate at its end, and the work int_0^1 l_j(t) n t^(n-1) dt of a force along it."""

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from ..native.jit import kernel, simd_kernel
 from ..native.typed import View, View2D
 from ..numerics.legendre import KEPT
+from ..numerics.settled import same_everywhere
 from .bank import FED, RESPONSES, Modes, Point
 from .simd import LANES, STRETCH, add_product, dot, inner_products, put_product
 from .simd_ring import ring_blown, ring_blown_still
@@ -61,10 +62,10 @@ def _taps() -> NDArray[np.float64]:
 
 
 _ONES = (1.0,) * LANES
-WINDOW = _window()
+WINDOW = same_everywhere("WINDOW", _window())
 """Weights of the KEPT moments of samples -HALF to HALF - 1 in a band-limited sample, (2 HALF, KEPT)."""
 
-_TAPS = _taps()
+_TAPS = same_everywhere("TAPS", _taps())
 
 
 @kernel

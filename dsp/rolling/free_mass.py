@@ -9,6 +9,7 @@ curvature over its change: where that is bounded well enough, as mostly after th
 from ..contact.collocation import INTEGRAL, law_with_slopes
 from ..contact.step_record import Step
 from ..native.jit import kernel, noinline_kernel
+from ..numerics.settled import same_everywhere
 
 _ITERATIONS = 16
 _SOLVED = 1e-11  # share of the forces by which they may err
@@ -16,7 +17,7 @@ _NEAR = 10.0  # a node is deeper by this factor than it moves, where the law is 
 
 Three = tuple[float, float, float]
 
-_TWICE = INTEGRAL @ INTEGRAL
+_TWICE = same_everywhere("TWICE", INTEGRAL @ INTEGRAL)
 _P: tuple[Three, ...] = tuple((float(a), float(b), float(c)) for a, b, c in INTEGRAL)
 _PP: tuple[Three, ...] = tuple((float(a), float(b), float(c)) for a, b, c in _TWICE)
 _MOST_ONCE = float(abs(INTEGRAL).sum(axis=1).max())  # P times numbers, over the greatest of these

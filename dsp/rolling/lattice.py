@@ -6,10 +6,11 @@ import numpy as np
 
 from ..native.jit import kernel
 from ..numerics.random import STEP, mixed
+from ..numerics.settled import same_everywhere
 
 # The cubic through lattice heights 1 and 2, with slopes from 0 and 3; and the mean of its squared weights.
 CUBIC = 0.5 * np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], np.float64)
-_POWER = float(np.trace(CUBIC.T @ (1 / (np.arange(4)[:, None] + np.arange(4) + 1)) @ CUBIC))
+_POWER = float(same_everywhere("POWER", np.trace(CUBIC.T @ (1 / (np.arange(4)[:, None] + np.arange(4) + 1)) @ CUBIC)))
 
 EDGE = math.sqrt(3.0 / _POWER)
 """Greatest height on the lattice over the noise's rms height."""

@@ -30,6 +30,7 @@ from ..schema import (
     FORMS,
     GESTURES,
     MAIN_GAIN,
+    OTHER_SEED,
     OWN_GAIN,
     ROOM,
     SETTINGS,
@@ -58,6 +59,9 @@ def _of_gesture(name: str) -> _Bounds:
     for key, each in (SHARED | OWN[name]).items():
         also = (DEFAULTS[name][key],) if key in DEFAULTS[name] else ()
         bounds[f"values.{key}"] = _bounds_of(each, *also)
+    if GESTURES[name].breaks:
+        least, most = bounds["values.seed"]
+        bounds["values.seed"] = least, most + OTHER_SEED
     return bounds
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.settled import same_everywhere
 from .basis import CENTRE, FRAMES, HALF_WIDTH, RADIUS, SIZE, TERMS
 
 # Found by minimizing the largest error; in halves of the rectangle's sides, with their conjugates.
@@ -44,7 +45,9 @@ def _exp(z: complex) -> complex:
     return math.exp(z.real) * complex(math.cos(z.imag), math.sin(z.imag))
 
 
-PSI = 0.5 * _basis().ravel()
+PSI = same_everywhere("PSI", 0.5 * _basis().ravel())
 """psi_j(tau) at [n TERMS + j], halved: the transform has each bin and its conjugate."""
-TWIDDLES = np.array([part(2.0 * math.pi * k / SIZE) for k in range(SIZE) for part in (math.cos, math.sin)])
+TWIDDLES = same_everywhere(
+    "TWIDDLES", [part(2.0 * math.pi * k / SIZE) for k in range(SIZE) for part in (math.cos, math.sin)]
+)
 """cos and sin of k turns over SIZE, in pairs."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..native.jit import kernel
 from ..native.typed import View, View2D
 from ..numerics.legendre import KEPT
+from ..numerics.settled import same_everywhere
 from ..resonator.simd import LANES, dot, put_product
 from .record import BACK, FORCES, OCTAVES, Pulses
 from .simd import add_rows
@@ -101,7 +102,10 @@ _FROM_MIDDLE = (
 )  # fmt: skip
 FILTER = (*_FROM_MIDDLE[:0:-1], *_FROM_MIDDLE)
 """The filter's taps, from HALF before to HALF after."""
-_AT_FRAMES, _MOMENTS = _tables(_force_taps), _tables(_moment_taps)
+_AT_FRAMES, _MOMENTS = (
+    same_everywhere("AT_FRAMES", _tables(_force_taps)),
+    same_everywhere("MOMENTS", _tables(_moment_taps)),
+)
 
 
 @kernel

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from ...dsp.bodies.striker import StrikerSound, magnified
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import GAIN, HEIGHT, SETTINGS
+from ...dsp.schema import GAIN, HEIGHT, OTHER_SEED, SETTINGS
 from ..new_object import NEW
 from ..osc.addresses import Call, calls
 from ..osc.arguments import Refused, shown
@@ -26,7 +26,6 @@ NOTHING = "none"
 _ALIKE = 3.0
 """The steepness of thick parts: their masses differ by little. Cracks branch at a distance that goes as the stress to
 the power -2 (swarm/pieces.py), and so as the thickness to the power 4 where a wall is bent: thick parts stay whole."""
-_OTHER_SEED = 2.0**40
 _HEARD_AS = ("gain", "pan", "distance")
 
 Translate = Callable[[Transaction, Call], None]
@@ -98,7 +97,7 @@ def _thick_parts(
         "whole": values.number("thick_mass"),
         "pieces": values.number("thick_parts"),
         "steepness": _ALIKE,
-        "seed": seed + _OTHER_SEED,
+        "seed": seed + OTHER_SEED,
     }
 
 

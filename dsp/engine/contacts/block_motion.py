@@ -6,6 +6,7 @@ from ...contact.block_sizes import LINEAR, MOST_PARTS
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import AHEAD, KEPT
+from ...numerics.settled import same_everywhere
 from ...resonator.bank import Modes, Point, inject_kept
 from ...resonator.mode import settle_under
 from ...resonator.rows import Row, Work, at_time, course, filters_of, lay_rows
@@ -34,7 +35,9 @@ def _tilted(begin: float, end: float) -> Row:
 
 
 _ROWS = [[course(1, 0.0, 1.0), at_time(1.0)], *(_rows_of(parts) for parts in range(1, MOST_PARTS + 1))]
-_OF_LINEAR, _OF_ONE, _OF_TWO, _OF_THREE = (filters_of(rows) for rows in _ROWS)
+_OF_LINEAR, _OF_ONE, _OF_TWO, _OF_THREE = (
+    same_everywhere(f"FILTERS_{n}", filters_of(rows)) for n, rows in enumerate(_ROWS)
+)
 _LINEAR, _ONE, _TWO, _THREE = (tuple(range(len(rows))) for rows in _ROWS)
 
 BENT = -1
