@@ -52,8 +52,9 @@ class Repeated:
         blow = self._known.get(told)
         if blow is None or not isinstance(velocity, int | float) or not isinstance(position, int | float | None):
             return False
-        velocity, position = VELOCITY.within(velocity), None if position is None else POSITION.within(position)
-        if not velocity or longest(velocity, blow.law) > LONGEST_CONTACT:
+        within = None if position is None else POSITION.within(position)
+        velocity = VELOCITY.within(velocity)
+        if not velocity or (within is None) != (position is None) or longest(velocity, blow.law) > LONGEST_CONTACT:
             return False
         self._ring.require_room(1, time)
         number = self._ring.sent
@@ -62,8 +63,8 @@ class Repeated:
         numbers[n], times[n] = number, time
         gestures[n] = self._session.gestures.start(blow.id, message.address, None).number
         self._velocity[n] = velocity
-        if position is not None:
-            self._position[n] = position
+        if within is not None:
+            self._position[n] = within
         if blow.sound:
             laid = self._session.engine.lay_out_striker(blow.sound)
             self._sound[n], self._sound_serial[n] = laid["sound"], laid["sound_serial"]

@@ -2,11 +2,11 @@
 
     python -m tests.bench.checked [--minutes 10] [--seed 0] [--pairs 0]
 
-First all preset scores, at three accuracies; then random scores of all gestures (tests/scores.py), each with two bytes
-in all that nobody should read, and every third one after another score, whose objects were freed. Scores are played by
-a process of its own, which a fault ends: the next seed goes on in another. `--pairs` asks for so many more of these
-pairs. Exit status 1 where there was a fault, a bit or a sample that is no number; the scores that had one lie in
-build/checked.
+Random scores of all gestures (tests/scores.py) and preset scores at three accuracies take turns. Each is played with
+two bytes in all that nobody should read; every third random one after another score, whose objects were freed. A
+process of its own plays them, which a fault ends: the next one goes on. `--pairs` asks for so many more that come after
+another, at first. Exit status 1 where there was a fault, a bit or a sample that is no number; the scores that had one
+lie in build/checked.
 """
 
 import argparse
@@ -15,6 +15,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -34,13 +35,13 @@ _LENGTH = 30.0  # s of a preset score at most
 
 
 def scores(seed: int, pairs: int) -> Iterator[str]:
-    """Yield the names of what is played, without an end: `NAME ACCURACY` of a preset score, `pair SEED`, or `SEED`."""
-    yield from (
-        f"{path.stem} {accuracy}" for path in sorted(PRESETS.glob("*.txt")) for accuracy in ("", "-40", "exact")
-    )
+    """Yield the names of what is played, without an end: `pair SEED`, then `SEED` and, as long as there are some,
+    `NAME ACCURACY` of a preset score by turns."""
     yield from (f"pair {number}" for number in range(seed, seed + pairs))
+    preset = ((path.stem, each) for path in sorted(PRESETS.glob("*.txt")) for each in ("", "-40", "exact"))
     while True:
         yield str(seed) if seed % EVERY else f"pair {seed}"
+        yield from (f"{stem} {accuracy}" for stem, accuracy in islice(preset, 1))
         seed += 1
 
 
