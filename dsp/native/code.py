@@ -6,7 +6,6 @@ long as that can be compiled. Neither numba nor llvmlite is imported where code 
 """
 
 import importlib
-import logging
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -56,6 +55,8 @@ def load(module: str) -> Code:
         why, found = lacking(module, own[0]), _found(module, kept, "cache", all)
         if found is None:
             raise NoCodeError(why) from error
+        import logging  # slow to load
+
         logging.getLogger(__name__).warning("%s plays by code for %s: %s", module, found.processor, why)
         return found
     with kept.alone(module):

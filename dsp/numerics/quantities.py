@@ -40,7 +40,7 @@ BOUNDS: Mapping[str, Bounds] = {
     "kg/m2": Bounds("a mass of an area", 1e-6, 1e6),
     "kg m2": Bounds("a moment of inertia", 1e-30, 1e15),
     "kg/m3": Bounds("a density", 1e-6, 1e9),
-    "N": Bounds("a force", 1e-9, 1e9),
+    "N": Bounds("a force", 1e-9, 1e12),
     "1/N": Bounds("a count for each force", 1e-9, 1e6),
     "N/m": Bounds("a stiffness, or a tension along an edge", 1e-6, 1e12),
     "N/m^a": Bounds("a stiffness of a contact", 1e-6, 1e21),

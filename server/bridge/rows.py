@@ -12,7 +12,7 @@ from .tracking.state import BODIES, POINTS, State
 
 RANGES = {
     "approach": Range(-1e5, 1e5, "m/s"), "slip": Range(0.0, 1e5, "m/s"), "depth": Range(-1e5, 1e5, "m"),
-    "force": Range(-1e9, 1e9, "N"), "mass": Range(1e-15, 1e9, "kg"), "restitution": Range(0.0, 1.0),
+    "force": Range(-1e12, 1e12, "N"), "mass": Range(1e-15, 1e9, "kg"), "restitution": Range(0.0, 1.0),
     "friction": Range(0.0, 1e6),
 }  # fmt: skip
 """The range of each quantity of a touch that a simulator may tell, in their order in a row. A body may be lighter or

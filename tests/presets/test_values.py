@@ -19,6 +19,7 @@ POINT = Row((NUMBER, Quantity(0, 1)))
         (NUMBER, 3, 3.0),
         (NUMBER, -2.0, -2.0),
         (Whole(1, 3), 2.0, 2),
+        (Whole(0, 2**63 - 1), 2**53 + 1, 2**53 + 1),
         (Text(), "a b", "a b"),
         (Name(), "a-b_1", "a-b_1"),
         (WORD, "free", "free"),

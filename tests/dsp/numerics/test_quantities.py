@@ -60,7 +60,7 @@ def test_all_declared_ranges_lie_within_the_bounds_of_their_units():
         assert all(math.isfinite(end) and (end == 0 or least <= abs(end) <= most) for end in (each.low, each.high))
         assert all(each.within(value) is None for value in WRONG), each
         assert each.within(SUBNORMAL) in (None, 0.0) and each.within(-SUBNORMAL) in (None, 0.0)
-        assert each.within(each.low) == each.low and each.within(each.high) == each.high
+        assert each.within(each.low) == float(each.low) and each.within(each.high) == float(each.high)
         assert (each.within(0.0) == 0.0) == (each.or_zero or each.low <= 0.0 <= each.high)
 
 
