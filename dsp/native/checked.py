@@ -19,7 +19,7 @@ from llvmlite import ir
 
 from . import CHECKED
 
-_ROOT = Path(__file__).parents[2]
+_ROOT = Path(__file__).resolve().parents[2]  # an editable install has links here
 _INT, _WORD, _FLOAT, _BYTES = ir.IntType(32), ir.IntType(64), ir.DoubleType(), ir.IntType(8).as_pointer()
 _MANTISSA = {"float": 24, "double": 53}  # bits
 
@@ -121,10 +121,12 @@ class _Intrinsic:
         if kind.layout != "C":
             raise TypeError(f"{self.name}: an array of layout {kind.layout}: expected one without gaps (C)")
 
+        from .numba_internals import pointer_of  # it imports this module
+
         def build(*args: Any, **kwargs: Any) -> Any:
             parts = made(*args, **kwargs)
             size = own.get_abi_sizeof(own.get_data_type(kind.dtype))
-            self._held[id(parts._getpointer())] = parts, None, size
+            self._held[id(pointer_of(parts))] = parts, None, size
             return parts
 
         return build
@@ -266,7 +268,7 @@ def _tell_if(builder: Any, bad: Any, what: str, *values: Any) -> None:
     float."""
     writer = _translated[-1]
     module, line = writer.func_ir.func_id.modname, writer.loc.line
-    file = Path(writer.loc.filename)
+    file = Path(writer.loc.filename).resolve()
     file = file.relative_to(_ROOT) if file.is_relative_to(_ROOT) else Path(file.name)
     text = f"carom: checked build: {module}.{writer.func_ir.func_id.func_qualname} ({file}:{line}): {what}\n"
     with builder.if_then(bad, likely=False):

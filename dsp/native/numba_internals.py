@@ -36,6 +36,7 @@ __all__ = [
     "define_call",
     "global_compiler_lock",
     "lowered",
+    "pointer_of",
     "quiet_compiler",
     "refresh",
     "register_opaque",
@@ -81,6 +82,11 @@ def register_opaque(kind: type) -> None:
 def target_machine() -> Any:
     """Return LLVM's maker of machine code that numba uses."""
     return cpu_target.target_context.codegen()._tm
+
+
+def pointer_of(parts: Any) -> Any:
+    """Return LLVM's pointer to the parts of an array, as numba writes them."""
+    return parts._getpointer()
 
 
 class _OwnCode(JITCodeLibrary):
