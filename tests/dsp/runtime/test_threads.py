@@ -54,11 +54,15 @@ def sizes() -> dict[str, int]:
         **{f"C_{name.upper()}": place(COMMAND, name) for name in ("time", "number", "what")},
         **{f"H_{name.upper()}": place(HANDOVER, name) for name in ("turn", "calls", "callback", "state", "channels")},
         **{f"J_{name.upper()}": place(JOB, name) for name in ("state", "out", "frames", "channels")},
-        **{f"BOX_{name.upper()}": place(udp._BOX, name) for name in ("written", "read", "stopped", "dropped", "ring")},
+        **{
+            f"BOX_{name.upper()}": place(udp._BOX, name)
+            for name in ("written", "read", "stopped", "dropped", "done", "ring")
+        },
         "TRACE_SAMPLE": place(TRACE, "sample"), "TRACE_IMPULSE": place(TRACE, "impulse"),
         "STATE_BYTES": STATE.itemsize, "COMMAND_BYTES": COMMAND.itemsize, "HANDOVER_BYTES": HANDOVER.itemsize,
         "NOTE_BYTES": NOTE.itemsize, "TRACE_BYTES": TRACE.itemsize, "JOB_BYTES": JOB.itemsize,
-        "BOX_BYTES": udp._BOX.itemsize, "BOX_WORDS": udp._WORDS, "BOX_LARGEST": udp._LARGEST, "ROUNDS": ROUNDS,
+        "BOX_BYTES": udp._BOX.itemsize, "BOX_WORDS": udp._WORDS, "BOX_LARGEST": udp._LARGEST, "BOX_GROUPS": udp._GROUPS,
+        "ROUNDS": ROUNDS,
         "RING": RING, "EVENTS": EVENTS, "TAP": TAP, "NOTES": NOTES, "TRACED": TRACED, "ENDED": ENDED,
         "QUANTUM": QUANTUM, "ENDS_FIRST": 3 * ENDED - 5,
     }  # fmt: skip
