@@ -182,10 +182,11 @@ def play(score: Score, filler: int | None = None, begin: float = 0.0) -> np.ndar
     if filler is not None:
         engine.state[0]["filler"] = filler
     session, lines, sound = Session(engine, _PRESETS), list(score.lines), []
-    frames = round(score.seconds * score.rate)
-    while engine.position < frames:
+    frames, made = round(score.seconds * score.rate), 0
+    while made < frames:
         while lines and lines[0].time * score.rate < engine.position + score.block:
             line = lines.pop(0)
             session.perform([line.message], sample_at(line.time, score.rate))
         sound.append(engine.process(score.block))
+        made += score.block
     return np.concatenate(sound)[round(begin * score.rate) : frames]

@@ -50,7 +50,7 @@ PATTER = (
         "GESTURES = {\n    gesture.name: gesture\n    for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE",
         """PATTER = Gesture(
     "patter", "strikes it at random times, as rain does, until it is stopped",
-    VELOCITY._replace(steerable=True),
+    replace(VELOCITY, steerable=True),
     (
         Parameter("pace", 0.1, 1000.0, "Hz", "of its blows, on average", default=10.0, steerable=True),
         SEED,

@@ -144,7 +144,7 @@ def built(tree, folder, kind):
     shows nothing of what a build says.
     """
     if not hasattr(os, "openpty"):
-        pytest.skip("this system has no pseudo-terminals, one of which is looked at")
+        needs.skip("this system has no pseudo-terminals, one of which is looked at", "Unix systems have them")
     lent = os.environ | {"PYTHONPATH": sysconfig.get_path("purelib")}
     lent.pop("CAROM_WHEEL", None)
     words = [sys._base_executable, "-c", f"import setuptools.build_meta as build; build.build_{kind}({str(folder)!r})"]

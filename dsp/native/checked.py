@@ -36,7 +36,9 @@ def options() -> dict[str, bool]:
 
 
 @cache
-def changes(lower: type[Any], context: type[Any], cgutils: Any, slicing: Any) -> list[tuple[Any, str, Any]]:
+def changes(
+    lower: type[Any], context: type[Any], cgutils: Any, slicing: Any, pointer_of: Callable[[Any], Any]
+) -> list[tuple[Any, str, Any]]:
     """Return what to change in numba while it translates checked kernels: owners, names and values.
 
     lower, context, cgutils, slicing: numba's writer of a function, its base of contexts, and two of its modules.
@@ -63,7 +65,7 @@ def changes(lower: type[Any], context: type[Any], cgutils: Any, slicing: Any) ->
 
     def make_array(own: Any, kind: Any) -> Any:
         made = make(own, kind)
-        return _called[-1].keeping(own, kind, made) if _called else made
+        return _called[-1].keeping(own, kind, made, pointer_of) if _called else made
 
     changed = [
         (lower, "lower_inst", lower_inst),
@@ -116,12 +118,10 @@ class _Intrinsic:
             if isinstance(value.type, ir.PointerType) and hasattr(kind, "fields"):
                 self._held[id(value)] = value, ir.Constant(_WORD, kind.size), 1
 
-    def keeping(self, own: Any, kind: Any, made: Any) -> Callable[..., Any]:
+    def keeping(self, own: Any, kind: Any, made: Any, pointer_of: Callable[[Any], Any]) -> Callable[..., Any]:
         """Return numba's maker of an array's parts, which keeps what it makes here."""
         if kind.layout != "C":
             raise TypeError(f"{self.name}: an array of layout {kind.layout}: expected one without gaps (C)")
-
-        from .numba_internals import pointer_of  # it imports this module
 
         def build(*args: Any, **kwargs: Any) -> Any:
             parts = made(*args, **kwargs)

@@ -36,7 +36,6 @@ __all__ = [
     "define_call",
     "global_compiler_lock",
     "lowered",
-    "pointer_of",
     "quiet_compiler",
     "refresh",
     "register_opaque",
@@ -247,7 +246,7 @@ def quiet_compiler(mangle: Callable[[str, tuple[Any, ...]], str]) -> Iterator[No
         (CPUCallConv, "build_excinfo_struct", unplaced),
         (BaseContext, "get_abi_sizeof", remembered),
         (cpu_target.target_context, "cached_internal_func", _INTERNAL),
-        *changes(Lower, BaseContext, cgutils, slicing),
+        *changes(Lower, BaseContext, cgutils, slicing, pointer_of),
     ]
     with global_compiler_lock:
         before = [(where, name, getattr(where, name)) for where, name, _ in changed]
