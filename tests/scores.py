@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.schema import DIRECTION, GESTURES, POINT, SETTINGS, STRIKE, VELOCITY, Gesture, Parameter
 from carom.presets import Presets
@@ -184,7 +185,8 @@ def play(score: Score, filler: int | None = None, begin: float = 0.0) -> np.ndar
     session, lines, sound = Session(engine, _PRESETS), list(score.lines), []
     frames, made = round(score.seconds * score.rate), 0
     while made < frames:
-        while lines and lines[0].time * score.rate < engine.position + score.block:
+        # The engine computes whole quanta: what begins within one has to be there before.
+        while lines and lines[0].time * score.rate < engine.position + score.block + QUANTUM:
             line = lines.pop(0)
             session.perform([line.message], sample_at(line.time, score.rate))
         sound.append(engine.process(score.block))
