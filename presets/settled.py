@@ -1,9 +1,9 @@
 """Modes that have the same bits on every machine.
 
 Libraries of linear algebra, numpy and C's mathematical functions round otherwise on other processors. So the numbers
-of an object that is as its preset has it are rounded to single precision. What comes of eigenvectors, as the modes of
-bars, plates and domes do, would differ all the same: it is taken from `settled.npz`, as one machine computed it. Shapes
-are kept there as portable code has them (`dsp/runtime/series.py`), 105 dB below their peaks on average.
+of a built-in object that is as its preset has it are rounded to single precision. What comes of eigenvectors, as the
+modes of bars, plates and domes do, would differ all the same: it is taken from `settled.npz`, as one machine computed
+it. Shapes are kept there as portable code has them (`dsp/runtime/series.py`), 105 dB below their peaks on average.
 `python -m tests.bench.settled` writes the file, and a test compares it with what is computed.
 """
 
@@ -30,12 +30,17 @@ Arrays = Mapping[str, NDArray[Any]]
 
 
 def settle(name: str, modes: Modes) -> Modes:
-    """Return the modes of an object as its preset of a name has it, with the bits that they have everywhere: those that
-    are kept by this name if they are the same but for roundings."""
+    """Return the modes of an object as its preset of a name has it, with the bits that they have everywhere; as they
+    are where none are kept by this name that are the same but for roundings."""
     arrays = kept(name) if name in names() else {}
     found = arrays.get("frequency")
-    if found is not None and found.shape == modes.frequency.shape and np.allclose(found, modes.frequency, NEAR, 0.0):
-        return unpacked(arrays, modes)
+    if found is None or found.shape != modes.frequency.shape or not np.allclose(found, modes.frequency, NEAR, 0.0):
+        return modes
+    return unpacked(arrays, modes) if "decay" in arrays else rounded(modes)
+
+
+def rounded(modes: Modes) -> Modes:
+    """Return modes with numbers of single precision."""
     sheet, unheard = modes.sheet, modes.unheard
     if sheet is not None:
         sheet = replace(sheet, shrinking=single(sheet.shrinking), frequency=single(sheet.frequency), kept={})
@@ -53,13 +58,13 @@ def settle(name: str, modes: Modes) -> Modes:
 
 @cache
 def names() -> frozenset[str]:
-    """Return the names of the objects whose modes are kept."""
+    """Return the names of the objects of which modes are kept."""
     with zipfile.ZipFile(FILE) as file:
         return frozenset(each.split("/")[0] for each in file.namelist())
 
 
 def kept(name: str) -> Arrays:
-    """Return the arrays that are kept of an object, as `packed` returns them."""
+    """Return the arrays that are kept of an object, as `packed` returns them, or its frequencies alone."""
     with np.load(FILE, allow_pickle=False) as file:
         return {each.split("/")[1]: file[each] for each in file.files if each.startswith(f"{name}/")}
 

@@ -41,13 +41,14 @@ def write_modes() -> None:
             preset = presets.object(name)
             # With a value given, though it is that of the file, the modes are those computed.
             found = preset.replace(level=preset.level).modes(top_of(RATE))
+            arrays = {"frequency": np.float32(found.frequency)}
             if preset.shape in SOLVED or (found.sheet is not None and found.sheet.parts):
-                count += 1
-                for key, values in modes.packed(found).items():
-                    member = zipfile.ZipInfo(f"{name}/{key}.npy")  # of no time: the same bytes for the same modes
-                    member.compress_type = zipfile.ZIP_LZMA
-                    with file.open(member, "w") as into:
-                        np.lib.format.write_array(into, np.ascontiguousarray(values), allow_pickle=False)
+                count, arrays = count + 1, modes.packed(found)
+            for key, values in arrays.items():
+                member = zipfile.ZipInfo(f"{name}/{key}.npy")  # of no time: the same bytes for the same modes
+                member.compress_type = zipfile.ZIP_LZMA
+                with file.open(member, "w") as into:
+                    np.lib.format.write_array(into, np.ascontiguousarray(values), allow_pickle=False)
     print(f"{modes.FILE.name}: modes of {count} objects, {modes.FILE.stat().st_size} bytes")
 
 

@@ -70,7 +70,7 @@ def test_a_score_of_built_in_objects_has_the_same_bits_with_other_libraries(tmp_
 
 
 def test_the_modes_that_are_kept_are_those_computed() -> None:
-    assert len(names()) > 20
+    assert sorted(names()) == Presets().names("objects"), REMEDY
     for name in ("xylophone-bar", "ceramic-tile", "splash-cymbal"):
         found, now = settle(name, modes := computed(name)), kept(name)
         assert np.array_equal(found.frequency, now["frequency"]), REMEDY
@@ -85,7 +85,6 @@ def test_the_modes_that_are_kept_are_those_computed() -> None:
 
 def test_modes_of_another_body_are_those_computed() -> None:
     modes = computed("glass-ball")
-    found = settle("xylophone-bar", modes)
-    assert found.frequency == pytest.approx(modes.frequency, 1e-7) and found.frequency.shape == modes.frequency.shape
+    assert settle("xylophone-bar", modes) is modes and settle("another", modes) is modes
     longer = Presets().object("xylophone-bar").replace(length=0.2).modes(top_of(48_000.0))
     assert not np.array_equal(settle("xylophone-bar", longer).frequency[:4], kept("xylophone-bar")["frequency"][:4])
