@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -131,7 +132,8 @@ def copied(folder: Path) -> None:
     shutil.copytree(ROOT / "tests", folder / "tests", ignore=ignored)
     shutil.copy(ROOT / "pyproject.toml", folder)
     (folder / "cache" / "carom").mkdir(parents=True)
-    shutil.copytree(user_cache(), folder / "cache" / "carom" / "code")
+    with suppress(shutil.Error):  # of files that another process prunes meanwhile
+        shutil.copytree(user_cache(), folder / "cache" / "carom" / "code")
 
 
 def nearest(file: Path) -> list[list[str]]:
@@ -162,16 +164,12 @@ def failed(folder: Path, tests: list[str]) -> str | None:
         "PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache"), "OPENBLAS_NUM_THREADS": "1",
     }  # fmt: skip
     words = [sys.executable, "-c", RUN, "-x", "-q", "--tb=no", "-rfE", "--reruns=0", *tests]
-    with subprocess.Popen(
-        words, cwd=folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    ) as run:
-        assert run.stdout
-        said = run.stdout.read()
+    run = subprocess.run(words, cwd=folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if run.returncode == NOT_COMPILED:
         return None
     if run.returncode in (0, 5):  # 5: no test was there
         return ""
-    named = [line for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    named = [line for line in run.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
     return named[0].split(" ")[1] if named else f"(exit code {run.returncode})"
 
 
