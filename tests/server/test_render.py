@@ -40,6 +40,7 @@ def test_the_demo_is_loud_enough_clean_and_ends(demo):
     assert 15 < len(demo) / 48_000 < 25 and np.abs(demo[-4800:]).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_something_is_heard_in_the_demo_as_long_as_it_goes_on(demo):
     """Momentary loudness (ITU-R BS.1770, 400 ms), until a hand is laid on the bell at the end."""
     meter, step = pyloudnorm.Meter(48_000, block_size=0.4), 4800

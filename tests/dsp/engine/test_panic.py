@@ -102,6 +102,7 @@ def with_striker(scene, sound, then=(), block=4096, frames=9600):
     return np.concatenate([engine.process(min(block, frames - n)) for n in range(0, frames, block)]).astype(float)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sound", STRIKERS.values(), ids=STRIKERS)
 @pytest.mark.parametrize("scene", ["strike", "in a soft contact", "roll"])
 def test_strikers_fade_without_a_click(scene, sound):

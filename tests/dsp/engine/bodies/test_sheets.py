@@ -178,6 +178,7 @@ def test_few_coupled_modes_keep_their_energy(modes):
     assert is_coupled(engine, handle) and abs(whole(engine, handle) / before - 1) < 1e-10
 
 
+@pytest.mark.slow
 def test_a_plate_is_linear_where_no_mode_is_low_enough():
     assert plate(3).sheet.laid_out(20.0) is None
 
@@ -290,6 +291,7 @@ def test_it_is_coupled_by_a_blow_and_left_when_it_is_soft_and_neither_adds_energ
     assert is_coupled(engine, handle)
 
 
+@pytest.mark.slow
 def test_a_soft_blow_leaves_it_as_it_is_without():
     """A plate below the amplitude at which coupling is heard sounds as the linear one, to rounding."""
     coupled, linear = plate(40), plate(0)
