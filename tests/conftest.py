@@ -31,8 +31,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Hundreds of processes start; one that renders a blow takes 1.1 s of CPU without bytecode, 0.3 s with it, and pytest
 # rewrites each file of tests, which takes 10 s. Where bytecode may not be written beside the sources, it is kept beside
-# what pytest keeps, and workers of pytest-xdist inherit the place; what Matplotlib keeps at home, and would complain of,
-# is kept for this run.
+# what pytest keeps, and workers of pytest-xdist inherit the place; what Matplotlib keeps at home, and would complain
+# of, is kept for this run.
 _own = tempfile.mkdtemp(prefix="carom-tests-")
 atexit.register(shutil.rmtree, _own, ignore_errors=True)
 if "PYTHONPYCACHEPREFIX" not in os.environ and (sys.dont_write_bytecode or not _WRITABLE):
