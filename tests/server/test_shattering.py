@@ -182,19 +182,6 @@ def test_pieces_that_fall_on_what_breaks_fall_on():
     assert np.abs(engine[1][9_600:]).max() > 0.1 * np.abs(engine[0][9_600:]).max() > 0.0
 
 
-@pytest.mark.slow
-def test_what_ends_as_an_object_breaks_does_so_at_any_block_size():
-    def sound(size):
-        session = Session(Engine(RATE), Presets())
-        say(session, "/object/new", "pane", "glass-plate")
-        for action, *args in (("roll", 0.5, "seed", 1), ("rest", "felt", 0.2), ("slide", 0.1, "seed", 2)):
-            say(session, f"/object/pane/{action}", *args)
-        say(session, "/object/pane/shatter", 1.0, "onto", "none", "seed", 3, time=4_815.3)
-        return np.concatenate([session.engine.process(size) for _ in range(12_000 // size)])[:11_000]
-
-    assert np.array_equal(sound(37), sound(4_000)) and np.abs(sound(37)[6_000:]).max() > 0.0
-
-
 @pytest.mark.parametrize("name", ["goblet", "tumbler", "bottle"])
 def test_wall_and_thick_parts_have_the_mass_of_the_mesh(name):
     preset = Presets().object(name)

@@ -174,15 +174,6 @@ def test_what_is_played_right_after_it_is_as_in_silence(scene):
     np.testing.assert_allclose(both[begin:], (faded + fresh)[begin:], atol=1e-6 * np.abs(fresh).max())
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", SCENES)
-def test_blocks_change_no_bit(scene):
-    then = [lambda _: panic(5000.0), lambda one: impact(one, BALL, 5001.5)]
-    whole = made(scene, then)
-    for block in (1, 37, 64, 9600):
-        np.testing.assert_array_equal(made(scene, then, block), whole)
-
-
 def test_panics_in_a_row_let_all_of_it_fade():
     """The second, in the middle of the fade of the first, finds a new sound."""
     once = made("strike", [lambda _: panic(5000.0)])

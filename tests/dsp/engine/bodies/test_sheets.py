@@ -322,17 +322,6 @@ def test_other_objects_sound_to_the_bit_as_without_it():
 
 
 @pytest.mark.slow
-def test_no_block_size_is_heard():
-    def played(blocks):
-        engine = Engine(48_000)
-        handle = engine.add(plate(40, 0.006))
-        engine.send([impact(handle, STICK, at, 2.0) for at in (0.0, 4_000.0)])
-        return np.concatenate([engine.process(n) for n in blocks])
-
-    assert np.array_equal(played([12_000]), played([37] * 324 + [12]))
-
-
-@pytest.mark.slow
 def test_the_modes_of_as_many_plates_are_coupled_as_there_is_room_for():
     engine = Engine(48_000)
     body = plate(12)
