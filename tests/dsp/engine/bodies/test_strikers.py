@@ -12,7 +12,7 @@ from carom.dsp.bodies.striker import Ringing, Snap, StrikerSound
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.engine.memory.striker_state import STRIKERS, VOICES
 from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import HARD, RATE, active, bell, free, gesture, impact, panic, setting, stop
+from tests.dsp.engine.support import HARD, RATE, active, free, gesture, impact, panic, setting
 from tests.dsp.engine.test_clicks import answer_of, sphere_by_quadrature, steel
 
 RADIUS = 0.008
@@ -135,24 +135,6 @@ def test_what_rolls_clicks_as_large_as_it_is():
         roll = gesture("roll", wall(engine), BALL, 100.0, 1, speed=0.5, radius=2 * RADIUS, seed=3.0, **values)
         heard.append(sound_of(roll, engine=engine, frames=4800))
     np.testing.assert_allclose(heard[0], heard[1], atol=1e-6 * np.abs(heard[1]).max())
-
-
-@pytest.mark.parametrize("block", [1, 37, 480])
-def test_block_size_changes_no_bit(block):
-    def run(size):
-        engine = Engine(RATE)
-        handle = engine.add(bell(), 0.1)
-        snapping = StrikerSound(0.0027, None, 1.0, RING, Snap(1e-4, 1.86, 2.8, 3e-4))
-        for n, sound in enumerate((BALL_SOUND, snapping)):
-            values = engine.lay_out_striker(sound)
-            engine.send([gesture("bounce", handle, HARD, 50.3 + n, n + 1, velocity=0.1, seed=1.0, **values)])
-            engine.send([impact(handle, time=777.7 * n, **values)])
-            rolling = dict(speed=0.3, radius=0.01, seed=2.0, **values)
-            engine.send([gesture("roll", handle, HARD, 900.0, n + 5, **rolling)])
-        engine.send([stop(5, 3000.0), panic(5000.0)])
-        return np.concatenate([engine.process(size) for _ in range(math.ceil(6000 / size))])[:6000]
-
-    np.testing.assert_array_equal(run(block), run(64))
 
 
 def voices(engine):
