@@ -41,7 +41,7 @@ class Waiting:
         self._network, self._maker = network, maker
         self._lines: dict[Source, _Line] = {}
         self._moved = False  # whether a packet may have become ready since the last look
-        self._look: Iterator[Packet | None] | None = None
+        self._looking: Iterator[Packet | None] | None = None
         self._begun: Rotation[_Line] = Rotation()
         self._begun_next = False
 
@@ -113,14 +113,14 @@ class Waiting:
             self._network.resume(source)
 
     def _next_ready(self) -> Packet | None:
-        if self._look is None:
+        if self._looking is None:
             if not self._moved:
                 return None
-            self._moved, self._look = False, self._ready()
+            self._moved, self._looking = False, self._ready()
         try:
-            return next(self._look)
+            return next(self._looking)
         except StopIteration:
-            self._look = None
+            self._looking = None
             return None
 
     def _ready(self) -> Iterator[Packet | None]:
@@ -147,7 +147,7 @@ class Waiting:
     @property
     def in_a_hurry(self) -> bool:
         """True if packets may wait that can be carried out."""
-        return self._moved or self._look is not None or bool(self._begun)
+        return self._moved or self._looking is not None or bool(self._begun)
 
     def _names(self) -> set[str]:
         return {name for line in self._lines.values() if line.first for name in line.names}

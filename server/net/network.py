@@ -14,7 +14,7 @@ from functools import lru_cache
 
 from ..osc.urgency import Urgency, urgency
 from ..osc.wire import Message, encode
-from .places import PAUSE, Complaint, Places, is_out, most_places
+from .places import PAUSE, Complaint, NoDescriptorError, Places, accepted, most_places
 from .remote import Doorway, Remote
 from .reply_budget import Allowance, Nets
 from .rotation import Rotation
@@ -38,7 +38,6 @@ RECEIVE_BUFFER = 1 << 22
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
 _LOOK = 0.1  # s between looks at who has long been silent
-_ACCEPTING = 0.006  # s for which connections are accepted at once
 _OUTDATED = 256  # questions that are dropped at once: some 2 ms
 _MOST_CALLERS = 4_096  # addresses that datagrams wait from; a host may have as many as are left
 _TRIES = 16  # ports that may be free for UDP and not for TCP
@@ -343,32 +342,27 @@ class Network:
 
     def _accept(self) -> None:
         """Accept those that want to connect, as many as take a short time."""
-        end = time.monotonic() + _ACCEPTING
-        while time.monotonic() < end:
-            try:
-                sock, (host, _) = self._listener.accept()
-            except BlockingIOError:
-                return
-            except OSError as error:
-                if is_out(error):
-                    self._selector.unregister(self._listener)
-                    self._accepts_from = time.monotonic() + PAUSE
-                    self._complaint.say(f"OSC over TCP: no new client: {error.strerror}")
-                    return
-                continue  # the client has left already
-            if not self._makes_room(host):
-                most = self._places.limit_of(host)
-                text = f"{most} clients are connected already: expected one to leave first"
-                turn_away(sock, _encoded_texts("/fail", "stream", text))
-                continue
-            try:
-                connection = Connection(sock, host)
-            except OSError:
-                sock.close()
-                continue
-            self._connections.add(connection)
-            self._places.come(connection, host)
-            self._watch(connection)
+        try:
+            for sock, host in accepted(self._listener, self._complaint, "OSC over TCP"):
+                self._admit(sock, host)
+        except NoDescriptorError:
+            self._selector.unregister(self._listener)
+            self._accepts_from = time.monotonic() + PAUSE
+
+    def _admit(self, sock: socket.socket, host: str) -> None:
+        if not self._makes_room(host):
+            most = self._places.limit_of(host)
+            text = f"{most} clients are connected already: expected one to leave first"
+            turn_away(sock, _encoded_texts("/fail", "stream", text))
+            return
+        try:
+            connection = Connection(sock, host)
+        except OSError:
+            sock.close()
+            return
+        self._connections.add(connection)
+        self._places.come(connection, host)
+        self._watch(connection)
 
     def _makes_room(self, host: str) -> bool:
         """True if there is a place for a newcomer of a host, perhaps another one's, who has left now."""

@@ -24,11 +24,11 @@ MEDIAN, WORST, ANSWER = 0.05, 0.5, 0.5
 """s: bounds of a blow's way by datagram, and of an answer over TCP."""
 _MOST_MEMORY = 50.0  # MB more than before
 _HOST = "127.0.0.1"
-ENEMIES = "127.0.0.2", "127.0.0.3"
+ATTACKERS = "127.0.0.2", "127.0.0.3"
 
 
 @dataclass
-class Besieged:
+class Attacked:
     """A server, and the times (s) that a well-behaved client waited."""
 
     server: Running
@@ -126,7 +126,7 @@ def anybody() -> ssl.SSLContext:
 
 
 @contextmanager
-def besieged() -> Iterator[Besieged]:
+def attacked() -> Iterator[Attacked]:
     """Yield a server with a page over TLS and a few objects."""
     with tempfile.TemporaryDirectory() as folder:
         options = "--device", "none", "--page", "0", "--tls"
@@ -136,7 +136,7 @@ def besieged() -> Iterator[Besieged]:
             with server.client() as client:
                 for n, preset in enumerate(("gong", "church-bell", "steel-plate", "wood-block")):
                     client.ask("/object/new", f"o{n}", preset, timeout=30.0)
-            found = Besieged(server, page)
+            found = Attacked(server, page)
             for _ in range(5):
                 found.measure_blow()
                 found.measure_stream()
@@ -150,8 +150,8 @@ def besieged() -> Iterator[Besieged]:
 
 
 @contextmanager
-def enemy(kind: str, *args: object) -> Iterator[subprocess.Popen[bytes]]:
-    """Run an attack's other side in a process of its own."""
+def attacker(kind: str, *args: object) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a module that attacks in a process of its own."""
     process = subprocess.Popen([sys.executable, "-m", kind, *map(str, args)])
     try:
         yield process
