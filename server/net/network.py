@@ -47,6 +47,9 @@ Source = tuple[str, int] | Connection | Remote
 
 _Client = Caller | Connection | Remote
 
+_SHORT = 1_472
+"""Bytes of a datagram that Ethernet carries whole: what a longer one asks for may take 50 times as much memory."""
+
 _C, _Q, _A, _QA = Urgency.COMMAND, Urgency.QUESTION, Urgency.ASIDE, Urgency.QUESTION | Urgency.ASIDE
 _TURNS = ((_C, _A, _Q, _QA), (_A, _C, _QA, _Q), (_C, _A, _Q, _QA), (_Q, _QA, _A, _C), (_QA, _Q, _C, _A))
 """Orders in which one looks who comes next, one after the other: in three of five questions come last."""
@@ -79,6 +82,7 @@ class Network:
         self._accepts_from = 0.0  # s: when the listener is looked at again
         self._connections: set[Connection] = set()
         self._paused: set[Source] = set()
+        self._held: dict[str, list[_Client]] = {}  # by host: clients whose long packets wait
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._allowance = Allowance(trusted)
         self._udp, self._listener = _bound(host, port)
@@ -150,6 +154,10 @@ class Network:
             client.queued = False
             source = client.address if isinstance(client, Caller) else client
             if source in self._paused or not client.arrived:
+                continue
+            if client.host in self._held and len(client.arrived[0] or b"") > _SHORT:
+                client.queued = True
+                self._held[client.host].append(client)
                 continue
             packet = client.arrived.popleft()
             if isinstance(client, Caller):
@@ -239,6 +247,16 @@ class Network:
                 client.since = time.monotonic()
             if client:
                 self._queue(client)
+
+    def hold(self, host: str) -> None:
+        """Return no long packet of a host until `release`."""
+        self._held.setdefault(host, [])
+
+    def release(self, host: str) -> None:
+        """Take back `hold`."""
+        for client in self._held.pop(host, ()):
+            client.queued = False
+            self._queue(client)
 
     def drop(self, source: Source) -> None:
         """Count a datagram that was received, and is not carried out."""
