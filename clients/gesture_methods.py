@@ -60,7 +60,7 @@ def _begin(gesture: Gesture) -> _Method:
     method.__name__ = method.__qualname__ = gesture.name
     lasts = " A gesture of that `id` that goes on (None: the object's own) is steered." if gesture.along else ""
     method.__doc__ = (
-        f"Begin a gesture that {gesture.help.replace(' it', ' the object', 1)}.\n\n"
+        f"Begin a gesture that {gesture.help}.\n\n"
         f"{first}: {gesture.what or f'{gesture.argument.allowed}; {gesture.argument.help}'}.{lasts}"
     )
     given = inspect.signature(method).parameters.values()

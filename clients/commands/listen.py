@@ -16,7 +16,7 @@ _PATIENCE = 2 * _PERIOD + 1.0  # s without an answer
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--seconds", type=number, default=math.inf, help="how long to listen (until interrupted)")
+    parser.add_argument("--seconds", type=number, default=math.inf, help="time to listen, s (until interrupted)")
     add_server(parser)
 
 

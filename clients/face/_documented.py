@@ -35,7 +35,8 @@ def _with_keys(method: Callable[..., None], keys: Iterable[Key]) -> Callable[...
 
     lines = [inspect.getdoc(method) or "", "", "Keys:"]
     for key in keys:
-        lines.append(f"  {key.name}: " + "; ".join(filter(None, (_kind(key), key.help + default_of(key)))))
+        default = f"default: {default_of(key)}" * (default_of(key) != "")
+        lines.append(f"  {key.name}: " + "; ".join(filter(None, (_kind(key), key.help, default))))
     same.__doc__ = "\n".join(lines)
     return same
 
