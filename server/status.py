@@ -186,14 +186,14 @@ class Status:
         lines = self._limiter_warnings()
         stats = self._engine.stats
         for name, text in (
-            ("contacts_dropped", "{} contacts dropped: the engine was full, or /budget left no room"),
+            ("contacts_dropped", "{} contacts were left out: more room is needed, or a larger /budget"),
             ("over_budget", OVER_BUDGET),
-            ("strikers_cut", "{} strikers were cut short or left out: too many sounded"),
-            ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
-            ("ramps_dropped", "{} changes were made at once: too many took their time"),
-            ("nonlinear_dropped", "{} blows left a plate linear: the modes of too many plates were coupled"),
+            ("strikers_cut", "the strikers of {} blows were cut short: too many sounded"),
+            ("late", "{} messages came late, the last by {late_last:.1f} ms: send them earlier"),
+            ("ramps_dropped", "{} changes were made at once: too many were in progress"),
+            ("nonlinear_dropped", "{} blows left a plate linear: too many plates were coupled"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),
-            ("underflows", "the device ran out of sound {} times"),
+            ("underflows", "the device had {} dropouts: a larger --latency helps"),
         ):
             now = getattr(stats, name)
             if now > self._warned[name]:
@@ -203,7 +203,7 @@ class Status:
         faults = self._engine.objects["faults"].copy()
         before = np.pad(self._object_faults, (0, len(faults) - len(self._object_faults)))
         for slot in (faults > before).nonzero()[0]:
-            lines.append(f"object {self._names().get(int(slot), '(freed)')} was silenced: its output was not finite")
+            lines.append(f"object {self._names().get(int(slot), '(freed)')} was silenced: its sound was not finite")
         self._object_faults = faults
         return lines
 

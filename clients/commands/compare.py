@@ -28,7 +28,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from ..comparison import as_json, beside, compare, draw, kind_table, require_page, table, write_page
+    from ..comparison import as_json, beside, compare, draw, kind_table, require_page, table, verdict, write_page
     from ..plot import require_picture
 
     if arguments.plot:
@@ -49,7 +49,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(as_json(found, kind))
     else:
-        print("\n\n".join([table(found), *([kind_table(kind)] if kind else [])]))
+        print("\n\n".join([table(found), *([kind_table(kind)] if kind else []), verdict(found)]))
     return 0
 
 

@@ -21,13 +21,17 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    warnings = 0
     with client(arguments) as server:
         try:
             for message in _heard(server, arguments.seconds):
                 print(message.address, *message.args, flush=True)
+                warnings += message.address == "/warning"
         finally:
             with suppress(ConnectionError):
                 server.send("/notify", 0)
+    found = f"{warnings} warnings" if warnings else "all was well"
+    print(f"{found} for {arguments.seconds:g} s")
     return 0
 
 

@@ -64,13 +64,13 @@ class Report:
         if self.over_budget:
             lines.append(OVER_BUDGET.format(self.over_budget))
         if self.strikers_cut:
-            lines.append(f"{self.strikers_cut} strikers were cut short or left out: too many sounded")
+            lines.append(f"the strikers of {self.strikers_cut} blows were cut short: too many sounded")
         if self.nonlinear_dropped:
-            lines.append(f"{self.nonlinear_dropped} blows left a plate linear: too many were coupled at once")
+            lines.append(f"{self.nonlinear_dropped} blows left a plate linear: too many plates were coupled")
         if self.late:
-            lines.append(f"{self.late} events came after their time")
+            lines.append(f"{self.late} messages came late")
         if self.faults:
-            lines.append(f"{self.faults} times an object was silenced because its sound was not finite")
+            lines.append(f"objects were silenced {self.faults} times: their sound was not finite")
         return "\n".join(lines) or "nothing to report"
 
 
