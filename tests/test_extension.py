@@ -236,7 +236,7 @@ found = node("/gesture/marble/looseness", {"ID": ["marble"], "NAME": []})
 assert found["RANGE"] == [{"MIN": 0.0, "MAX": 1.0}] and "steers a roll" in found["DESCRIPTION"], found
 assert "looseness" in node("/object/board/roll", {"ID": [], "NAME": ["board"]})["DESCRIPTION"]
 assert "| `looseness` | 0 to 1 | 0 | yes | Share of the force that is lost. |" in gesture_table("roll")
-assert "looseness: 0 to 1; share of the force that is lost" in carom.Scene.roll.__doc__
+assert "looseness : 0 to 1, default 0\\n    Share of the force that is lost." in carom.Scene.roll.__doc__
 """
 
 
@@ -324,7 +324,7 @@ for name in ("patter", "lean"):
     assert name in node("/object/a", {"ID": [], "NAME": ["a"]})["CONTENTS"], name
     assert f"/object/NAME/{name}" in VERBS and "| `velocity` |" in gesture_table("patter")
     assert getattr(carom.Client, name).__doc__ and getattr(carom.Object, name).__doc__
-assert "pace: 0.1 to 1000 Hz; of its blows, on average" in carom.Scene.patter.__doc__
+assert "pace : 0.1 to 1000 Hz" in carom.Scene.patter.__doc__
 assert node("/gesture/rain/pace", {"ID": ["rain"], "NAME": []})["RANGE"] == [{"MIN": 0.1, "MAX": 1000.0}]
 assert "/loudest" in VERBS and "FULL_PATH" in node("/loudest", {"ID": [], "NAME": []})
 from carom.presets.schema import SHAPES

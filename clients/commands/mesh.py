@@ -85,7 +85,7 @@ def _make_all(arguments: argparse.Namespace) -> int:
     for body in make_all(arguments.file, arguments.out, default, presets, shown_mesh):
         found = True
         if body.unsaid:
-            tell("mesh", f"{body.name}: no material is said: {body.material}")
+            tell("mesh", f"{body.name}: no material is given: {body.material}")
         if body.reason:
             tell("mesh", f"{body.name}: {body.reason}; the box of its inertia rings for it")
         else:
