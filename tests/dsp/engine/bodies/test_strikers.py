@@ -12,7 +12,7 @@ from carom.dsp.bodies.striker import Ringing, Snap, StrikerSound
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.engine.memory.striker_state import STRIKERS, VOICES
 from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import HARD, RATE, active, free, gesture, impact, panic, setting
+from tests.dsp.engine.support import HARD, RATE, active, bell, free, gesture, impact, panic, setting, stop
 from tests.dsp.engine.test_clicks import answer_of, sphere_by_quadrature, steel
 
 RADIUS = 0.008
