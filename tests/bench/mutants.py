@@ -27,7 +27,7 @@ from carom.dsp.runtime.engine import prepare
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("contact", "engine", "friction", "karman", "resonator", "rolling", "space", "spectral", "swarm")
-QUICK = ["tests/dsp", "tests/presets", "tests/server/scene"]
+QUICK = ["tests/dsp", "tests/server/scene"]
 LONGEST = 300
 """s of CPU: a broken engine that goes on for so long has been noticed. All of these tests take a third of it."""
 NOT_COMPILED = 99
