@@ -28,8 +28,8 @@ from carom.dsp.runtime.engine import prepare
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("contact", "engine", "friction", "karman", "resonator", "rolling", "space", "spectral", "swarm")
 QUICK = ["-m", "not slow"]
-LONGEST = 300
-"""s of CPU: a broken engine that goes on for so long has been noticed. All of these tests take a third of it."""
+LONGEST = 120
+"""s of CPU: a broken engine that goes on for so long has been noticed. All quick tests of the engine take a third of it."""
 NOT_COMPILED = 99
 
 RUN = f"""
