@@ -14,7 +14,7 @@ INSTALL := $(if $(UV),$(UV) pip install --quiet --python $(BIN)/python,\
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
 
-.PHONY: help demo quick test portable checked attack coverage serve bench chart levels sounds picture documents study lint clean
+.PHONY: help demo quick test portable checked attack coverage serve bench chart levels sounds picture documents site study lint clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
@@ -88,6 +88,9 @@ picture: $(DEV)  ## take the picture of the page, in Chromium
 
 documents: $(DEV)  ## write the tables of all pages
 	@$(BIN)/python -m tests.documents.pages
+
+site: $(DEV)  ## build a web site from the pages, with sounds and the demo, in build/site
+	@$(BIN)/python -m tests.documents.site
 
 attack: $(DEV)  ## try to break what SECURITY.md promises, for 15 minutes, with a seed of its own
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.bench.attack

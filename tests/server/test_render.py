@@ -256,6 +256,13 @@ def test_a_render_without_a_sound_ends_with_its_last_event(render_text):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("ends", "length"), [((1.25,), 1.25), ((0.5, 0.75), 0.75), ((0.0,), None)])
+def test_a_score_that_says_its_end_is_as_long(render_text, ends, length):
+    text = "0 /object/new b church-bell\n0 /object/b/impact 1\n" + "".join(f"{end} /end\n" for end in ends)
+    seconds = len(render_text(text)) / 48_000
+    assert seconds == pytest.approx(length) if length else seconds > 5.0
+
+
 def test_more_events_than_the_queue_holds_are_played_in_turn(render_text):
     """A striker waits behind twice as many changes of a gain as the queue holds."""
     lines = ["0 /object/new a wood-block"]

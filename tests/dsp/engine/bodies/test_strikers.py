@@ -12,7 +12,7 @@ from carom.dsp.bodies.striker import Ringing, Snap, StrikerSound
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.engine.memory.striker_state import STRIKERS, VOICES
 from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import HARD, RATE, active, free, gesture, impact, panic, setting
+from tests.dsp.engine.support import HARD, RATE, active, bell, free, gesture, impact, panic, setting, stop
 from tests.dsp.engine.test_clicks import answer_of, sphere_by_quadrature, steel
 
 RADIUS = 0.008
@@ -205,6 +205,21 @@ def test_kinds_are_kept_by_what_they_are_and_make_room_for_others():
     assert engine.lay_out_striker(BALL_SOUND)["sound"] == laid_out[0]["sound"]
     assert np.abs(engine.process(2048)).max() < 1e-12 and engine.stats.strikers_cut == 1  # it would be another's click
     assert engine.lay_out_striker(kinds[0]) != laid_out[0]
+
+
+def test_what_rolls_keeps_its_place_however_many_other_kinds_are_asked_for():
+    engine = started()
+    rolls = engine.lay_out_striker(BALL_SOUND)
+    engine.send([gesture("roll", engine.add(bell(), 1.0), BALL, 0.0, 1, speed=0.5, radius=RADIUS, seed=3, **rolls)])
+    engine.process(QUANTUM)
+    others = [StrikerSound(1e-3 * (n + 1), acceleration.sphere(1e-3, 0.01)) for n in range(2 * STRIKERS)]
+    assert rolls["sound"] not in {engine.lay_out_striker(other)["sound"] for other in others}
+    engine.process(QUANTUM)
+    engine.send([stop(1)])
+    engine.process(24_000)
+    assert engine.stats.contacts_active == 0 and rolls["sound"] in {
+        engine.lay_out_striker(other)["sound"] for other in others
+    }
 
 
 def snap_of(velocity, snap=SNAP):
