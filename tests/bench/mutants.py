@@ -29,7 +29,7 @@ ROOT = Path(__file__).parents[2]
 FOLDERS = ("contact", "engine", "friction", "karman", "resonator", "rolling", "space", "spectral", "swarm")
 QUICK = ["-m", "not slow"]
 LONGEST = 120
-"""s of CPU: a broken engine that goes on for so long has been noticed. All quick tests of the engine take a third of it."""
+"""s of CPU: a broken engine that goes on for so long has been noticed. All quick tests take a third of it."""
 NOT_COMPILED = 99
 
 RUN = f"""
