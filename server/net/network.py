@@ -84,6 +84,7 @@ class Network:
         self._paused: set[Source] = set()
         self._held: dict[str, list[_Client]] = {}  # by host: clients whose long packets wait
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
+        self._unended: set[Connection] = set()  # a first packet of theirs has not ended yet
         self._allowance = Allowance(trusted)
         self._udp, self._listener = _bound(host, port)
         self.doorway = Doorway()
@@ -343,6 +344,11 @@ class Network:
         now = time.monotonic()
         for connection in [each for each, until in self._lingering.items() if until <= now]:
             self._leave(connection)
+        for connection in [each for each in self._unended if each.patience_ends < now]:
+            self._unended.discard(connection)
+            if connection in self._connections and connection.is_unframed():
+                connection.arrived.append(None)
+                self._queue(connection)
         if self._accepts_from and now >= self._accepts_from:
             self._accepts_from = 0.0
             self._selector.register(self._listener, selectors.EVENT_READ)
@@ -415,6 +421,7 @@ class Network:
         try:
             if events & selectors.EVENT_READ:
                 connection.arrived.extend(connection.packets())
+                (self._unended.add if connection.is_unended else self._unended.discard)(connection)
                 if connection.arrived:
                     self._places.rouse(connection)
                 if connection.over:
@@ -463,6 +470,7 @@ class Network:
     def _leave(self, connection: Connection) -> None:
         if connection in self._connections:
             self._connections.remove(connection)
+            self._unended.discard(connection)
             self._places.leave(connection)
             self._lingering.pop(connection, None)
             with suppress(KeyError):
