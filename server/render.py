@@ -13,6 +13,7 @@ from typing import NamedTuple, SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.arguments import switch_of
 from ..dsp.engine.memory.capacity import MODES, MOST_CHANNELS, OBJECTS, STEMS
 from ..dsp.engine.memory.mounted import SENSORS
 from ..dsp.engine.memory.state import QUANTUM, RING
@@ -92,7 +93,8 @@ class Options:
         if not 1 <= self.block <= 1 << 20:
             raise RenderError(f"block = {self.block}: expected 1 to {1 << 20} frames")
         require_format(self.format)
-        if self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE:
+        known = self.seconds is None or isinstance(self.seconds, int | float)
+        if not known or (self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE):
             raise RenderError(f"seconds = {shown(self.seconds)}: expected at least a frame and at most {LONGEST_SCORE}")
         steps, room = self.budget or (None, None)
         for number, value in (
@@ -100,8 +102,9 @@ class Options:
             (STEPS, steps), (ROOM, room),
         ):  # fmt: skip
             require(number, value)
-        if self.limiter not in (None, True, False):
-            raise RenderError(f"limiter = {self.limiter!r}: expected True or False")
+        if self.limiter is not None:
+            switch_of("limiter", self.limiter, RenderError)
+        switch_of("calibrated", self.calibrated, RenderError)
         if self.bank not in (None, *FORMS):
             raise RenderError(f"bank = {self.bank}: {expected(str(self.bank), FORMS)}")
         if self.calibrated:

@@ -14,11 +14,11 @@ from functools import lru_cache
 
 from ..osc.urgency import Urgency, urgency
 from ..osc.wire import Message, encode
-from .places import PAUSE, Complaint, Places, is_out, most_places
+from .places import PAUSE, Complaint, NoDescriptorError, Places, accepted, most_places
 from .remote import Doorway, Remote
 from .reply_budget import Allowance, Nets
 from .rotation import Rotation
-from .tcp import Connection, listen, turn_away
+from .tcp import Connection, bound, turn_away
 from .udp import Caller, Intake, dropped_by_system
 
 MOST_CONNECTIONS = 64
@@ -38,15 +38,16 @@ RECEIVE_BUFFER = 1 << 22
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
 _LOOK = 0.1  # s between looks at who has long been silent
-_ACCEPTING = 0.006  # s for which connections are accepted at once
 _OUTDATED = 256  # questions that are dropped at once: some 2 ms
 _MOST_CALLERS = 4_096  # addresses that datagrams wait from; a host may have as many as are left
-_TRIES = 16  # ports that may be free for UDP and not for TCP
 
 Source = tuple[str, int] | Connection | Remote
 """Source of a packet, to which replies go: a UDP address, a TCP client or a web socket's client."""
 
 _Client = Caller | Connection | Remote
+
+_SHORT = 1_472
+"""Bytes of a datagram that Ethernet carries whole: what a longer one asks for may take 50 times as much memory."""
 
 _C, _Q, _A, _QA = Urgency.COMMAND, Urgency.QUESTION, Urgency.ASIDE, Urgency.QUESTION | Urgency.ASIDE
 _TURNS = ((_C, _A, _Q, _QA), (_A, _C, _QA, _Q), (_C, _A, _Q, _QA), (_Q, _QA, _A, _C), (_QA, _Q, _C, _A))
@@ -80,10 +81,11 @@ class Network:
         self._accepts_from = 0.0  # s: when the listener is looked at again
         self._connections: set[Connection] = set()
         self._paused: set[Source] = set()
+        self._held: dict[str, list[_Client]] = {}  # by host: clients whose long packets wait
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._unended: set[Connection] = set()  # a first packet of theirs has not ended yet
         self._allowance = Allowance(trusted)
-        self._udp, self._listener = _bound(host, port)
+        self._udp, self._listener = bound(host, port, RECEIVE_BUFFER)
         self.doorway = Doorway()
         self._intake = Intake(self._udp)
         self._selector = selectors.DefaultSelector()
@@ -152,6 +154,10 @@ class Network:
             client.queued = False
             source = client.address if isinstance(client, Caller) else client
             if source in self._paused or not client.arrived:
+                continue
+            if client.host in self._held and len(client.arrived[0] or b"") > _SHORT:
+                client.queued = True
+                self._held[client.host].append(client)
                 continue
             packet = client.arrived.popleft()
             if isinstance(client, Caller):
@@ -241,6 +247,16 @@ class Network:
                 client.since = time.monotonic()
             if client:
                 self._queue(client)
+
+    def hold(self, host: str) -> None:
+        """Return no long packet of a host until `release`."""
+        self._held.setdefault(host, [])
+
+    def release(self, host: str) -> None:
+        """Take back `hold`."""
+        for client in self._held.pop(host, ()):
+            client.queued = False
+            self._queue(client)
 
     def drop(self, source: Source) -> None:
         """Count a datagram that was received, and is not carried out."""
@@ -349,32 +365,27 @@ class Network:
 
     def _accept(self) -> None:
         """Accept those that want to connect, as many as take a short time."""
-        end = time.monotonic() + _ACCEPTING
-        while time.monotonic() < end:
-            try:
-                sock, (host, _) = self._listener.accept()
-            except BlockingIOError:
-                return
-            except OSError as error:
-                if is_out(error):
-                    self._selector.unregister(self._listener)
-                    self._accepts_from = time.monotonic() + PAUSE
-                    self._complaint.say(f"OSC over TCP: no new client: {error.strerror}")
-                    return
-                continue  # the client has left already
-            if not self._makes_room(host):
-                most = self._places.limit_of(host)
-                text = f"{most} clients are connected already: expected one to leave first"
-                turn_away(sock, _encoded_texts("/fail", "stream", text))
-                continue
-            try:
-                connection = Connection(sock, host)
-            except OSError:
-                sock.close()
-                continue
-            self._connections.add(connection)
-            self._places.come(connection, host)
-            self._watch(connection)
+        try:
+            for sock, host in accepted(self._listener, self._complaint, "OSC over TCP"):
+                self._admit(sock, host)
+        except NoDescriptorError:
+            self._selector.unregister(self._listener)
+            self._accepts_from = time.monotonic() + PAUSE
+
+    def _admit(self, sock: socket.socket, host: str) -> None:
+        if not self._makes_room(host):
+            most = self._places.limit_of(host)
+            text = f"{most} clients are connected already: expected one to leave first"
+            turn_away(sock, _encoded_texts("/fail", "stream", text))
+            return
+        try:
+            connection = Connection(sock, host)
+        except OSError:
+            sock.close()
+            return
+        self._connections.add(connection)
+        self._places.come(connection, host)
+        self._watch(connection)
 
     def _makes_room(self, host: str) -> bool:
         """True if there is a place for a newcomer of a host, perhaps another one's, who has left now."""
@@ -487,18 +498,3 @@ def _encoded(message: Message) -> bytes:
 @lru_cache(maxsize=16)  # of equal messages in a bundle each is refused with the same words
 def _encoded_texts(address: str, *texts: str) -> bytes:
     return encode(address, *texts)
-
-
-def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
-    """Return A UDP socket and a TCP listener on the same port."""
-    for attempt in range(_TRIES):
-        udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        try:
-            udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-            udp.bind((host, port))
-            return udp, listen(host, udp.getsockname()[1])
-        except OSError:
-            udp.close()
-            if port or attempt == _TRIES - 1:
-                raise
-    raise AssertionError

@@ -86,6 +86,8 @@ class Word(NamedTuple):
 
     name: str
     help: str = ""
+    otherwise: str = ""
+    """What it is where none is given."""
 
     def check(self, value: Argument) -> str:
         """Return the value; raise Refused if it is no text, or an empty one."""
@@ -103,6 +105,8 @@ class Either(NamedTuple):
     name: str
     words: tuple[str, ...]
     help: str = ""
+    otherwise: str = ""
+    """The word where none is given."""
 
     def check(self, value: Argument) -> str:
         """Return the word; raise Refused if it is none of them."""

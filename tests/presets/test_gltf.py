@@ -82,6 +82,7 @@ def test_a_glb_with_a_model_plays(tmp_path, capsys):
     capsys.readouterr()
 
 
+@pytest.mark.slow
 def test_what_a_file_of_another_leaves_out_follows_from_its_surface(mug):
     """Radiation is computed anew by the shapes at the points: half of it is within 3 dB of that of the whole model."""
     table = mug.geometry["table"]
