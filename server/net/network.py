@@ -342,7 +342,7 @@ class Network:
             self._leave(connection)
         for connection in [each for each in self._unended if each.patience_ends < now]:
             self._unended.discard(connection)
-            if connection in self._connections and connection.is_unframed():
+            if connection.is_unframed():
                 connection.arrived.append(None)
                 self._queue(connection)
         if self._accepts_from and now >= self._accepts_from:
