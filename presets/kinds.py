@@ -271,7 +271,8 @@ class ObjectPreset:
             make, spares = Complete(make, self.added, self.written), False
         try:
             best = Best(self.stereo_width, self.most_modes)
-            modes = made(make, top, arguments, best, spares=spares, on_disk=not self._replaced)
+            settled = None if self._replaced else self.name
+            modes = made(make, top, arguments, best, spares=spares, settled=settled)
         except ValueError as error:
             where = self.where or (f"{self.name}: " if isinstance(error, Silent) else "")
             raise PresetError(f"{where}{error}") from None

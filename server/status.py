@@ -57,6 +57,7 @@ FIELDS = {
     "bank": "setting of `/bank`",
     "budget": "setting of `/budget`: steps per sample, modes at once",
     "overruns": "",
+    "ends_lost": "ends of gestures that were not told: too many at once",
     "limiter_lowest": "lowest gain of the limiter since this client last asked; 1: it did nothing",
     "peak": "highest amplitude in the last 0.4 s, dB of full scale; -200: silence",
     "loudness": "momentary loudness (ITU-R BS.1770), LUFS",
@@ -135,7 +136,7 @@ class Status:
         self._watch = LimiterWatch(engine, names, self.lowest_gain.since_last_told)
         self._limited_from: int | None = None
         self._limited_to = 0
-        self._warned = dict.fromkeys(_COUNTERS, 0)
+        self._warned = dict.fromkeys((*_COUNTERS, "ends_lost"), 0)
         self._object_faults = engine.objects["faults"].copy()
 
     def reply(self, client: Source, objects: int, network: Network, own: Mapping[str, float | str]) -> Message:
@@ -163,6 +164,7 @@ class Status:
             "bank": self._engine.bank,
             "budget": " ".join(map(str, self._engine.budget)),
             "overruns": stats.overruns,
+            "ends_lost": self._engine.ends_lost,
             "limiter_lowest": self.lowest_gain.since_last_asked(client),
             "peak": max(self._engine.meter.peaks()),
             "loudness": self._engine.meter.loudness,
@@ -194,8 +196,9 @@ class Status:
             ("nonlinear_dropped", "{} blows left a plate linear: too many plates were coupled"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),
             ("underflows", "the device had {} dropouts: a larger --latency helps"),
+            ("ends_lost", "{} ends of gestures were not told: too many ended at once"),
         ):
-            now = getattr(stats, name)
+            now = getattr(self._engine if name == "ends_lost" else stats, name)
             if now > self._warned[name]:
                 late_last = 1e3 * stats.late_last
                 lines.append(text.format(now - self._warned[name], late_last=late_last))

@@ -146,6 +146,7 @@ def test_a_comparison_of_a_gestures_kind_is_found(code):
     assert list(kinds_compared(ast.parse(code))) == [1]
 
 
+@pytest.mark.slow
 def test_kernels_ask_traits_of_gestures_and_never_kinds():
     """The one table by gesture, `gesture_kernels.py`, compares none: it is data."""
     found = [

@@ -31,7 +31,9 @@ def _options(parser: argparse.ArgumentParser) -> None:
         help="preset of the material, such as glass; again as handle=wood for a part of the file",
     )
     parser.add_argument("--wall", type=number, metavar="M", help="thickness of a sheet or of a hollow body, m (solid)")
-    parser.add_argument("--scale", type=number, metavar="M", help="unit of the mesh, m; 0.001 for mm (1)")
+    parser.add_argument(
+        "--scale", type=number, metavar="M", help="unit of the mesh, m; 0.001 for mm (1, but for what is huge)"
+    )
     parser.add_argument("--modes", type=whole, default=60, metavar="N", help="largest number of modes (%(default)s)")
     parser.add_argument(
         "--points", type=whole, default=400, metavar="N", help="number of points of the surface, about (%(default)s)"
@@ -107,6 +109,9 @@ def _make(arguments: argparse.Namespace, material: str) -> int:
     presets = Presets(arguments.presets)
     with shown_mesh(asked.name) as say:
         made = make(arguments.file, arguments.out, asked, presets, say)
+    x, y, z = made.table.points.max(axis=0) - made.table.points.min(axis=0)
+    unsaid = "" if asked.scale else ": use --scale if that is not so"
+    tell("mesh", f"{x:.3g} x {y:.3g} x {z:.3g} m, {made.table.mass:,.4g} kg{unsaid}")
     files = list(made.files)
     if not arguments.no_report:
         from ..mesh_report import write_mesh_report

@@ -1,5 +1,6 @@
 """Objects from meshes."""
 
+import reprlib
 from collections.abc import Mapping
 from dataclasses import fields
 from os import PathLike
@@ -8,7 +9,7 @@ from typing import Any
 
 from .clients.meshes import Asked, MadeMesh, make
 from .clients.performer import Folders
-from .dsp.arguments import explain_arguments, path_of, refuse_unknown
+from .dsp.arguments import ArgumentError, explain_arguments, path_of, refuse_unknown
 from .presets import Presets
 
 File = str | PathLike[str]
@@ -85,8 +86,8 @@ def _divided(material: str | Mapping[str, str]) -> tuple[str, dict[str, str]]:
     """Return the main material, and those of parts by name."""
     if isinstance(material, str):
         return material, {}
-    if not material:
-        raise ValueError("material = {}: expected a material's name, or one for each part")
+    if not isinstance(material, Mapping) or not material:
+        raise ArgumentError(f"material = {reprlib.repr(material)}: expected a material's name, or one for each part")
     parts = dict(material)
     main = parts.pop(REST, None)
     return (next(iter(parts.values())) if main is None else main), parts

@@ -15,7 +15,7 @@ from .clients.performer import Folders, Performer
 from .dsp.arguments import explain_arguments
 from .server.osc.score import LONGEST_SCORE, Line, ScoreError, parse, read
 from .server.osc.wire import Message
-from .server.render import Options, blocks
+from .server.render import Options, RenderError, blocks
 from .sound import Sound
 
 
@@ -75,9 +75,11 @@ def render(
     1.0
     """
     lines = _lines(score)
+    if not isinstance(contact, str | Sequence):
+        raise RenderError(f"contact = {contact!r}: expected a method's name, or a tuple that begins with it")
     choice = (contact,) if isinstance(contact, str) else tuple(map(plain, contact))
     options = Options(
-        rate, seconds=seconds, contact=choice, channels=plain(channels), gain=plain(gain), limiter=limiter,
+        rate, seconds=plain(seconds), contact=choice, channels=plain(channels), gain=plain(gain), limiter=limiter,
         calibrated=calibrated, normalize=plain(normalize), full_scale=plain(full_scale),
     )  # fmt: skip
     performer = Performer(options, lines, presets, stems, contacts, steers_ended=True)

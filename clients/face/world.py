@@ -23,7 +23,7 @@ from .clients.actions import CommandError, plain
 from .clients.client import Client
 from .clients.commands.progress import shown_mesh
 from .clients.performer import Folders, Performer, chosen
-from .dsp.arguments import explain_all_arguments
+from .dsp.arguments import explain_all_arguments, switch_of
 from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.memory.state import QUANTUM
 from .dsp.numerics.quantities import Range
@@ -122,6 +122,7 @@ class World(Grained, Closing):
         gravity: float = 9.81,
         start: float = 0.0,
     ) -> None:
+        stems, contacts, keep = switch_of("stems", stems), switch_of("contacts", contacts), switch_of("keep", keep)
         if (stems or contacts) and not keep:
             raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
         require_number("rate", rate, _RATE)
@@ -467,6 +468,8 @@ class World(Grained, Closing):
         batch: a Batch of `carom.dsp.runtime.batch`. The block is filled once its `finish` was called, which is to be
         before the next step. A World that keeps its sound fills it at once.
         """
+        if batch is not None and not isinstance(batch, Batch):
+            raise WorldError(f"batch = {batch!r}: expected a Batch")
         return self._up_to(self.time, batch)
 
     def whole_block(self, batch: Batch | None = None) -> Blocks:

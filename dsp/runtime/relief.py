@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array
+from ..numerics.settled import single
 
 OCTAVES = 2.0
 REACH = 2.0  # times the middle of a band: a relief's natural frequency
@@ -43,7 +44,7 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
     natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
     # Summed without BLAS, whose last bits are not the same with any number of threads.
     static = np.add.reduceat(shapes * weight[:, None], first, axis=-1)
-    return Relief(TURN * natural / (2 * np.pi), DAMPING * natural, -static * natural / TURN)
+    return Relief(*map(single, (TURN * natural / (2 * np.pi), DAMPING * natural, -static * natural / TURN)))
 
 
 def _mean_square(rows: Array) -> Array:

@@ -224,6 +224,7 @@ _ENGINE = (
         "sets the pressure that is full scale in a score; a server takes only its own",
         (FULL_SCALE,),
     ),
+    Verb("/end", "ends a score's render at its time; a server does nothing"),
     Verb("/panic", "ends all gestures; the sound fades within 11 ms, and objects stay"),
 )
 
@@ -273,6 +274,9 @@ _SERVER = (
 VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *LISTENING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
 
 
+_SHOWN = 60  # characters of what stands in an address, in an error
+
+
 class Call(NamedTuple):
     """A message to one verb (None: nothing has its address), and the part of its address that stands for NAME or ID,
     perhaps a pattern."""
@@ -286,11 +290,36 @@ def calls(message: Message) -> list[Call]:
     """Return the calls that a message makes: one for each verb that its address, perhaps a pattern, matches.
 
     A pattern never matches /quit: nobody who sends to every address wants to end the server. An address that nothing
-    has makes one call, without a verb.
+    has makes one call, without a verb. An address without arguments takes a button: pressed it calls, let go it makes
+    no call.
     """
     if not is_pattern(message.address):
-        return [_named(message)]
-    return [_named(Message(address, message.args)) for address in _matched(message.address)] or [Call(message, None)]
+        found = [_named(message)]
+    else:
+        matched = _matched(message.address)
+        found = [_named(Message(address, message.args)) for address in matched] or [Call(message, None)]
+    return [_pressed(call) for call in found if not _is_let_go(call)]
+
+
+def _is_let_go(call: Call) -> bool:
+    """True of a button of a control surface that is let go, at an address without arguments: 0 or false."""
+    return call.verb is not None and call.verb.is_bare and len(call.message.args) == 1 and _button(call) is False
+
+
+def _pressed(call: Call) -> Call:
+    """Return a call as it is, but for a button that is pressed, at an address without arguments: 1, true, nil or an
+    impulse is none."""
+    if call.verb is None or not call.verb.is_bare or len(call.message.args) != 1 or not _button(call):
+        return call
+    return call._replace(message=call.message._replace(args=()))
+
+
+def _button(call: Call) -> bool | None:
+    """Return whether a button is pressed, by its argument; None: it is none."""
+    (value,) = call.message.args
+    if value is None:
+        return True
+    return bool(value) if isinstance(value, int | float) and value in (0, 1) else None
 
 
 _TARGETED = {tuple(address.split("/")[1::2]): verb for address, verb in VERBS.items() if address.count("/") == 3}
@@ -319,6 +348,11 @@ def _matched(pattern: str) -> list[str]:
 
 def unknown(address: str) -> Refused:
     """Return the error for an address that nothing has."""
+    first, *rest = address.split(maxsplit=1)
+    if rest:
+        return Refused(
+            f"arguments inside the address: expected the address {first} alone, and {rest[0][:_SHOWN]} as its arguments"
+        )
     meant = _meant(address)
     if meant:
         return Refused(f"no such address; did you mean {' or '.join(meant)}?")

@@ -53,6 +53,7 @@ EXAMPLES = {
     "/channels": "/channels 4",
     "/sensors": "/sensors 2",
     "/full_scale": "/full_scale 2",
+    "/end": "/end",
     "/panic": "/panic",
     "/world/body": "/world/body ball sphere glass 0.02",
     "/world/pair": "/world/pair floor ball surface polished-wood",

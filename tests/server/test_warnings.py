@@ -12,7 +12,7 @@ import pytest
 
 from carom.clients.actions import CommandError
 from carom.clients.client import Client
-from carom.dsp.engine.memory.state import CONTACTS
+from carom.dsp.engine.memory.state import CONTACTS, ENDED
 from carom.dsp.runtime.engine import Engine
 from carom.server.options import Options, ServeError
 from carom.server.osc import wire
@@ -85,6 +85,10 @@ def unwritten(server: Server, client: Client) -> None:
     server.engine.state["stats"]["tap_lost"] += 7
 
 
+def overwritten(server: Server, client: Client) -> None:
+    server.engine.state["ends"]["written"] += ENDED + 9
+
+
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
@@ -97,6 +101,7 @@ def unwritten(server: Server, client: Client) -> None:
         (no_number, "object a was silenced: its sound was not finite"),
         (unheard, "the device had 1 dropouts: a larger --latency helps"),
         (unwritten, "7 frames are missing from the recording: the disk is too slow"),
+        (overwritten, "10 ends of gestures were not told: too many ended at once"),
     ],
 )
 def test_what_goes_wrong_is_told_each_time_once_to_those_who_asked(server, client, wrong, told):

@@ -114,6 +114,7 @@ def test_scores_sent_line_by_line_make_the_bits_that_they_render_to(name):
     np.testing.assert_array_equal(sound.samples, carom.render(lines, 44_100, seconds=seconds).samples)
 
 
+@pytest.mark.slow
 def test_sound_goes_on_from_render_to_render():
     lengths = [1, 63, 100, 1000, 64, 7, 2048, 301]
     with carom.Scene() as whole, carom.Scene() as cut:

@@ -75,9 +75,9 @@ def test_defaults_are_in_range_and_given_values_win():
     ],
 )
 def test_an_address_is_matched_once(address, found):
-    made = calls(Message(address, (1,)))
+    made = calls(Message(address, (2,)))
     assert [(call.verb.address if call.verb else None, call.target) for call in made] == found
-    assert all(call.message.args == (1,) for call in made)
+    assert all(call.message.args == (2,) for call in made)
 
 
 def test_settings_can_be_given_with_a_new_object():
