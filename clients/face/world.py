@@ -498,7 +498,15 @@ class World(Grained, Closing):
     def ring(self, seconds: float) -> Blocks:
         """Render the sound of some seconds more, in which no step is taken; steps go on after them.
 
-        Return float32 (frames, channels), Pa. WorldError below 0 s and above an hour.
+        Parameters
+        ----------
+        seconds : float
+            0 to 3600 s.
+
+        Returns
+        -------
+        array
+            float32 (frames, channels), in Pa.
         """
         require_number("seconds", seconds, Range(0.0, _LONGEST, "s"))
         until = self.time + seconds
@@ -515,10 +523,22 @@ class World(Grained, Closing):
         return self._capture.sound()
 
     def score(self, path: str | PathLike[str] | None = None) -> str:
-        """Return the messages up to now as a score.
+        """Return the messages up to now as a score; `carom.render(..., calibrated=True)` gives the same bits.
 
-        `carom.render(..., calibrated=True)` turns it into the same bits. path: a file to write it to. WorldError unless
-        the messages were kept.
+        Parameters
+        ----------
+        path : path, optional
+            File to write it to, too.
+
+        Returns
+        -------
+        str
+            The score.
+
+        Raises
+        ------
+        WorldError
+            The messages were not kept.
         """
         if self._kept is None:
             raise WorldError("score: expected a World(keep=True)")
