@@ -117,8 +117,8 @@ def assemble(
 ) -> tuple[Contact, ...]:
     """Return the contacts of a trace, by start.
 
-    trace: (n,) of TRACE, of the sound that begins at the sample `start` of a scene; rate: Hz; striking: what a command
-    (by number) said.
+    trace: (n,) of TRACE, of the sound that begins at the sample `start` of a scene; rate: Hz;
+    striking: the words of a command, by its number.
     """
     if not len(trace):
         return ()

@@ -1,4 +1,4 @@
-"""MuJoCo's sound: a bridge that tells a World what a model's contacts and bodies do.
+"""MuJoCo's sound: a bridge that reports to a World what a model's contacts and bodies do.
 
     model = mujoco.MjModel.from_xml_path("scene.xml")
     data = mujoco.MjData(model)
@@ -322,7 +322,7 @@ class Bridge(Closing):
             self.world.close()
 
     def tell_or_restart(self) -> int:
-        """Tell a step, as `tell` does; begin anew where MuJoCo has reset, within it, what had become unstable."""
+        """Report a step, as `tell` does; begin anew where MuJoCo has reset, within it, what had become unstable."""
         try:
             return self.tell()
         except WorldError:

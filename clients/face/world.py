@@ -202,12 +202,12 @@ class World(Grained, Closing):
 
     @property
     def hits(self) -> list[Hit]:
-        """The blows that the last step told, those that nobody would hear too."""
+        """The blows of the last step, those that nobody would hear, too."""
         return self.simulation.hits
 
     @property
     def counts(self) -> Counts:
-        """Counts of what was told since the beginning, and of what was left out."""
+        """Counts of what happened since the beginning, and of what was left out."""
         return self.simulation.counts
 
     def body(
@@ -437,7 +437,7 @@ class World(Grained, Closing):
         self._send(told)
 
     def teller(self, arrays: int, time: int, points: int, behind: int = 0, kept: object = None) -> Callable[[], int]:
-        """Return a function that tells a step, for bridges, and returns the number of its blows.
+        """Return a function that reports a step, for bridges, and returns the number of its blows.
 
         arrays: address of a record of `carom.server.bridge.mujoco.arrays.ARRAYS`, which says where a simulator has its
         poses and contacts. time: address of its time (s), a float64. points: address of the number of its contacts, an
@@ -480,7 +480,7 @@ class World(Grained, Closing):
     def restart(self, time: float) -> None:
         """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches.
 
-        A score that is kept does not tell of it. WorldError for a World with a client.
+        A score that is kept does not have it. WorldError for a World with a client.
         """
         if self._scene is None:
             raise WorldError("restart: expected a World without a client")
