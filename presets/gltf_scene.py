@@ -121,8 +121,11 @@ def _primitive(document: Document, primitive: Mapping[str, Any]) -> tuple[Number
     packed = document.at(primitive, "extensions", {}).get(_DRACO)
     if packed is not None:
         said = document.listed("accessors", attributes["POSITION"])
-        kind = said.get("componentType")
-        most = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}.get(kind, 1) if said.get("normalized") else 1
+        most = (
+            {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}.get(int(said.get("componentType", 0)), 1)
+            if said.get("normalized")
+            else 1
+        )
         points, corners = unpacked_draco(document, packed)
         points = np.maximum(points / most, -1.0) if most > 1 else points
     else:

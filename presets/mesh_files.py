@@ -185,7 +185,7 @@ class _Rows:
             row = np.dtype([(str(number), *each) for number, each in enumerate(parts)])
             if len(self.body) - begin < row.itemsize * count:
                 return None
-            rows = np.frombuffer(self.body, row, count, begin)
+            rows: Any = np.frombuffer(self.body, row, count, begin)
             columns = [rows[name] for name in row.names or ()]
             self.at = begin + row.itemsize * count
         values = []

@@ -72,19 +72,19 @@ def kept(name: str) -> Arrays:
 def packed(modes: Modes) -> dict[str, NDArray[Any]]:
     """Return the arrays to be kept of an object's modes, by their names."""
     found: dict[str, NDArray[Any]] = {
-        "frequency": np.float32(modes.frequency),
-        "decay": np.float32(modes.decay),
-        "pressure": np.float32(modes.pressure),
+        "frequency": modes.frequency.astype(np.float32),
+        "decay": modes.decay.astype(np.float32),
+        "pressure": modes.pressure.astype(np.float32),
         "clicks": np.array(modes.clicks, np.float32).reshape(-1, 3),
         **_packed_table("strike", modes.strike),
     }
     if modes.unheard is not None:
-        found["unheard"] = np.float32([modes.unheard.frequency, modes.unheard.decay])
+        found["unheard"] = np.array([modes.unheard.frequency, modes.unheard.decay], np.float32)
         found |= _packed_table("felt", modes.unheard.strike)
     if modes.sheet is not None:
-        found["sheet"] = np.float32([modes.sheet.shrinking, modes.sheet.frequency])
+        found["sheet"] = np.array([modes.sheet.shrinking, modes.sheet.frequency], np.float32)
         mixtures = np.concatenate([each.ravel() for _, each in modes.sheet.parts])
-        found["mixtures"] = multiples_of(np.float32(mixtures), np.ones(1)).astype(np.int32)
+        found["mixtures"] = multiples_of(mixtures.astype(np.float32), np.ones(1)).astype(np.int32)
     return found
 
 

@@ -13,9 +13,10 @@ from .clients.actions import plain
 from .clients.gesture_methods import Value
 from .clients.performer import Folders, Performer
 from .dsp.arguments import explain_arguments
+from .server.files.whole import RenderError
 from .server.osc.score import LONGEST_SCORE, Line, ScoreError, parse, read
 from .server.osc.wire import Message
-from .server.render import Options, RenderError, blocks
+from .server.render import Options, blocks
 from .sound import Sound
 
 

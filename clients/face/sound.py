@@ -147,7 +147,7 @@ class Sound:
 
         RenderError for a rate that cannot be.
         """
-        whole = index(rate) if hasattr(rate, "__index__") and not np.ndim(rate) else 0
+        whole = index(rate) if hasattr(rate, "__index__") and np.shape(np.asarray(rate)) == () else 0
         if not LOWEST_RATE <= whole <= HIGHEST_RATE:
             raise RenderError(f"rate = {rate!r}: expected a whole number from {LOWEST_RATE} to {HIGHEST_RATE} Hz")
         shared = math.gcd(whole, self.rate)

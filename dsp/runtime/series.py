@@ -88,4 +88,5 @@ def told_by_terms(table: Table) -> NDArray[np.bool_]:
     multiples = values_of(multiples_of(table, scale), scale)
     sums = sum_of(coefficients_of(table, scale), len(table), scale)
     far = np.abs(sums - table.astype(np.float64)).max(axis=0) > np.ldexp(scale, -BITS)
-    return ~(far | (multiples == table).all(axis=0))
+    told: NDArray[np.bool_] = ~(far | (multiples == table).all(axis=0))
+    return told

@@ -58,7 +58,7 @@ _SCORE = re.compile(r"^```score\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 
 def audio(source: str) -> str:
     """Return a player."""
-    return f'<audio controls preload="none" src="{source}"></audio>'
+    return f'<audio controls preload="none" src="{source}" style="height:2em;vertical-align:middle"></audio>'
 
 
 def sound_of(score: str) -> Path:

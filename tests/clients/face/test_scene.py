@@ -99,7 +99,7 @@ def test_every_address_of_a_score_is_a_method():
     """World has those of a simulation."""
     for address, verb in VERBS.items():
         if verb.scored and not address.startswith(
-            ("/gesture/", "/channels", "/sensors", "/full_scale", "/end", "/world/")
+            ("/gesture/", "/channels", "/sensors", "/full_scale", "/world/", "/end")
         ):
             assert callable(getattr(carom.Scene, address.rsplit("/", 1)[1]))
 
