@@ -271,8 +271,7 @@ class ObjectPreset:
             make, spares = Complete(make, self.added, self.written), False
         try:
             best = Best(self.stereo_width, self.most_modes)
-            settled = None if self._replaced else self.name
-            modes = made(make, top, arguments, best, spares=spares, settled=settled)
+            modes = made(make, top, arguments, best, spares=spares, on_disk=not self._replaced)
         except ValueError as error:
             where = self.where or (f"{self.name}: " if isinstance(error, Silent) else "")
             raise PresetError(f"{where}{error}") from None

@@ -29,19 +29,19 @@ def made(
     best: Best,
     *,
     spares: bool = False,
-    settled: str | None = None,
+    on_disk: bool = False,
 ) -> Modes:
     """Return the modes that a shape makes of hashable arguments, up to `top` (Hz), those that are the best. spares: the
-    shape takes `best` as an argument. settled: the name of the preset that has them so; they are read on disk, or
-    written there for later processes, with the bits that they have everywhere.
+    shape takes `best` as an argument. on_disk: they are as a preset has them: read them there, or write them for later
+    processes, with the bits that they have everywhere.
 
     Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
     give what is computed of it other last bits.
     """
-    key = (make, top, *best, settled, *sorted(arguments.items()))
+    key = (make, top, *best, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
-        modes = stored.read(key) if settled else None
+        modes = stored.read(key) if on_disk else None
         if modes is None:
             with on_one_thread():
                 if spares:
@@ -49,8 +49,8 @@ def made(
                 else:
                     modes = best.of(heard_or_felt(make, top, **arguments))
                 modes = _contiguous(modes)
-            if settled:
-                modes = _contiguous(settle(settled, modes))
+            if on_disk:
+                modes = _contiguous(settle(modes))
                 stored.write(key, modes)
         read_only(*_arrays(modes))
         _kept.put(key, modes)

@@ -7,7 +7,6 @@ it. Shapes are kept there as portable code has them (`dsp/runtime/series.py`), 1
 `python -m tests.bench.settled` writes the file, and a test compares it with what is computed.
 """
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -24,19 +23,32 @@ from ..dsp.runtime.series import LEAST_ROWS, coefficients_of, multiples_of, scal
 
 FILE = Path(__file__).with_name("settled.npz")
 NEAR = 1e-5
-"""Share of a frequency by which modes that are computed may differ from those that are kept: they are the same, but for
-roundings."""
+"""Share of the greatest value by which modes that are computed may differ from those that are kept and be the same, but
+for roundings."""
+INDEX = np.dtype([("pitch", np.float64), ("modes", np.int64), ("name", "U32")])
 Arrays = Mapping[str, NDArray[Any]]
 
 
-def settle(name: str, modes: Modes) -> Modes:
-    """Return the modes of an object as its preset of a name has it, with the bits that they have everywhere; as they
-    are where none are kept by this name that are the same but for roundings."""
-    arrays = kept(name) if name in names() else {}
-    found = arrays.get("frequency")
-    if found is None or found.shape != modes.frequency.shape or not np.allclose(found, modes.frequency, NEAR, 0.0):
-        return modes
-    return unpacked(arrays, modes) if "decay" in arrays else rounded(modes)
+def settle(modes: Modes) -> Modes:
+    """Return the modes of an object as its preset has it, with the bits that they have everywhere; as they are where
+    none are kept that are the same but for roundings."""
+    for name in _near(modes.pitch, modes.frequency.size):
+        arrays = kept(name)
+        if "decay" not in arrays and np.allclose(arrays["frequency"], modes.frequency, NEAR, 0.0):
+            return rounded(modes)
+        if "decay" in arrays and _same(found := unpacked(arrays, modes), modes):
+            return found
+    return modes
+
+
+def _same(found: Modes, modes: Modes) -> bool:
+    """True if modes differ by roundings and signs alone."""
+    if found.strike.shape != modes.strike.shape:
+        return False
+    pairs = [
+        (each.frequency, each.decay, *np.abs(each.pressure), np.abs(each.strike).max(axis=0)) for each in (found, modes)
+    ]
+    return all(np.allclose(one, other, NEAR, NEAR * other.max()) for one, other in zip(*pairs, strict=True))
 
 
 def rounded(modes: Modes) -> Modes:
@@ -57,10 +69,21 @@ def rounded(modes: Modes) -> Modes:
 
 
 @cache
-def names() -> frozenset[str]:
+def _index() -> NDArray[Any]:
+    """Return the pitch (Hz), the number of modes and the name of each object of which modes are kept."""
+    with np.load(FILE, allow_pickle=False) as file:
+        found: NDArray[Any] = file["index"]
+    return found
+
+
+def names() -> list[str]:
     """Return the names of the objects of which modes are kept."""
-    with zipfile.ZipFile(FILE) as file:
-        return frozenset(each.split("/")[0] for each in file.namelist())
+    return [str(name) for _, _, name in _index()]
+
+
+def _near(pitch: float, modes: int) -> list[str]:
+    """Return the names of those that have a pitch (Hz), but for roundings, and a number of modes."""
+    return [str(name) for own, count, name in _index() if count == modes and abs(own - pitch) <= NEAR * pitch]
 
 
 def kept(name: str) -> Arrays:
@@ -91,10 +114,10 @@ def packed(modes: Modes) -> dict[str, NDArray[Any]]:
 def unpacked(arrays: Arrays, modes: Modes) -> Modes:
     """Return modes with the arrays that are kept of them."""
     unheard, sheet = modes.unheard, modes.sheet
-    if unheard is not None:
+    if unheard is not None and "unheard" in arrays:
         frequency, decay = arrays["unheard"].astype(np.float64)
         unheard = Unheard(frequency, decay, _unpacked_table("felt", arrays))
-    if sheet is not None:
+    if sheet is not None and "sheet" in arrays:
         shrinking, frequency = arrays["sheet"].astype(np.float64)
         ends = np.cumsum([each.size for _, each in sheet.parts])
         cut = np.split(values_of(arrays["mixtures"].astype(np.int64), np.ones(1)).astype(np.float64), ends[:-1])

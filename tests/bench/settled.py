@@ -12,8 +12,10 @@ import importlib
 import re
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from carom.dsp.numerics import settled as tables
 from carom.dsp.resonator.bank import top_of
@@ -35,20 +37,26 @@ def write_tables() -> None:
 
 
 def write_modes() -> None:
-    presets, count = Presets(), 0
+    presets, count, index = Presets(), 0, []
     with zipfile.ZipFile(modes.FILE, "w", zipfile.ZIP_LZMA) as file:
+
+        def add(key: str, values: NDArray[Any]) -> None:
+            member = zipfile.ZipInfo(f"{key}.npy")  # of no time: the same bytes for the same modes
+            member.compress_type = zipfile.ZIP_LZMA
+            with file.open(member, "w") as into:
+                np.lib.format.write_array(into, np.ascontiguousarray(values), allow_pickle=False)
+
         for name in presets.names("objects"):
             preset = presets.object(name)
             # With a value given, though it is that of the file, the modes are those computed.
             found = preset.replace(level=preset.level).modes(top_of(RATE))
+            index.append((found.pitch, found.frequency.size, name))
             arrays = {"frequency": np.float32(found.frequency)}
             if preset.shape in SOLVED or (found.sheet is not None and found.sheet.parts):
                 count, arrays = count + 1, modes.packed(found)
             for key, values in arrays.items():
-                member = zipfile.ZipInfo(f"{name}/{key}.npy")  # of no time: the same bytes for the same modes
-                member.compress_type = zipfile.ZIP_LZMA
-                with file.open(member, "w") as into:
-                    np.lib.format.write_array(into, np.ascontiguousarray(values), allow_pickle=False)
+                add(f"{name}/{key}", values)
+        add("index", np.array(index, modes.INDEX))
     print(f"{modes.FILE.name}: modes of {count} objects, {modes.FILE.stat().st_size} bytes")
 
 
