@@ -130,7 +130,8 @@ def copied(folder: Path) -> None:
         shutil.copytree(ROOT / name, folder / "carom" / name, ignore=ignored)
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / "tests", folder / "tests", ignore=ignored)
-    shutil.copy(ROOT / "pyproject.toml", folder)
+    for name in ("pyproject.toml", "setup.py"):
+        shutil.copy(ROOT / name, folder)
     (folder / "cache" / "carom").mkdir(parents=True)
     with suppress(shutil.Error):  # of files that another process prunes meanwhile
         shutil.copytree(user_cache(), folder / "cache" / "carom" / "code")
