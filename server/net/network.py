@@ -18,8 +18,8 @@ from .places import PAUSE, Complaint, NoDescriptorError, Places, accepted, most_
 from .remote import Doorway, Remote
 from .reply_budget import Allowance, Nets
 from .rotation import Rotation
-from .tcp import Connection, bound, turn_away
-from .udp import Caller, Intake, dropped_by_system
+from .tcp import Connection, turn_away
+from .udp import Caller, Intake, bound, dropped_by_system
 
 MOST_CONNECTIONS = 64
 MOST_OF_HOST = 32
@@ -31,9 +31,6 @@ LONGEST_SILENCE = 45.0
 
 PATIENCE = 2.0
 """s after which a question that came by datagram is dropped: whoever asked has given up, or asks for too much."""
-
-RECEIVE_BUFFER = 1 << 22
-"""Bytes asked of the system for datagrams that the reading thread has not taken yet; the system may give less."""
 
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
@@ -85,7 +82,7 @@ class Network:
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._unended: set[Connection] = set()  # a first packet of theirs has not ended yet
         self._allowance = Allowance(trusted)
-        self._udp, self._listener = bound(host, port, RECEIVE_BUFFER)
+        self._udp, self._listener = bound(host, port)
         self.doorway = Doorway()
         self._intake = Intake(self._udp)
         self._selector = selectors.DefaultSelector()

@@ -13,7 +13,6 @@ from ..osc.framing import UNFRAMED, Broken, Framing, Slip, framing
 _PIECE = 1 << 14  # bytes read at a time: as packets, short ones take up to 20 times that in memory
 _MOST_WAITING = 1 << 18  # bytes of replies kept for a client that reads slowly
 _PATIENCE = 0.5  # s: within it the END of a first packet comes
-_TRIES = 16  # ports that may be free for UDP and not for TCP
 _BACKLOG = 4_096  # connections that wait to be accepted; the system may allow fewer
 
 
@@ -143,21 +142,6 @@ def listen(host: str, port: int) -> socket.socket:
         sock.close()
         raise
     return sock
-
-
-def bound(host: str, port: int, receive_buffer: int) -> tuple[socket.socket, socket.socket]:
-    """Return a UDP socket, with a buffer (bytes) if the system gives it, and a TCP listener on the same port."""
-    for attempt in range(_TRIES):
-        udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        try:
-            udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
-            udp.bind((host, port))
-            return udp, listen(host, udp.getsockname()[1])
-        except OSError:
-            udp.close()
-            if port or attempt == _TRIES - 1:
-                raise
-    raise AssertionError
 
 
 def turn_away(sock: socket.socket, farewell: bytes) -> None:

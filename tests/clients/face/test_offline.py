@@ -47,13 +47,16 @@ def test_lines_may_stand_in_any_order_and_hold_numpys_numbers():
 
 
 def test_folders_of_presets_come_first(tmp_path):
+    """A copy's modes are computed here, a built-in object's were elsewhere: they differ by rounding."""
     (tmp_path / "objects").mkdir()
     text = (BUILT_IN / "objects" / "xylophone-bar.toml").read_text()
     (tmp_path / "objects" / "mine.toml").write_text(text)
     score = SCORE.replace("xylophone-bar", "mine")
     for presets in (tmp_path, str(tmp_path), [tmp_path], carom.Presets([tmp_path])):
-        np.testing.assert_array_equal(
-            carom.render(score, seconds=0.02, presets=presets).samples, carom.render(SCORE, seconds=0.02).samples
+        np.testing.assert_allclose(
+            carom.render(score, seconds=0.02, presets=presets).samples,
+            carom.render(SCORE, seconds=0.02).samples,
+            atol=1e-5,
         )
     with pytest.raises(carom.ScoreError, match="no object 'mine'"):
         carom.render(score)
