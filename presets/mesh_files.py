@@ -186,8 +186,8 @@ class _Rows:
             row = np.dtype([(str(number), *each) for number, each in enumerate(parts)])
             if len(self.body) - begin < row.itemsize * count:
                 return None
-            rows: Any = np.frombuffer(self.body, row, count, begin)
-            columns = [rows[name] for name in row.names or ()]
+            table: Any = np.frombuffer(self.body, row, count, begin)
+            columns = [table[name] for name in row.names or ()]
             self.at = begin + row.itemsize * count
         values = []
         for (length, _), width in zip(kinds, widths, strict=True):
