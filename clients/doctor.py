@@ -13,7 +13,8 @@ from ..dsp.native.store import user_cache, usual_cache
 from ..dsp.runtime.engine import Engine
 from ..presets import PresetError, Presets
 from ..server.audio.portaudio import NONE_FOUND, AudioError, devices
-from ..server.net.network import RECEIVE_BUFFER, Network
+from ..server.net.network import Network
+from ..server.net.udp import RECEIVE_BUFFER
 from ..server.options import ServeError
 from ..server.osc.wire import DEFAULT_PORT
 
