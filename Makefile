@@ -14,7 +14,7 @@ INSTALL := $(if $(UV),$(UV) pip install --quiet --python $(BIN)/python,\
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
 
-.PHONY: help demo quick test portable checked attack coverage serve bench chart levels sounds picture documents study lint clean
+.PHONY: help demo quick test portable checked attack coverage serve bench chart levels sounds picture documents site study lint clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
@@ -25,11 +25,11 @@ demo: $(READY)  ## render the demo score to demo.wav and draw demo.png
 	@echo "demo.wav and demo.png are here"
 
 quick: $(DEV)  ## the tests that are fast: two minutes on two cores, once the engine is compiled
-	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadfile --no-loadscope-reorder
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist worksteal
 
 test: $(DEV) lint  ## linters, types and all tests: some twenty minutes on two cores
 	@echo "all tests: $$(cat $(LAST) 2>/dev/null || echo 'some twenty minutes on two cores'); make quick runs the fast ones"
-	@begun=$$(date +%s); OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder || exit; \
+	@begun=$$(date +%s); OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal || exit; \
 	  echo "$$((($$(date +%s) - begun + 59) / 60)) minutes the last time" >$(LAST)
 
 portable: $(DEV)  ## all tests under each BLAS kernel and level of this processor, and as another user: hours
@@ -39,7 +39,7 @@ portable: $(DEV)  ## all tests under each BLAS kernel and level of this processo
 MINUTES ?= 10
 SEED ?= 0
 checked: $(DEV)  ## engine tests and MINUTES=10 of random scores from SEED=0 on, by kernels that check their indices
-	@CAROM_CHECKED=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadfile --no-loadscope-reorder \
+	@CAROM_CHECKED=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist worksteal \
 	  $(addprefix tests/dsp/,contact engine friction karman resonator rolling runtime space spectral swarm) tests/server/scene
 	@$(BIN)/python -m tests.bench.checked --minutes $(MINUTES) --seed $(SEED)
 
@@ -88,6 +88,9 @@ picture: $(DEV)  ## take the picture of the page, in Chromium
 
 documents: $(DEV)  ## write the tables of all pages
 	@$(BIN)/python -m tests.documents.pages
+
+site: $(DEV)  ## build a web site from the pages, with sounds and the demo, in build/site
+	@$(BIN)/python -m tests.documents.site
 
 attack: $(DEV)  ## try to break what SECURITY.md promises, for 15 minutes, with a seed of its own
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.bench.attack

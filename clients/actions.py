@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ..dsp.arguments import explain_all_arguments
+from ..dsp.arguments import explain_all_arguments, switch_of
 from ..dsp.errors import CaromError
 from ..server.osc.wire import Message
 from .gesture_methods import Gestures, Value, with_gestures
@@ -116,7 +116,7 @@ class Actions(Gestures, ABC):
     def free(self, name: str, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove an object and the copies for its notes, once silent or at once, with a fade; its name is free."""
         address = f"/object/{name}/free"
-        self.send(address, *([1] if _is_on(address, "at_once", at_once) else []), at=at)
+        self.send(address, *([1] if switch_of(f"{address}: at_once", at_once, CommandError) else []), at=at)
 
     def steer(
         self, id: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None,
@@ -223,7 +223,7 @@ class Actions(Gestures, ABC):
 
     def limiter(self, on: bool, at: SupportsFloat | None = None) -> None:
         """Keep the sound within full scale (the default), or leave it as it is."""
-        self.send("/limiter", "on" if _is_on("/limiter", "on", on) else "off", at=at)
+        self.send("/limiter", "on" if switch_of("/limiter: on", on, CommandError) else "off", at=at)
 
     def panic(self, at: SupportsFloat | None = None) -> None:
         """End everything: all sound fades within 11 ms; objects stay."""
@@ -231,15 +231,10 @@ class Actions(Gestures, ABC):
 
 
 def message_of(address: str, args: tuple[Value, ...], keys: dict[str, Value]) -> Message:
-    """Return a message of arguments, followed by keys and their values."""
+    """Return a message of arguments, followed by keys and their values. CommandError for what is no address."""
+    if not isinstance(address, str):
+        raise CommandError(f"address = {address!r}: expected an OSC address, as /object/bell/impact")
     return Message(address, tuple(map(plain, (*args, *key_pairs(keys)))))
-
-
-def _is_on(address: str, name: str, value: object) -> bool:
-    """Return a switch as it is; CommandError for what is neither true nor false."""
-    if value not in (True, False):
-        raise CommandError(f"{address}: {name} = {value!r}: expected True or False")
-    return bool(value)
 
 
 def _spread(numbers: tuple[Value, ...]) -> tuple[Value, ...]:

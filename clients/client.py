@@ -31,18 +31,25 @@ KEPT = 1_000
 class Client(Actions, Closing):
     """A connection to one server: UDP, or TCP, which loses nothing.
 
-    host: name or address. port: of the server, the same for UDP and TCP. Floats go as doubles, so that the server's log
-    holds exactly what was asked for.
+    Each address of a score is a method. `at` is the Unix time (s) at which its sound is heard; None is as soon as
+    possible. A name or id may be an OSC pattern. All methods but `new`, `ask`, `ask_all` and `status` only send: what
+    the server refuses is kept for `errors`.
 
-    Each address of a score is a method. `at` is the Unix time (s, as `time.time()` gives it) at which its sound is
-    heard; None is as soon as possible. A NAME or ID may be an OSC pattern. Further keys go to the server as they are,
-    which checks them: they are those of the OSC address of the same name. Numbers may be numpy's, lists may be arrays.
+    Parameters
+    ----------
+    host : str, default "127.0.0.1"
+        Name or address of the server.
+    port : int, default 57140
+        Port of the server, the same for UDP and TCP.
+    tcp : bool, default False
+        Whether to use TCP.
 
-    All methods but `new`, `ask`, `ask_all` and `status` only send, or add to the bundle that is being made, and wait
-    for nothing: what the server refuses is told by `errors`.
-
-    Raises CommandError for a message that cannot be sent, and ConnectionRefusedError, for TCP already here, if the host
-    says that nothing listens.
+    Raises
+    ------
+    CommandError
+        A message that cannot be sent.
+    ConnectionRefusedError
+        Nothing listens there; for TCP already here.
     """
 
     def __init__(self, host: str = "127.0.0.1", port: int = wire.DEFAULT_PORT, tcp: bool = False) -> None:

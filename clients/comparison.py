@@ -108,6 +108,29 @@ def table(found: Distance) -> str:
     return "\n".join(lines)
 
 
+_ABOVE, _BELOW = 2_000.0, 1_000.0
+"""Hz: the bands whose levels say which sound is brighter."""
+_ALIKE, _ALIKE_LENGTH = 1.0, 1.1
+"""dB, and a ratio of T60, up to which two sounds are alike to a player."""
+
+
+def verdict(found: Distance) -> str:
+    """Return in a sentence how B sounds beside A: brighter or duller, longer or shorter."""
+    heard = np.array(_heard(found))
+    words = []
+    if len(heard) and (heard[:, 0] > _ABOVE).any() and (heard[:, 0] < _BELOW).any():
+        differ = heard[:, 2] - heard[:, 1]
+        tilt = float(differ[heard[:, 0] > _ABOVE].mean() - differ[heard[:, 0] < _BELOW].mean())
+        if abs(tilt) > _ALIKE:
+            words.append(f"is {abs(tilt):.0f} dB {'brighter' if tilt > 0 else 'duller'}")
+    known = found.decays[np.isfinite(found.decays).all(axis=1)]
+    if len(known):
+        ratio = float(np.exp(np.median(np.log(known[:, 2] / known[:, 1]))))
+        if max(ratio, 1.0 / ratio) > _ALIKE_LENGTH:
+            words.append(f"rings {ratio:.1f} times as long")
+    return f"B {' and '.join(words or ['is as bright as A', 'rings as long'])}."
+
+
 def as_json(found: Distance, kind: Excess | None = None) -> str:
     """Return all figures as JSON; a decay that there is none of is null. kind: what was found beside recordings."""
     data: dict[str, Any] = {

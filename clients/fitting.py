@@ -137,9 +137,7 @@ def make(recordings: Sequence[Path], out: Path, wanted: Wanted, presets: Presets
         found_in, strikers, more = _by_force(wanted.force, (found_in, strikers), takes, wanted)
         notes += more
     files, sound, louder, quieter = _write(found_in, takes, wanted, strikers, out)
-    licence = (
-        [] if wanted.licence else [f"the licence of {read_in[0].path} is not told: --licence and --source keep it"]
-    )
+    licence = [] if wanted.licence else [f"the licence of {read_in[0].path} is unknown: give --licence and --source"]
     notes += said.notes(found_in, [take.hit for take in takes])
     if wanted.full_scale is not None:
         notes += said.too_loud(louder, wanted.mass, wanted.velocity)

@@ -59,9 +59,13 @@ def _begin(gesture: Gesture) -> _Method:
 
     method.__name__ = method.__qualname__ = gesture.name
     lasts = " A gesture of that `id` that goes on (None: the object's own) is steered." if gesture.along else ""
+    kind = "str" if gesture.what else f"float, {gesture.argument.allowed}"
+    meaning = gesture.what or gesture.argument.help
     method.__doc__ = (
-        f"Begin a gesture that {gesture.help.replace(' it', ' the object', 1)}.\n\n"
-        f"{first}: {gesture.what or f'{gesture.argument.allowed}; {gesture.argument.help}'}.{lasts}"
+        f"Begin a gesture that {gesture.help}.{lasts}\n\n"
+        f"Parameters\n----------\n{first} : {kind}\n    {meaning[0].upper()}{meaning[1:]}.\n"
+        "position : float, 0 to 1, optional\n    Position on the object's strike path.\n"
+        "at : float, optional\n    Time in s. Default: as soon as possible."
     )
     given = inspect.signature(method).parameters.values()
     named = [each.replace(name=first) if each.name == "value" else each for each in given]

@@ -429,7 +429,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ImpactKeys],
     ) -> None:
-        """Begin a gesture that strikes the object once; with `by`, another object strikes it, and rings too."""
+        """Begin a gesture that strikes the object once; with `by`, another object strikes it, and both ring."""
 
     def bounce(
         self,
@@ -439,7 +439,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[BounceKeys],
     ) -> None:
-        """Begin a gesture that drops or throws the striker on the object, which bounces until it rests."""
+        """Begin a gesture that drops or throws the striker on the object, where it bounces until it lies still."""
 
     def roll(
         self,
@@ -449,8 +449,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until 0, or steers the roll of that id (NAME if
-        none)."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the roll of that
+        id (NAME if none)."""
 
     def press(
         self,
@@ -481,8 +481,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until 0, or steers the slide of that id (NAME if
-        none): a scrape, a rub, a bow."""
+        """Begin a gesture that drags the striker over the object until the speed is 0, or steers the slide of that
+        id (NAME if none)."""
 
     def rest(
         self,
@@ -492,7 +492,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another object or on a support, until it is stopped: both ring
+        """Begin a gesture that lays the object on another one or on a support, until it is stopped: both ring
         shorter, and may buzz."""
 
     def rain(
@@ -524,8 +524,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[CrumpleKeys],
     ) -> None:
-        """Begin a gesture that crushes the object: crackles of all energies, each as a blow of the striker, until
-        it is stopped."""
+        """Begin a gesture that crushes the object: crackles of all energies, each a blow of the striker, until it
+        is stopped."""
 
     def pour(
         self,
@@ -546,7 +546,7 @@ class Gestures:
         **keys: Unpack[StepKeys],
     ) -> None:
         """Begin a gesture that treads on the object once, from heel to toe: crackles as the weight comes and goes,
-        each as a blow of the striker."""
+        each a blow of the striker."""
 
     def shatter(
         self,
@@ -556,7 +556,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShatterKeys],
     ) -> None:
-        """Begin a gesture that breaks the object: it cracks and falls silent; its pieces, each as the striker,
+        """Begin a gesture that breaks the object: it cracks and falls silent; its pieces, each like the striker,
         bounce until they lie still."""
 
 class ObjectMethods:
@@ -569,7 +569,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ImpactKeys],
     ) -> None:
-        """Begin a gesture that strikes the object once; with `by`, another object strikes it, and rings too."""
+        """Begin a gesture that strikes the object once; with `by`, another object strikes it, and both ring."""
 
     def bounce(
         self,
@@ -578,7 +578,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[BounceKeys],
     ) -> None:
-        """Begin a gesture that drops or throws the striker on the object, which bounces until it rests."""
+        """Begin a gesture that drops or throws the striker on the object, where it bounces until it lies still."""
 
     def roll(
         self,
@@ -587,8 +587,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until 0, or steers the roll of that id (NAME if
-        none)."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the roll of that
+        id (NAME if none)."""
 
     def press(
         self,
@@ -616,8 +616,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until 0, or steers the slide of that id (NAME if
-        none): a scrape, a rub, a bow."""
+        """Begin a gesture that drags the striker over the object until the speed is 0, or steers the slide of that
+        id (NAME if none)."""
 
     def rest(
         self,
@@ -626,7 +626,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another object or on a support, until it is stopped: both ring
+        """Begin a gesture that lays the object on another one or on a support, until it is stopped: both ring
         shorter, and may buzz."""
 
     def rain(
@@ -655,8 +655,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[CrumpleKeys],
     ) -> None:
-        """Begin a gesture that crushes the object: crackles of all energies, each as a blow of the striker, until
-        it is stopped."""
+        """Begin a gesture that crushes the object: crackles of all energies, each a blow of the striker, until it
+        is stopped."""
 
     def pour(
         self,
@@ -675,7 +675,7 @@ class ObjectMethods:
         **keys: Unpack[StepKeys],
     ) -> None:
         """Begin a gesture that treads on the object once, from heel to toe: crackles as the weight comes and goes,
-        each as a blow of the striker."""
+        each a blow of the striker."""
 
     def shatter(
         self,
@@ -684,7 +684,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShatterKeys],
     ) -> None:
-        """Begin a gesture that breaks the object: it cracks and falls silent; its pieces, each as the striker,
+        """Begin a gesture that breaks the object: it cracks and falls silent; its pieces, each like the striker,
         bounce until they lie still."""
 
     def note(

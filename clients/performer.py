@@ -12,6 +12,7 @@ from weakref import proxy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.arguments import switch_of
 from ..dsp.bodies.modes import Modes
 from ..dsp.engine.memory.capacity import MODES, OBJECTS, STEMS
 from ..dsp.engine.memory.commands import COMMAND, Handle, write
@@ -86,8 +87,9 @@ class Performer:
         steers_ended: bool = False,
         amplified: float = 1.0,
     ) -> None:
+        self.stems, self.contacts = switch_of("stems", stems), switch_of("contacts", contacts)
         self.presets = chosen(presets)
-        scale, room = options.scale_of(score)._replace(amplified=amplified), STEMS if stems else OBJECTS
+        scale, room = options.scale_of(score)._replace(amplified=amplified), STEMS if self.stems else OBJECTS
         with _compiling:
             channels, sensors = options.channels_and_sensors(score)
             self.engine = _Engine(options.rate, channels, room, not options.calibrated, sensors)
@@ -95,16 +97,14 @@ class Performer:
         # A circle would keep the engine's memory until the next search for garbage.
         self.scene.on_sent = partial(Performer._remember, proxy(self))
         self.scene.sensors.grows = not score
-        self.stems = stems
-        self.contacts = contacts
         self.warnings: list[str] = []  # for the next report
         self.off_path: set[str] = set()
         """Names of objects touched as no contact tells: at a point, in a direction, or by a swarm."""
         self._names: dict[int, str] = {}  # of objects, by serial
         self._striking: dict[int, Striking] = {}  # by command
         self._trace = _NOTHING  # what was traced beyond the end of the last sound
-        self.engine.stems.keep(stems)
-        self.engine.trace(contacts)
+        self.engine.stems.keep(self.stems)
+        self.engine.trace(self.contacts)
 
     def perform(self, messages: Sequence[Message], at: SupportsFloat | None) -> None:
         """Carry out messages together at a time (s; None: now). CommandError says what was refused, and why."""

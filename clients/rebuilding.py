@@ -39,11 +39,27 @@ class NotLinear(CaromError, ValueError):
 
 @explain_arguments
 def rebuild(row: Row) -> NDArray[np.float64]:
-    """Return the sound of a clip in Pa, (frames, channels), from its row of a data set's table.
+    """Return the sound of a clip from its row of a data set's table.
 
-    NotLinear where an object glides in pitch, was retuned meanwhile, faded in a panic, was heard from a place in space,
-    was touched off its strike path, or was freed and forgotten (`linear` is false). ArgumentError for what is no row.
-    MissingLibrary where there is no scipy.
+    Parameters
+    ----------
+    row : dict
+        Row of the table, or of `carom.render_many`.
+
+    Returns
+    -------
+    array
+        float64 (frames, channels), in Pa.
+
+    Raises
+    ------
+    NotLinear
+        An object glides in pitch, was retuned, faded in a panic, is heard in space, was touched off its strike path,
+        or was freed: its `linear` is false.
+    ArgumentError
+        It is no row.
+    MissingLibrary
+        There is no scipy.
     """
     _require_row(row)
     require_scipy("to rebuild a clip", "dataset")
@@ -67,7 +83,7 @@ def rebuild(row: Row) -> NDArray[np.float64]:
             own -= _lines(body["bends"], frames)
         sound += own * _lines(body["fades"], frames) if len(body["fades"]) else own
     if not row["linear"]:
-        raise NotLinear("an object was freed before the clip's end, and is not told; expected objects that stay")
+        raise NotLinear("an object was freed before the clip's end; expected objects that stay")
     return sound
 
 

@@ -46,6 +46,17 @@ def refuse_unknown(call: str, keys: Mapping[str, object], known: Iterable[str]) 
             raise ArgumentError(f"{call}(): {key} = {reprlib.repr(value)}: {expected(key, known)}")
 
 
+def switch_of(name: str, value: object, refusal: type[CaromError] = ArgumentError) -> bool:
+    """Return a switch as it is; raise a refusal for what is neither true nor false."""
+    try:
+        known = value in (True, False)
+    except ValueError:  # an array, which is neither
+        known = False
+    if not known:
+        raise refusal(f"{name} = {reprlib.repr(value)}: expected True or False")
+    return bool(value)
+
+
 def path_of(name: str, value: object, wanted: str) -> Path:
     """Return a path; raise ArgumentError, which says what is wanted, for what is none."""
     if not isinstance(value, str | os.PathLike):

@@ -13,21 +13,17 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ..dsp.bodies.material import Material
 from ..dsp.bodies.mesh import Table
+from .gltf_arrays import BIN, JSON, MAGIC, VERSION, Document, Numbers
 from .schema import PresetError
 
 EXTENSION = "KHR_audio_rigid_bodies"
 
-_MAGIC, _VERSION, _JSON, _BIN = b"glTF", 2, 0x4E4F534A, 0x004E4942
 _FLOAT, _INT = 5126, 5125
-_KINDS: dict[int, Any] = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", _INT: "<u4", _FLOAT: "<f4"}
-_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}
+_TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
 _MATERIAL = {"density": "density", "youngsModulus": "youngs_modulus", "poissonRatio": "poisson_ratio"}
-
-Numbers = npt.NDArray[Any]
 
 
 class _Writer:
@@ -43,7 +39,7 @@ class _Writer:
         whole = np.issubdtype(values.dtype, np.integer)
         kept = np.ascontiguousarray(values, "<u4" if whole else "<f4")
         width = 1 if kept.ndim == 1 else kept.shape[1]
-        kind = {each: name for name, each in _WIDTHS.items()}[width]
+        kind = _TYPES[width]
         self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": kept.nbytes})
         self.data += kept.tobytes()
         said = {
@@ -103,58 +99,31 @@ def glb_of(name: str, table: Table, material: Material) -> bytes:
     }
     text = json.dumps(said).encode()
     text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<II", len(text), _JSON) + text + struct.pack("<II", len(file.data), _BIN) + bytes(file.data)
-    return _MAGIC + struct.pack("<II", _VERSION, 12 + len(chunks)) + chunks
+    chunks = struct.pack("<II", len(text), JSON) + text + struct.pack("<II", len(file.data), BIN) + bytes(file.data)
+    return MAGIC + struct.pack("<II", VERSION, 12 + len(chunks)) + chunks
 
 
 def values_of(data: bytes, where: str) -> dict[str, Any] | None:
     """Return the values of a table, with `decay` (n,) in 1/s, of the modal model that a .glb file holds; None if it
     holds none. What only Carom writes may be missing. PresetError, which begins with `where`, says what is wrong."""
     try:
-        said, buffer = _chunks(data)
+        document = Document("its arrays", data)
+        said = document.said
         models = said.get("extensions", {}).get(EXTENSION, {}).get("modalModels", [])
         if not models:
             return None
         if len(models) > 1:
             raise PresetError(f"{where}: {len(models)} modal models: expected one")
         with np.errstate(all="ignore"):  # what is no number is said
-            return _values(models[0], said, buffer)
+            return _values(models[0], document)
     except PresetError:
         raise
     except Exception as error:  # a file that is not as it says leads to anything
         raise PresetError(f"{where}: its modal model can't be read ({type(error).__name__}: {error})") from None
 
 
-def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
-    """Return what a .glb file says, and its buffer."""
-    if data[:4] != _MAGIC or struct.unpack_from("<I", data, 4)[0] != _VERSION:
-        raise ValueError("expected a .glb file, version 2")
-    found: dict[int, bytes] = {}
-    at = 12
-    while at + 8 <= len(data):
-        size, kind = struct.unpack_from("<II", data, at)
-        found[kind] = data[at + 8 : at + 8 + size]
-        at += 8 + size
-    said = json.loads(found[_JSON])
-    if not isinstance(said, dict):
-        raise ValueError("expected a JSON object")
-    return said, found.get(_BIN, b"")
-
-
-def _values(model: Mapping[str, Any], said: Mapping[str, Any], buffer: bytes) -> dict[str, Any]:
-    def array(number: int) -> Numbers:
-        if not isinstance(number, int) or number < 0:
-            raise ValueError(f"accessor {number!r}: expected a number from 0 on")
-        accessor = said["accessors"][number]
-        view = said["bufferViews"][accessor["bufferView"]]
-        if "byteStride" in view or view.get("buffer", 0) != 0 or "sparse" in accessor:
-            raise ValueError("expected arrays that are whole, in the file's own buffer")
-        width, begin = _WIDTHS[accessor["type"]], view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-        count = accessor["count"]
-        if not isinstance(count, int) or count < 1 or not isinstance(begin, int) or begin < 0:
-            raise ValueError(f"count = {count!r}, at byte {begin!r}: expected at least 1, from 0 on")
-        values = np.frombuffer(buffer, _KINDS[accessor["componentType"]], count * width, begin)
-        return values.reshape(-1, width) if width > 1 else values
+def _values(model: Mapping[str, Any], document: Document) -> dict[str, Any]:
+    said, array = document.said, document.array
 
     frequency, decay = (array(model[key]).astype(np.float64) for key in ("frequencies", "decayRates"))
     points, shapes = (array(model[key]).astype(np.float64) for key in ("positions", "shapes"))

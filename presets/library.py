@@ -52,7 +52,7 @@ class Presets:
             raise PresetError(f"presets = {folders!r}: expected a folder, or several")
         folders = [folders] if isinstance(folders, str | PathLike) else list(folders)
         for folder in folders:
-            if not isinstance(folder, str | PathLike) or not Path(folder).is_dir():
+            if not isinstance(folder, str | PathLike) or not os.path.isdir(folder):
                 raise PresetError(f"{folder}: expected a folder with {', '.join(KINDS)}")
         self._folders = (*map(Path, folders), BUILT_IN)
         self._surfaces: dict[str, tuple[dict[str, Any], SurfacePreset]] = {}  # with the data of which each was made

@@ -15,6 +15,7 @@ from ..dsp.bodies.small import heard_or_felt
 from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
 from . import stored
+from .settled import settle
 
 KEPT_BYTES = 64_000_000
 """Bytes of modes that are kept. The modes of all presets take 13 MB at 48 kHz; the largest object there can be takes
@@ -31,7 +32,8 @@ def made(
     on_disk: bool = False,
 ) -> Modes:
     """Return the modes that a shape makes of hashable arguments, up to `top` (Hz), those that are the best. spares: the
-    shape takes `best` as an argument. on_disk: read them there, or write them for later processes.
+    shape takes `best` as an argument. on_disk: they are as a preset has them: read them there, or write them for later
+    processes, with the bits that they have everywhere.
 
     Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
     give what is computed of it other last bits.
@@ -48,6 +50,7 @@ def made(
                     modes = best.of(heard_or_felt(make, top, **arguments))
                 modes = _contiguous(modes)
             if on_disk:
+                modes = _contiguous(settle(modes))
                 stored.write(key, modes)
         read_only(*_arrays(modes))
         _kept.put(key, modes)

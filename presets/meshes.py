@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
-import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..dsp.bodies.material import Array, Material
 from ..dsp.bodies.mesh import Table
-from ..dsp.errors import CaromError, MissingLibrary, require_scipy
+from ..dsp.errors import MissingLibrary, require_scipy
 from ..dsp.mesh.blocks import Block
-from ..dsp.mesh.surface import Indices, MeshError
+from ..dsp.mesh.surface import Indices, MeshError, Surface, faces_of, volume_of
 from ..dsp.numerics.blas import on_one_thread
+from .gltf_arrays import MAGIC
+from .gltf_scene import read_gltf
+from .mesh_files import READERS
+from .polygons import Triangles, triangulated
 from .schema import MESH, PresetError, check
 from .tables import SUFFIX, read_table, table_bytes, table_of
 
@@ -28,17 +30,14 @@ if TYPE_CHECKING:
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "20"
+EDITION = "21"
 """Edition of the computation: tables of another one are made anew."""
 
 _BLOCKS = ("box", "cylinder")
 _MOST_BYTES = 500_000_000
-_GLB = b"glTF"  # how a .glb file begins
-_USUAL = (0.003, 10.0)  # m: sizes of which nobody is asked
-
-
-class NoTrimesh(CaromError, RuntimeError):
-    """Error of a mesh file where the library that reads it is missing."""
+_USUAL = (0.003, 3.0)  # m: sizes of which nobody is asked
+_HEAVY = 500.0  # kg: masses of more are asked about
+_UNITS = "0.001 reads mm, 0.01 cm, 0.0254 inches"
 
 
 def read_mesh(path: Path, scale: float | None = None) -> tuple[Array, Indices]:
@@ -46,28 +45,17 @@ def read_mesh(path: Path, scale: float | None = None) -> tuple[Array, Indices]:
 
     scale: of the file's unit in m. Without one it is taken as m, and MeshError asks if the size is unusual.
     """
-    points, faces, _ = _read(path, scale)
+    points, faces, _, _ = _read(path, scale)
     return points, faces
 
 
-class ReadParts(NamedTuple):
-    """The parts of a mesh file: points (n, 3) in m, faces (m, 3), the part (m,) of each face, and the names of each
-    part: of its node, its mesh, its material."""
-
-    points: Array
-    faces: Indices
-    of: Indices
-    names: tuple[tuple[str, ...], ...]
+def read_parts(path: Path, scale: float | None = None) -> Triangles:
+    """Return the triangles of a mesh file in m, by its parts: the objects, groups and materials of an .obj, the nodes
+    of a .glb."""
+    return _read(path, scale)
 
 
-def read_parts(path: Path, scale: float | None = None) -> ReadParts:
-    """Return the parts of a mesh file: the objects or groups of an .obj, the nodes of a .glb."""
-    points, faces, bodies = _read(path, scale, split_objects=True, split_groups=True)
-    of = np.repeat(np.arange(len(bodies)), [len(each.faces) for each in bodies])
-    return ReadParts(points, faces, of, tuple(each.metadata["names"] for each in bodies))
-
-
-def divided(path: Path, read: ReadParts, material: Material, parts: Mapping[str, Material]) -> Division:
+def divided(path: Path, read: Triangles, material: Material, parts: Mapping[str, Material]) -> Division:
     """Return which part of a file's mesh each face belongs to, and what each is made of: of `material` unless `parts`
     says another one, by a name of the part. MeshError names the choices."""
     from ..dsp.mesh.parts import Division
@@ -87,90 +75,37 @@ def divided(path: Path, read: ReadParts, material: Material, parts: Mapping[str,
     return Division(place[read.of].astype(np.int64), names, tuple(of[number] for number in order))
 
 
-def _read(path: Path, scale: float | None, **how: Any) -> tuple[Array, Indices, list[Any]]:
-    """Return points (n, 3) in m and faces (m, 3) of a mesh file, and its bodies, as trimesh has them."""
-    if path.suffix.lower() not in FORMATS:
+def _read(path: Path, scale: float | None) -> Triangles:
+    """Return the triangles of a mesh file in m."""
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
         raise MeshError(f"{path}: expected a file that ends in {', '.join(FORMATS)}")
     if scale is not None and not 0.0 < scale < math.inf:
         raise MeshError(f"scale = {scale:g}: expected a positive number, the file's unit in m")
     size = path.stat().st_size
     if size > _MOST_BYTES:
         raise MeshError(f"{path}: {size / 1e6:.0f} MB: expected at most {_MOST_BYTES / 1e6:.0f} MB")
-    with path.open("rb") as file:
-        head = file.read(len(_GLB))
-    if path.suffix.lower() == ".glb" and head != _GLB:
-        raise MeshError(f"{path}: begins with {head!r}: expected {_GLB!r}, as all .glb files do")
-    if path.suffix.lower() == ".ply":
-        _require_counts(path)
-    try:
-        import trimesh
-    except ImportError as error:
-        raise NoTrimesh(f"meshes need trimesh ({error}): pip install 'carom[mesh]'") from error
+    data = path.read_bytes()
+    if suffix == ".glb" and data[: len(MAGIC)] != MAGIC:
+        raise MeshError(f"{path}: begins with {data[: len(MAGIC)]!r}: expected {MAGIC!r}, as all .glb files do")
     try:
         with np.errstate(all="ignore"):  # what is no number is said
-            scene = trimesh.load_scene(path, process=False, **how)
-            found: list[Any] = _bodies(scene) if how else list(scene.dump())
-        bodies = [each for each in found if isinstance(each, trimesh.Trimesh) and len(each.faces)]
-    except Exception as error:  # readers of files raise whatever they meet
-        raise MeshError(f"{path}: not a mesh that can be read: {_unread(path, error)}") from None
-    if not bodies:
+            read = READERS[suffix](str(path), data) if suffix in READERS else read_gltf(str(path), data, path.parent)
+            found = triangulated(read)
+    except MissingLibrary as error:
+        raise MeshError(f"{path}: {error}") from None
+    except MeshError:
+        raise
+    except (ValueError, TypeError, KeyError, AttributeError, IndexError, OverflowError, MemoryError) as error:
+        why = f"{type(error).__name__}: {error}"
+        raise MeshError(f"{path}: not a mesh that can be read: expected a whole {suffix} file ({why})") from None
+    if not len(found.faces):
         raise MeshError(f"{path}: no triangles: expected a surface")
-    for each in bodies:
-        _require_faces(path, np.asarray(each.faces, np.int64), len(each.vertices))
-    begin = np.cumsum([0, *(len(each.vertices) for each in bodies)])
-    points = np.vstack([np.asarray(each.vertices, float) for each in bodies]) * (1.0 if scale is None else scale)
-    numbered = zip(bodies, begin, strict=False)
-    faces = np.concatenate([np.asarray(each.faces, np.int64) + first for each, first in numbered])
+    names = tuple(each or (path.name,) for each in found.names)
+    points = found.points * (1.0 if scale is None else scale)
     if scale is None:
-        _require_usual(path, points[np.unique(faces)])
-    return points, faces, bodies
-
-
-def _require_counts(path: Path) -> None:
-    """Raise MeshError for a .ply file whose head counts less than nothing, or more rows of text than there are."""
-    head, _, body = path.read_bytes().partition(b"end_header")
-    said = re.findall(rb"^element\s+(\S+)\s+(\S+)", head, re.MULTILINE)
-    counts = [int(count) if count.isdigit() and len(count) < 19 else -1 for _, count in said]  # of 64 bits
-    for (name, count), number in zip(said, counts, strict=True):
-        if number < 0:
-            raise MeshError(f"{path}: element {name.decode(errors='replace')} {count[:20].decode(errors='replace')}: "
-                            "expected a count from 0 on")  # fmt: skip
-    rows = sum(1 for line in body.splitlines() if line.strip()) if b"format ascii" in head else sum(counts)
-    if rows < sum(counts):
-        raise MeshError(f"{path}: {rows} rows: expected the {sum(counts)} that its head counts")
-
-
-def _require_faces(path: Path, faces: Indices, count: int) -> None:
-    """Raise MeshError for a face (m, 3) of points that are not among so many."""
-    wrong = faces[((faces < 0) | (faces >= count)).any(axis=1)]
-    if len(wrong):
-        raise MeshError(f"{path}: a face of points {wrong[0].tolist()}: expected numbers from 0 to {count - 1}")
-
-
-def _unread(path: Path, error: Exception) -> str:
-    """Return what was expected of a file that trimesh gave up on, and why it did, as far as it says."""
-    if path.suffix.lower() == ".gltf":
-        try:
-            json.loads(path.read_bytes())
-        except ValueError as wrong:
-            return f"expected JSON, as all .gltf files are ({wrong})"
-    why = f"{type(error).__name__}: {error}"
-    if isinstance(error, ImportError) and error.name == "charset_normalizer":  # it looks for an encoding that fits
-        why = "it is cut short, or its bytes are no text"
-    return f"expected a whole {path.suffix.lower()} file ({why})"
-
-
-def _bodies(scene: Any) -> list[Any]:
-    """Return the bodies of a scene at their places, with their names."""
-    found = []
-    for node in scene.graph.nodes_geometry:
-        transform, name = scene.graph[node]
-        body = scene.geometry[name].copy()
-        body.apply_transform(transform)
-        material = getattr(getattr(body.visual, "material", None), "name", None)
-        body.metadata["names"] = tuple(dict.fromkeys(each for each in (node, name, material) if each))
-        found.append(body)
-    return found
+        _require_usual(path, points[np.unique(found.faces)])
+    return Triangles(points, found.faces, found.of, names)
 
 
 def _require_usual(path: Path, points: Array) -> None:
@@ -180,9 +115,22 @@ def _require_usual(path: Path, points: Array) -> None:
     x, y, z = np.ptp(points, axis=0)
     size, (low, high) = max(x, y, z), _USUAL
     if not low <= size <= high:
-        way = "0.001 reads mm, 0.01 cm, 0.0254 inches" if size > high else "expected a larger one"
+        way = _UNITS if size > high else "expected a larger one"
         unit = f"scale: {way}, and 1 takes it as it is"
         raise MeshError(f"{path}: {x:.3g} x {y:.3g} x {z:.3g} m: expected {low:g} to {high:g} m; {unit}")
+
+
+def _require_light(path: Path, surface: Surface, density: float, wall: float | None) -> None:
+    """Ask for the unit of a mesh that would be unusually heavy."""
+    if not np.isfinite(surface.points[np.unique(surface.faces)]).all():
+        return
+    mass = density * (abs(volume_of(surface)) if wall is None else wall * float(faces_of(surface).areas.sum()))
+    if mass > _HEAVY:
+        x, y, z = np.ptp(surface.points[np.unique(surface.faces)], axis=0)
+        raise MeshError(
+            f"{path}: {x:.3g} x {y:.3g} x {z:.3g} m, {mass:,.4g} kg: expected at most {_HEAVY:g} kg; scale: {_UNITS}, "
+            "and 1 takes it as it is"
+        )
 
 
 def made_table(
@@ -212,6 +160,8 @@ def made_table(
         points, faces, made_of = read.points, read.faces, divided(path, read, material, parts)
     else:
         points, faces = read_mesh(path, scale)
+    if scale is None:
+        _require_light(path, Surface(points, faces), material.density, wanted.wall)
     try:
         data = table_bytes_of(points, faces, made_of, wanted, say)
     except MeshError as error:
@@ -364,7 +314,7 @@ def table_of_section(path: Path, values: dict[str, Any], material: Material, par
     values["fine"] = values.pop("fine", "no") == "yes"
     try:
         return table_of(made_table(path, material, Wanted(**values), scale, parts=parts), str(path))
-    except (MeshError, NoTrimesh) as error:
+    except MeshError as error:
         raise PresetError(str(error)) from None
     except OSError as error:
         raise PresetError(f"{path}: {error.strerror}") from None

@@ -95,7 +95,7 @@ def _hash(content: bytes) -> bytes:
 @cache
 def _makers() -> bytes:
     """Return a hash of all that modes are made by."""
-    own = [Path(__file__).with_name("making.py"), _DSP / "sizes.py"]
+    own = [Path(__file__).with_name(name) for name in ("making.py", "settled.py", "settled.npz")] + [_DSP / "sizes.py"]
     for package in ("bodies", "karman", "numerics"):
         own += sorted((_DSP / package).rglob("*.py"))
     found = hashlib.blake2b(f"{sys.version} {np.__version__} {platform.node()}".encode())

@@ -9,11 +9,10 @@ from __future__ import annotations
 import re
 import reprlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..dsp.errors import CaromError
-from ..dsp.numerics.quantities import Parameter, Ranged
+from ..dsp.numerics.quantities import Parameter, Range
 from ..dsp.wording import suggestion
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
@@ -45,14 +44,8 @@ class Computed(float):
         return repr(float(f"{self:.6g}"))
 
 
-@dataclass(frozen=True)
-class Quantity(Ranged):
+class Quantity(Range):
     """A number in a range, bounds included, and its unit."""
-
-    low: float
-    high: float
-    unit: str = ""
-    or_zero: bool = False
 
     @classmethod
     def of(cls, number: Parameter) -> Quantity:

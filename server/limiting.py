@@ -25,16 +25,16 @@ class Limiting:
         return replace(self, spans=tuple(span for span in cut if span[0] < span[1]))
 
     def said(self) -> str:
-        """Say what it did, in a sentence; empty if it did nothing."""
+        """Return what it did as a sentence; empty if it did nothing."""
         if not self.spans:
             return ""
         seconds = sum(last - first for first, last in self.spans)
         loudest = list(self.objects.items())[:_MOST_NAMED]
         named = [f"{name} ({share:.0%})" for name, share in loudest if share >= _LEAST_NAMED]
-        culprits = f", mostly {', '.join(named)}" if named else ""
+        culprits = ", ".join(named) or "many objects"
         return (
-            f"the limiter turned {seconds:.3g} s down{culprits}, from {self.spans[0][0]:.3f} s on, "
-            f"by {self.db:.3g} dB at most: lower some gain"
+            f"too loud: {culprits}; the limiter took up to {self.db:.2g} dB for {seconds:.2g} s, "
+            f"from {self.spans[0][0]:.2f} s on: lower a gain"
         )
 
 

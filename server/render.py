@@ -13,6 +13,7 @@ from typing import NamedTuple, SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.arguments import switch_of
 from ..dsp.engine.memory.capacity import MODES, MOST_CHANNELS, OBJECTS, STEMS
 from ..dsp.engine.memory.mounted import SENSORS
 from ..dsp.engine.memory.state import QUANTUM, RING
@@ -26,7 +27,7 @@ from .limiting import LimiterWatch, Limiting
 from .new_object import NEW
 from .osc.addresses import VERBS, calls
 from .osc.arguments import Refused, check_number, shown
-from .osc.score import LONGEST_SCORE, Line, ScoreError, sample_at
+from .osc.score import END, LONGEST_SCORE, Line, ScoreError, sample_at
 from .osc.sensor_verbs import SENSOR
 from .osc.wire import Argument, Message
 from .scene.limits import LONGEST_BOUNCE
@@ -63,7 +64,7 @@ def _is_rate(value: SupportsIndex) -> bool:
 @dataclass(frozen=True)
 class Options:
     """Options of a render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
-    seconds (None: until silence), and the arguments of a /contact to begin with.
+    seconds (None: until the score's /end, or silence), and the arguments of a /contact to begin with.
 
     channels, gain (dB), limiter and bank (one of FORMS) hold from the start, in place of what the score says of them at
     time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). full_scale: the pressure (Pa) of a sample of 1.0,
@@ -92,7 +93,8 @@ class Options:
         if not 1 <= self.block <= 1 << 20:
             raise RenderError(f"block = {self.block}: expected 1 to {1 << 20} frames")
         require_format(self.format)
-        if self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE:
+        known = self.seconds is None or isinstance(self.seconds, int | float)
+        if not known or (self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE):
             raise RenderError(f"seconds = {shown(self.seconds)}: expected at least a frame and at most {LONGEST_SCORE}")
         steps, room = self.budget or (None, None)
         for number, value in (
@@ -100,8 +102,9 @@ class Options:
             (STEPS, steps), (ROOM, room),
         ):  # fmt: skip
             require(number, value)
-        if self.limiter not in (None, True, False):
-            raise RenderError(f"limiter = {self.limiter!r}: expected True or False")
+        if self.limiter is not None:
+            switch_of("limiter", self.limiter, RenderError)
+        switch_of("calibrated", self.calibrated, RenderError)
         if self.bank not in (None, *FORMS):
             raise RenderError(f"bank = {self.bank}: {expected(str(self.bank), FORMS)}")
         if self.calibrated:
@@ -259,7 +262,12 @@ class _Timeline:
         self._lines = sorted(score, key=lambda line: line.time)
         self._next = 0
         self._tail, self._rest = (self._after(seconds) for seconds in (LONGEST_TAIL, LONGEST_REST))
-        self.end = None if options.seconds is None else round(options.seconds * options.rate)
+        seconds = options.seconds
+        if seconds is None:
+            seconds = max(
+                (line.time for line in score if line.message.address == END and line.time > 0.0), default=None
+            )
+        self.end = None if seconds is None else max(1, round(seconds * options.rate))
         """Frame at which the render ends, once that is known."""
 
     def _after(self, seconds: float) -> int:
@@ -325,10 +333,10 @@ def blocks(
     that is refused.
 
     engine: `options.engine(score)`. session: of the engine, if it has one already.
-    Without `seconds` the sound ends with the quantum in which the last object falls silent. If all that goes on would
-    go on for ever (a press, a roll without friction) it ends LONGEST_TAIL after the last event, and in any case
-    LONGEST_REST after it; `warn` is told of either, of lines that have no effect, and of a sound that took more time
-    of a processor than it lasts. The block size does not matter.
+    Without `seconds` the sound ends where the score's last /end stands, or else with the quantum in which the last
+    object falls silent. If all that goes on would go on for ever (a press, a roll without friction) it ends
+    LONGEST_TAIL after the last event, and in any case LONGEST_REST after it; `warn` is told of either, of lines that
+    have no effect, and of a sound that took more time of a processor than it lasts. The block size does not matter.
     look: is called after each PIECE frames at the latest.
     """
     lines = options.lines_of(score)

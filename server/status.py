@@ -36,8 +36,8 @@ FIRST = (
     "modes that ring",
     "objects that sound",
     "objects",
-    "contacts that go on or wait",
-    "average load, % of the time that the sound leaves for its computation",
+    "contacts that are in progress or wait",
+    "average load, % of the available time",
     "peak load, %, falling slowly",
     "nominal sampling rate, Hz",
     "sampling rate as measured, Hz",
@@ -47,41 +47,42 @@ FIRST = (
 FIELDS = {
     **dict.fromkeys(_COUNTERS, ""),
     "queued": "events that wait for their time",
-    "channels": "of the output",
-    "gain": "of everything, dB",
-    "limiter": "on or off",
+    "channels": "number of channels",
+    "gain": "level of everything, dB",
+    "limiter": "limiter, on or off",
     "rolls": "bodies that roll or slide",
     "nonlinear": "plates whose modes are coupled",
-    "accuracy": "as `/accuracy` sets it",
-    "quality": "as `/quality` asks for it or the load demands it, 0 to 8",
-    "bank": "as `/bank` sets it",
-    "budget": "as `/budget` sets it: steps per sample, and modes at once",
+    "accuracy": "setting of `/accuracy`",
+    "quality": "present quality, 0 to 8",
+    "bank": "setting of `/bank`",
+    "budget": "setting of `/budget`: steps per sample, modes at once",
     "overruns": "",
-    "limiter_lowest": "the limiter's lowest gain since this client last asked, 1: it did nothing",
+    "ends_lost": "ends of gestures that were not told: too many at once",
+    "limiter_lowest": "lowest gain of the limiter since this client last asked; 1: it did nothing",
     "peak": "highest amplitude in the last 0.4 s, dB of full scale; -200: silence",
-    "loudness": "momentary, of the last 0.4 s, by ITU-R BS.1770, LUFS",
-    "latency": "of the device and the limiter, s",
-    "latency_requested": "as `--latency` asks for it, s; -1: not asked for",
+    "loudness": "momentary loudness (ITU-R BS.1770), LUFS",
+    "latency": "latency of the device and the limiter, s",
+    "latency_requested": "setting of `--latency`, s; -1: none",
     "latency_measured": "",
     "late_last_ms": "delay of the last late event, ms",
     "late_worst_ms": "greatest delay of a late event, ms",
-    "device": "the device that plays",
+    "device": "name of the device",
     "reconnects": "times that a lost device was opened again",
-    "scheduling": "of the audio thread: fifo or rr (real-time), other, or unknown",
-    "dropped": "datagrams that found no room in the server",
-    "dropped_by_system": "datagrams that found no room in the system's buffer",
-    "outdated": "questions by datagram that waited for over 2 s, and were dropped",
-    "replies_dropped": "replies that were not sent, as a client reads too slowly or asks for too many",
+    "scheduling": "scheduling of the audio thread: fifo or rr (real-time), other, or unknown",
+    "dropped": "datagrams dropped by the server, for lack of room",
+    "dropped_by_system": "datagrams dropped by the system, for lack of room",
+    "outdated": "questions by datagram that were dropped after 2 s",
+    "replies_dropped": "replies that a client was too slow to read",
     "connections": "TCP clients",
     "waiting": "clients whose messages wait for an object to be made, or for their turn",
-    "full_scale": "sound pressure of full scale, of objects of level 0, Pa",
+    "full_scale": "pressure of full scale, of objects of level 0, Pa",
     "recording": "yes, no, or why the recording of `--record` ended",
     "logging": "yes, no, or why the log ended",
-    "take": "the file that `/record` writes, no, or why the last one ended",
+    "take": "file that `/record` writes, no, or why the last one ended",
     "midi": "MIDI inputs that are open, or no",
     "pages": "clients of web sockets",
-    "untold": "contacts that `/notify` did not tell, as there were too many",
-    "time": "of the sound since the server's start, s",
+    "untold": "contacts that `/notify` left out, as there were too many",
+    "time": "time of the sound since the server's start, s",
 }
 """The names that follow in /status.reply and their meanings; an empty one is that of the engine's statistics."""
 
@@ -135,7 +136,7 @@ class Status:
         self._watch = LimiterWatch(engine, names, self.lowest_gain.since_last_told)
         self._limited_from: int | None = None
         self._limited_to = 0
-        self._warned = dict.fromkeys(_COUNTERS, 0)
+        self._warned = dict.fromkeys((*_COUNTERS, "ends_lost"), 0)
         self._object_faults = engine.objects["faults"].copy()
 
     def reply(self, client: Source, objects: int, network: Network, own: Mapping[str, float | str]) -> Message:
@@ -163,6 +164,7 @@ class Status:
             "bank": self._engine.bank,
             "budget": " ".join(map(str, self._engine.budget)),
             "overruns": stats.overruns,
+            "ends_lost": self._engine.ends_lost,
             "limiter_lowest": self.lowest_gain.since_last_asked(client),
             "peak": max(self._engine.meter.peaks()),
             "loudness": self._engine.meter.loudness,
@@ -186,16 +188,17 @@ class Status:
         lines = self._limiter_warnings()
         stats = self._engine.stats
         for name, text in (
-            ("contacts_dropped", "{} contacts dropped: the engine was full, or /budget left no room"),
+            ("contacts_dropped", "{} contacts were left out: more room is needed, or a larger /budget"),
             ("over_budget", OVER_BUDGET),
-            ("strikers_cut", "{} strikers were cut short or left out: too many sounded"),
-            ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
-            ("ramps_dropped", "{} changes were made at once: too many took their time"),
-            ("nonlinear_dropped", "{} blows left a plate linear: the modes of too many plates were coupled"),
+            ("strikers_cut", "the strikers of {} blows were cut short: too many sounded"),
+            ("late", "{} messages came late, the last by {late_last:.1f} ms: send them earlier"),
+            ("ramps_dropped", "{} changes were made at once: too many were in progress"),
+            ("nonlinear_dropped", "{} blows left a plate linear: too many plates were coupled"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),
-            ("underflows", "the device ran out of sound {} times"),
+            ("underflows", "the device had {} dropouts: a larger --latency helps"),
+            ("ends_lost", "{} ends of gestures were not told: too many ended at once"),
         ):
-            now = getattr(stats, name)
+            now = getattr(self._engine if name == "ends_lost" else stats, name)
             if now > self._warned[name]:
                 late_last = 1e3 * stats.late_last
                 lines.append(text.format(now - self._warned[name], late_last=late_last))
@@ -203,7 +206,7 @@ class Status:
         faults = self._engine.objects["faults"].copy()
         before = np.pad(self._object_faults, (0, len(faults) - len(self._object_faults)))
         for slot in (faults > before).nonzero()[0]:
-            lines.append(f"object {self._names().get(int(slot), '(freed)')} was silenced: its output was not finite")
+            lines.append(f"object {self._names().get(int(slot), '(freed)')} was silenced: its sound was not finite")
         self._object_faults = faults
         return lines
 

@@ -6,6 +6,7 @@ message of a shell script comes from a client of its own.
 """
 
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,6 +22,7 @@ from .turns import TURN
 
 _ALONG = frozenset(name for name, gesture in GESTURES.items() if gesture.along)
 _MOST_LINES = 256  # addresses whose datagrams wait for something to be made; a host may have as many as are left
+_MOST_CALLS = 16_384  # that wait of a host, some 12 MB, before another long packet of it is read
 _MOST_WORK = 50_000  # of matching a packet's patterns: some 5 ms
 _WORLD = "/world/"
 
@@ -41,9 +43,11 @@ class Waiting:
         self._network, self._maker = network, maker
         self._lines: dict[Source, _Line] = {}
         self._moved = False  # whether a packet may have become ready since the last look
-        self._look: Iterator[Packet | None] | None = None
+        self._looking: Iterator[Packet | None] | None = None
         self._begun: Rotation[_Line] = Rotation()
         self._begun_next = False
+        self._calls: dict[Source, int] = {}  # of the packets that wait, or are carried out in part
+        self._calls_of: Counter[str] = Counter()  # the same by host
 
     def __len__(self) -> int:
         return len(self._lines)
@@ -68,6 +72,7 @@ class Waiting:
         self._lines[packet.source] = line
         line.first, line.names = packet, _made_names(packet.calls) if new else _given_names(packet.calls)
         self._network.pause(packet.source)
+        self._count(packet.source, len(packet.kept))
         if new:
             packet.making = Making(new)
             self._maker.make(packet.making)
@@ -85,6 +90,7 @@ class Waiting:
         packet.tables.add(exponent)
         packet.making = Making([], [exponent])
         self._network.pause(packet.source)
+        self._count(packet.source, len(packet.kept))
         self._maker.make(packet.making)
 
     def put_off(self, packet: Packet) -> None:
@@ -93,6 +99,7 @@ class Waiting:
         line.first, line.names = packet, frozenset()
         packet.begun = True
         self._begun.add(host_of(packet.source), line)
+        self._count(packet.source, len(packet.kept))
         self._network.pause(packet.source)
 
     def next(self) -> Packet | None:
@@ -111,16 +118,30 @@ class Waiting:
         if source in self._lines and self._lines[source].first is None:
             del self._lines[source]
             self._network.resume(source)
+            self._count(source, 0)
+
+    def _count(self, source: Source, calls: int) -> None:
+        """Note how many calls of a client wait; a host of which too many do is read no long packet."""
+        host = host_of(source)
+        self._calls_of[host] += calls - self._calls.pop(source, 0)
+        if calls:
+            self._calls[source] = calls
+        if self._calls_of[host] >= _MOST_CALLS:
+            self._network.hold(host)
+            return
+        self._network.release(host)
+        if not self._calls_of[host]:
+            del self._calls_of[host]
 
     def _next_ready(self) -> Packet | None:
-        if self._look is None:
+        if self._looking is None:
             if not self._moved:
                 return None
-            self._moved, self._look = False, self._ready()
+            self._moved, self._looking = False, self._ready()
         try:
-            return next(self._look)
+            return next(self._looking)
         except StopIteration:
-            self._look = None
+            self._looking = None
             return None
 
     def _ready(self) -> Iterator[Packet | None]:
@@ -147,7 +168,7 @@ class Waiting:
     @property
     def in_a_hurry(self) -> bool:
         """True if packets may wait that can be carried out."""
-        return self._moved or self._look is not None or bool(self._begun)
+        return self._moved or self._looking is not None or bool(self._begun)
 
     def _names(self) -> set[str]:
         return {name for line in self._lines.values() if line.first for name in line.names}

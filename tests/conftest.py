@@ -29,14 +29,17 @@ settings.load_profile("carom")
 # In the background of a shell interrupts are ignored, which the processes that tests start would inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Hundreds of processes start; one that renders a blow takes 1.1 s of CPU without bytecode, 0.3 s with it. Where it may
-# not be written beside the sources, this run keeps it in a folder of its own; so it does with what Matplotlib keeps at
-# home, and would complain of.
+# Hundreds of processes start; one that renders a blow takes 1.1 s of CPU without bytecode, 0.3 s with it, and pytest
+# rewrites each file of tests, which takes 10 s. Where bytecode may not be written beside the sources, it is kept beside
+# what pytest keeps, and workers of pytest-xdist inherit the place; what Matplotlib keeps at home, and would complain
+# of, is kept for this run.
 _own = tempfile.mkdtemp(prefix="carom-tests-")
 atexit.register(shutil.rmtree, _own, ignore_errors=True)
-if sys.dont_write_bytecode or not _WRITABLE:
+if "PYTHONPYCACHEPREFIX" not in os.environ and (sys.dont_write_bytecode or not _WRITABLE):
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    os.environ["PYTHONPYCACHEPREFIX"] = f"{_own}/bytecode"
+    sys.dont_write_bytecode = False
+    sys.pycache_prefix = str(ROOT / ".pytest_cache" / "bytecode") if _WRITABLE else f"{_own}/bytecode"
+    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
 if not os.access(os.path.expanduser("~"), os.W_OK):
     os.environ.setdefault("MPLCONFIGDIR", f"{_own}/matplotlib")
 

@@ -39,7 +39,9 @@ MODULES = {
     "skfem": "pip install scikit-fem",
     "sounddevice": "apt install libportaudio2",
     "torch": "pip install 'carom[torch]'",
-    "trimesh": "pip install 'carom[mesh]'",
+    "trimesh": "pip install trimesh",
+    "mapbox_earcut": "pip install 'carom[mesh]'",
+    "DracoPy": "pip install 'carom[draco]'",
     "webdataset": "pip install webdataset",
 }
 """Modules, and how to get them, with the libraries of the system that they load."""

@@ -27,12 +27,15 @@ _PRESETS = Presets()
 
 @dataclass(frozen=True)
 class Score:
-    """A score's lines, and how it is played: rate in Hz, block in frames, length in s."""
+    """A score's lines, and how it is played: rate in Hz, block in frames, length in s, channels, with a limiter or
+    without."""
 
     lines: tuple[Line, ...]
     rate: int
     block: int
     seconds: float
+    channels: int = 2
+    limited: bool = False
 
     @property
     def text(self) -> str:
@@ -141,7 +144,8 @@ def any_score(seed: int, prefix: str = "o", edges: float = 0.05, seconds: float 
     lines.append(Line(seconds - 0.02, Message("/panic", ()), ""))
     lines.sort(key=lambda line: line.time)
     block = round(math.exp(chance.uniform(0.0, math.log(4_096.0))))
-    return Score(tuple(lines), chance.choice(RATES), block, seconds)
+    rate, channels = chance.choice(RATES), chance.choice((1, 2, 2, 8))
+    return Score(tuple(lines), rate, block, seconds, channels, chance.random() < 0.5)
 
 
 def _made(chance: random.Random, name: str) -> Message:
@@ -164,13 +168,15 @@ def _steering(chance: random.Random, declared: Gesture, id: str, begin: float, s
 
 def _change(chance: random.Random, name: str) -> Message:
     """Return a change of a setting, or of how is computed."""
-    kind = chance.randrange(8)
+    kind = chance.randrange(9)
     if kind == 0:
         return Message("/contact", (chance.choice(METHODS),))
     if kind == 1:
         return Message("/accuracy", (chance.choice(ACCURACIES),))
     if kind == 2:
         return Message("/quality", (chance.choice((0, 0, 1, 2, 3)),))
+    if kind == 3:
+        return Message("/bank", (chance.choice(("float32", "float64")),))
     setting = chance.choice(list(SETTINGS.values()))
     more = ("over", chance.uniform(0.0, 0.3)) if chance.random() < 0.5 else ()
     return Message(f"/object/{name}/{setting.name}", (number(chance, setting), *more))
@@ -179,7 +185,7 @@ def _change(chance: random.Random, name: str) -> Message:
 def play(score: Score, filler: int | None = None, begin: float = 0.0) -> np.ndarray:
     """Play a score, without the lines that are refused; return its sound from some seconds on, float32 (frames,
     channels). filler: the byte that fills what nobody should read; None: as the build has it."""
-    engine = Engine(score.rate)
+    engine = Engine(score.rate, score.channels, limited=score.limited)
     if filler is not None:
         engine.state[0]["filler"] = filler
     session, lines, sound = Session(engine, _PRESETS), list(score.lines), []

@@ -33,9 +33,9 @@ PARAMETER = (
 SLIDE_PARAMETER = (
     (
         "dsp/schema.py",
-        '        Parameter("stribeck", 1e-6,',
+        '        Parameter(\n            "stribeck", 1e-6,',
         '        Parameter("grease", 0.0, 1.0, "", "share of its friction that is gone", 0.0, steerable=True),\n'
-        '        Parameter("stribeck", 1e-6,',
+        '        Parameter(\n            "stribeck", 1e-6,',
     ),
     (
         "dsp/engine/contacts/slides.py",
@@ -182,7 +182,7 @@ import soundfile
 
 import carom
 from carom.server.osc.addresses import VERBS
-from carom.server.osc.tables import table
+from carom.server.osc.tables import gesture_table
 from carom.server.osc.oscquery import node
 
 def level(sound):
@@ -235,8 +235,8 @@ is_halved(sound[start : start + 24_000])
 found = node("/gesture/marble/looseness", {"ID": ["marble"], "NAME": []})
 assert found["RANGE"] == [{"MIN": 0.0, "MAX": 1.0}] and "steers a roll" in found["DESCRIPTION"], found
 assert "looseness" in node("/object/board/roll", {"ID": [], "NAME": ["board"]})["DESCRIPTION"]
-assert "| `looseness` 0 to 1 | roll | share of the force that is lost; 0 if not given |" in table()
-assert "looseness: 0 to 1; share of the force that is lost" in carom.Scene.roll.__doc__
+assert "| `looseness` | 0 to 1 | 0 | yes | Share of the force that is lost. |" in gesture_table("roll")
+assert "looseness : 0 to 1, default 0\\n    Share of the force that is lost." in carom.Scene.roll.__doc__
 """
 
 
@@ -246,7 +246,8 @@ import numpy as np
 import carom
 from carom.dsp.schema import GESTURES
 from carom.server.osc.oscquery import node
-from carom.server.osc.tables import table
+from carom.server.osc.addresses import VERBS
+from carom.server.osc.tables import gesture_table
 
 # a roll's parameter at every accuracy
 ROLL = "0 /object/new board church-bell\\n0 /object/board/roll 0.5 striker glass-marble surface wood seed 1"
@@ -321,11 +322,11 @@ completed = subprocess.run(words, stdout=subprocess.PIPE, check=True, text=True)
 for name in ("patter", "lean"):
     assert f"/object/NAME/{name}" in completed
     assert name in node("/object/a", {"ID": [], "NAME": ["a"]})["CONTENTS"], name
-    assert f"/object/NAME/{name}" in table()
+    assert f"/object/NAME/{name}" in VERBS and "| `velocity` |" in gesture_table("patter")
     assert getattr(carom.Client, name).__doc__ and getattr(carom.Object, name).__doc__
-assert "pace: 0.1 to 1000 Hz; of its blows, on average" in carom.Scene.patter.__doc__
+assert "pace : 0.1 to 1000 Hz" in carom.Scene.patter.__doc__
 assert node("/gesture/rain/pace", {"ID": ["rain"], "NAME": []})["RANGE"] == [{"MIN": 0.1, "MAX": 1000.0}]
-assert "| `/loudest` |" in table() and "FULL_PATH" in node("/loudest", {"ID": [], "NAME": []})
+assert "/loudest" in VERBS and "FULL_PATH" in node("/loudest", {"ID": [], "NAME": []})
 from carom.presets.schema import SHAPES
 assert "cone" in SHAPES
 """

@@ -4,6 +4,8 @@ how to get it."""
 import subprocess
 import sys
 
+import pytest
+
 PLAYS = """
 import sys
 
@@ -53,6 +55,7 @@ assert code == 1 and "scipy.linalg" not in sys.modules
 """
 
 
+@pytest.mark.slow
 def test_it_plays_without_scipy(tmp_path):
     ran = subprocess.run([sys.executable, "-c", PLAYS], cwd=tmp_path, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr

@@ -68,6 +68,7 @@ def test_kernels_have_hints_and_none_is_any():
     assert found == []
 
 
+@pytest.mark.slow
 def test_no_field_of_a_record_is_any():
     known = records()
     assert len(known) > 40

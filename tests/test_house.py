@@ -38,8 +38,17 @@ def named(path: Path) -> str:
 
 
 def test_files_are_short():
-    lengths = {named(path): path.read_text().count("\n") for path in sources()}
-    assert {name: length for name, length in lengths.items() if length > LONGEST_FILE} == {}
+    """But for the docstrings of classes and functions, which list parameters line by line."""
+    lengths = {path: path.read_text().count("\n") for path in sources()}
+    long = [path for path, length in lengths.items() if length > LONGEST_FILE]
+    assert {named(path): lengths[path] for path in long if lengths[path] - documented(path) > LONGEST_FILE} == {}
+
+
+def documented(path: Path) -> int:
+    """Return the number of lines of the docstrings of a file's classes and functions."""
+    kinds = ast.ClassDef, ast.FunctionDef
+    nodes = [each for each in ast.walk(ast.parse(path.read_text())) if isinstance(each, kinds)]
+    return sum(node.body[0].end_lineno - node.body[0].lineno for node in nodes if ast.get_docstring(node))
 
 
 @pytest.mark.slow
@@ -137,6 +146,7 @@ def test_a_comparison_of_a_gestures_kind_is_found(code):
     assert list(kinds_compared(ast.parse(code))) == [1]
 
 
+@pytest.mark.slow
 def test_kernels_ask_traits_of_gestures_and_never_kinds():
     """The one table by gesture, `gesture_kernels.py`, compares none: it is data."""
     found = [

@@ -36,7 +36,8 @@ def free_port() -> int:
 
 
 def with_port(text: str, port: int) -> str:
-    """Return a page's text with a port that is free, as the default may not be."""
+    """Return a page's text with a port that is free, as the default may not be, and for a machine without a device."""
+    text = re.sub(r"carom serve(?!.*--device)", "carom serve --device none", text)
     for command in ("serve", "send", "play", "top"):
         text = text.replace(f"carom {command} ", f"carom {command} --port {port} ")
     return text.replace(str(DEFAULT_PORT), str(port)).replace("Client()", f"Client(port={port})")

@@ -75,6 +75,7 @@ def test_circles_are_found():
     assert circles({"a": {"b"}, "b": {"c", "d"}, "c": {"b"}, "d": set()}) == [{"b", "c"}]
 
 
+@pytest.mark.slow
 def test_no_module_is_in_a_circle(imports):
     assert len(imports) > 300
     assert circles(imports) == []

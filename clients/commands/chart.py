@@ -12,9 +12,9 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "folder",
         type=Path,
         metavar="FOLDER",
-        help="for index.html, tables (CSV, Markdown) and figures (SVG, PNG); made if missing",
+        help="folder for index.html, tables (CSV, Markdown) and figures (SVG, PNG)",
     )
-    parser.add_argument("--quick", action="store_true", help="a coarse study")
+    parser.add_argument("--quick", action="store_true", help="coarse study, in less time")
 
 
 def _run(arguments: argparse.Namespace) -> int:

@@ -10,22 +10,25 @@ from .progress import AT_WORK, Work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("a", type=Path, metavar="A.wav", help="the sound that is compared with")
+    parser.add_argument("a", type=Path, metavar="A.wav", help="reference sound")
     parser.add_argument(
-        "b", type=Path, metavar="B.wav", help="the other one; it is shifted and levelled to agree with A"
+        "b", type=Path, metavar="B.wav", help="other sound, which is shifted and levelled to agree with A"
     )
     parser.add_argument(
-        "--kind", type=Path, metavar="FOLDER", help="other recordings of A's kind: tell how far apart they are, and B"
+        "--kind",
+        type=Path,
+        metavar="FOLDER",
+        help="folder of recordings of A's kind, whose distances are shown beside that of B",
     )
-    parser.add_argument("--plot", type=Path, metavar="OUT.png", help="draw both spectrograms, third octaves and decays")
     parser.add_argument(
-        "--page", type=Path, metavar="OUT.html", help="write a page with players, figures and the picture"
+        "--plot", type=Path, metavar="OUT.png", help="picture of both spectrograms, third octaves and decays"
     )
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--page", type=Path, metavar="OUT.html", help="page with players, figures and the picture")
+    parser.add_argument("--json", action="store_true", help="output as JSON")
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from ..comparison import as_json, beside, compare, draw, kind_table, require_page, table, write_page
+    from ..comparison import as_json, beside, compare, draw, kind_table, require_page, table, verdict, write_page
     from ..plot import require_picture
 
     if arguments.plot:
@@ -46,7 +49,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(as_json(found, kind))
     else:
-        print("\n\n".join([table(found), *([kind_table(kind)] if kind else [])]))
+        print("\n\n".join([table(found), *([kind_table(kind)] if kind else []), verdict(found)]))
     return 0
 
 

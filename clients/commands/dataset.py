@@ -19,16 +19,16 @@ class DatasetError(CaromError, RuntimeError):
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("recipe", metavar="RECIPE", help="a TOML file, or the name of one of Carom's own")
+    parser.add_argument("recipe", metavar="RECIPE", help="TOML file, or the name of one of Carom's own")
     parser.add_argument(
         "out",
         type=Path,
         metavar="OUT",
-        help="folder for shards and table; if it holds a part of them, the rest is made",
+        help="folder for shards and table; what is already there is kept",
     )
-    parser.add_argument("--count", type=whole, metavar="N", help="items (as the recipe says)")
-    parser.add_argument("--workers", type=whole, metavar="N", help="processes (one for each processor)")
-    parser.add_argument("--dask", metavar="ADDRESS", help="of Dask's scheduler, whose workers take their place")
+    parser.add_argument("--count", type=whole, metavar="N", help="number of items (the recipe's)")
+    parser.add_argument("--workers", type=whole, metavar="N", help="number of processes (one for each processor)")
+    parser.add_argument("--dask", metavar="ADDRESS", help="address of a Dask scheduler, whose workers compute")
     add_presets(parser)
 
 

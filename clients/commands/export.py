@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import tell
-from .options import RATE, SCORE, add_presets
+from .options import RATE, add_presets
 from .parser import Command, one_of, whole
 from .progress import AT_WORK, Work, shown_progress
 
@@ -21,14 +21,12 @@ TARGETS = ("web", "c", "clap")
 
 def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "score", metavar="SCORE", help=f"{SCORE}, or a table that the page has saved, or the name of an object"
+        "score",
+        metavar="SCORE",
+        help="score, saved table of the page, or name of an object or of one of Carom's scores; -: stdin",
     )
-    parser.add_argument("folder", metavar="OUT", help="folder for the files; made if missing")
-    text = (
-        "web: static files with the engine as WebAssembly, a page that plays the scene, and a JavaScript module; "
-        "c: a header, a static and a shared library for this machine, and an example; "
-        "clap: a CLAP plug-in for this machine, whose instruments are the scene's objects"
-    )
+    parser.add_argument("folder", metavar="OUT", help="folder for the files; it is made if missing")
+    text = "kind of files: a web page, a C library or a CLAP plug-in, the last two for this machine"
     parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
     add_presets(parser)

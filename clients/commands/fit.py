@@ -22,30 +22,32 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "out",
         type=Path,
         metavar="OUT",
-        help="folder for the presets and the report, as --presets takes it; made if missing",
+        help="folder for the presets and the report; it is made if missing",
     )
-    parser.add_argument("--name", required=True, help="the new object's name")
-    parser.add_argument("--modes", type=whole, default=40, metavar="N", help="how many modes at most (%(default)s)")
+    parser.add_argument("--name", required=True, help="name of the new object")
+    parser.add_argument("--modes", type=whole, default=40, metavar="N", help="largest number of modes (%(default)s)")
     parser.add_argument(
         "--positions",
         type=_numbers,
         default=(),
         metavar="P,...",
-        help="where along the object each recording was struck, 0 to 1: 0.1,0.3,0.5",
+        help="position of the strike of each recording, 0 to 1, such as 0.1,0.3,0.5",
     )
     parser.add_argument(
         "--strikers",
         metavar="NAME,...",
-        help="what struck: a preset, or a name for a new striker; one, or one for each",
+        help="striker of each recording, or of all: a preset, or a name for a new one",
     )
-    parser.add_argument("--velocity", type=number, metavar="V", help="of the strikes, m/s (1)")
-    parser.add_argument("--mass", type=number, metavar="KG", help="of the object (1: a guess)")
-    parser.add_argument("--full-scale", type=pascals, metavar="PA", help="sound pressure of the recordings' full scale")
-    parser.add_argument("--distance", type=number, metavar="M", help="of the microphone, m (1)")
-    parser.add_argument("--force", type=Path, metavar="HAMMER.wav", help="the force, as a hammer measured it")
-    parser.add_argument("--source", metavar="TEXT", help="who recorded what: kept in the preset")
-    parser.add_argument("--licence", metavar="TEXT", help="of the recordings: kept in the preset")
-    parser.add_argument("--no-report", action="store_true", help="write presets only, no page to listen and look at")
+    parser.add_argument("--velocity", type=number, metavar="V", help="speed of the strikes, m/s (1)")
+    parser.add_argument("--mass", type=number, metavar="KG", help="mass of the object, kg (1, a guess)")
+    parser.add_argument(
+        "--full-scale", type=pascals, metavar="PA", help="pressure of the recordings' full scale, such as 2 or 2Pa"
+    )
+    parser.add_argument("--distance", type=number, metavar="M", help="distance of the microphone, m (1)")
+    parser.add_argument("--force", type=Path, metavar="HAMMER.wav", help="recording of the force, by an impact hammer")
+    parser.add_argument("--source", metavar="TEXT", help="source of the recordings, kept in the preset")
+    parser.add_argument("--licence", metavar="TEXT", help="licence of the recordings, kept in the preset")
+    parser.add_argument("--no-report", action="store_true", help="presets only, no page to listen and look at")
     add_presets(parser)
 
 

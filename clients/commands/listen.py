@@ -16,18 +16,22 @@ _PATIENCE = 2 * _PERIOD + 1.0  # s without an answer
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--seconds", type=number, default=math.inf, help="how long to listen (until interrupted)")
+    parser.add_argument("--seconds", type=number, default=math.inf, help="time to listen, s (until interrupted)")
     add_server(parser)
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    warnings = 0
     with client(arguments) as server:
         try:
             for message in _heard(server, arguments.seconds):
                 print(message.address, *message.args, flush=True)
+                warnings += message.address == "/warning"
         finally:
             with suppress(ConnectionError):
                 server.send("/notify", 0)
+    found = f"{warnings} warnings" if warnings else "all was well"
+    print(f"{found} for {arguments.seconds:g} s")
     return 0
 
 

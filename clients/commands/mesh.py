@@ -14,34 +14,34 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "file",
         type=Path,
         metavar="FILE",
-        help="a mesh: .obj, .stl, .ply, .glb or .gltf; or a MuJoCo model, .xml or .mjb, of which all bodies of meshes "
-        "are made ahead",
+        help="mesh: .obj, .stl, .ply, .glb or .gltf; or a MuJoCo model, .xml or .mjb, for all its meshes",
     )
     parser.add_argument(
         "out",
         type=Path,
         nargs="?",
         metavar="FOLDER",
-        help="folder for the preset and the report, as --presets takes it; made if missing; a model's are kept without",
+        help="folder for the preset and the report; a model needs none",
     )
-    parser.add_argument("--name", help="the new object's name; a model's bodies have their own")
+    parser.add_argument("--name", help="name of the new object (a model's bodies have their own)")
     parser.add_argument(
         "--material",
         action="append",
         metavar="M",
-        help="a material's preset, such as glass; for a model, that of bodies whose material it does not name. Give it "
-        "again as handle=wood for a part of another material, by the part's name in the file",
+        help="preset of the material, such as glass; again as handle=wood for a part of the file",
     )
-    parser.add_argument("--wall", type=number, metavar="M", help="thickness of a sheet or of a hollow body, m")
-    parser.add_argument("--scale", type=number, metavar="M", help="the mesh's unit in m: 0.001 for mm (1)")
-    parser.add_argument("--modes", type=whole, default=60, metavar="N", help="how many modes at most (%(default)s)")
-    parser.add_argument("--points", type=whole, default=400, metavar="N", help="of the surface, about (%(default)s)")
-    parser.add_argument("--fine", action="store_true", help="twice as many cells: takes some five times as long")
+    parser.add_argument("--wall", type=number, metavar="M", help="thickness of a sheet or of a hollow body, m (solid)")
     parser.add_argument(
-        "--errors", action="store_true", help="compute it at two resolutions, and say each mode's error"
+        "--scale", type=number, metavar="M", help="unit of the mesh, m; 0.001 for mm (1, but for what is huge)"
     )
-    parser.add_argument("--source", metavar="TEXT", help="who made the mesh: kept in the preset")
-    parser.add_argument("--no-report", action="store_true", help="write the preset only, no page to look at")
+    parser.add_argument("--modes", type=whole, default=60, metavar="N", help="largest number of modes (%(default)s)")
+    parser.add_argument(
+        "--points", type=whole, default=400, metavar="N", help="number of points of the surface, about (%(default)s)"
+    )
+    parser.add_argument("--fine", action="store_true", help="twice as many cells, which takes five times as long")
+    parser.add_argument("--errors", action="store_true", help="error of each mode, by a second resolution")
+    parser.add_argument("--source", metavar="TEXT", help="source of the mesh, kept in the preset")
+    parser.add_argument("--no-report", action="store_true", help="preset only, no page to look at")
     add_presets(parser)
 
 
@@ -87,7 +87,7 @@ def _make_all(arguments: argparse.Namespace) -> int:
     for body in make_all(arguments.file, arguments.out, default, presets, shown_mesh):
         found = True
         if body.unsaid:
-            tell("mesh", f"{body.name}: no material is said: {body.material}")
+            tell("mesh", f"{body.name}: no material is given: {body.material}")
         if body.reason:
             tell("mesh", f"{body.name}: {body.reason}; the box of its inertia rings for it")
         else:
@@ -109,6 +109,9 @@ def _make(arguments: argparse.Namespace, material: str) -> int:
     presets = Presets(arguments.presets)
     with shown_mesh(asked.name) as say:
         made = make(arguments.file, arguments.out, asked, presets, say)
+    x, y, z = made.table.points.max(axis=0) - made.table.points.min(axis=0)
+    unsaid = "" if asked.scale else ": use --scale if that is not so"
+    tell("mesh", f"{x:.3g} x {y:.3g} x {z:.3g} m, {made.table.mass:,.4g} kg{unsaid}")
     files = list(made.files)
     if not arguments.no_report:
         from ..mesh_report import write_mesh_report

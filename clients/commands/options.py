@@ -18,7 +18,7 @@ RATE = 48_000
 """Hz, where no other rate is given."""
 
 
-SCORE = "a text or binary score, or the name of one of Carom's own; - for stdin"
+SCORE = "score, text or binary, or the name of one of Carom's own; -: stdin"
 """The help of an argument that is a score."""
 
 
@@ -38,7 +38,7 @@ def no_options(parser: argparse.ArgumentParser) -> None:
 def add_contact(parser: argparse.ArgumentParser) -> None:
     """Add the options that choose how contacts are solved; `contact` reads them."""
     parser.add_argument(
-        "--contact", metavar="METHOD", help="solver of contacts: closed (the default), am1, verlet, ..."
+        "--contact", metavar="METHOD", help="solver of contacts: closed, am1, verlet, heun or rk4 (closed)"
     )
     parser.add_argument("--correction", help="correction of a sampled METHOD: none, hybrid, release, both, ...")
     parser.add_argument("--oversampling", type=whole, metavar="N", help="steps per sample of a sampled METHOD")
@@ -57,27 +57,27 @@ def contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
 
 def add_bank(parser: argparse.ArgumentParser, default: str | None, otherwise: str) -> None:
     """Add the option for what the spectral bank keeps its modes in; otherwise: what it is where none is given."""
-    text = f"numbers that freely ringing modes are kept in: float64, or float32 for speed ({otherwise})"
+    text = f"numbers of freely ringing modes: float64, or float32 for speed ({otherwise})"
     parser.add_argument("--bank", default=default, metavar="FORM", help=text)
 
 
 def add_full_scale(parser: argparse.ArgumentParser, default: float | None = None, otherwise: str = "4") -> None:
     """Add the option for the pressure of full scale; otherwise: what it is where none is given."""
-    text = f"sound pressure that is full scale, of objects of level 0, such as 2 or 2Pa ({otherwise})"
+    text = f"pressure of full scale, of objects of level 0, such as 2 or 2Pa ({otherwise})"
     parser.add_argument("--full-scale", type=pascals, default=default, metavar="PA", help=text)
 
 
 def add_presets(parser: argparse.ArgumentParser) -> None:
     """Add the option for folders of presets."""
-    text = "folder of your own presets: objects/, strikers/, materials/, surfaces/; may be given more than once"
+    text = "folder of your own presets, with objects/, strikers/, materials/, surfaces/ in it"
     parser.add_argument("--presets", type=Path, action="append", default=[], metavar="DIR", help=text)
 
 
 def add_server(parser: argparse.ArgumentParser) -> None:
     """Add the options that say where the server is; `client` reads them."""
-    parser.add_argument("--host", default="127.0.0.1", help="the server's name or address (%(default)s)")
-    parser.add_argument("--port", type=_port, default=DEFAULT_PORT, help="the server's port (%(default)s)")
-    parser.add_argument("--tcp", action="store_true", help="over TCP, which loses nothing; to another host always")
+    parser.add_argument("--host", default="127.0.0.1", help="name or address of the server (%(default)s)")
+    parser.add_argument("--port", type=_port, default=DEFAULT_PORT, help="port of the server (%(default)s)")
+    parser.add_argument("--tcp", action="store_true", help="TCP, which loses nothing; always so to another host")
 
 
 def client(arguments: argparse.Namespace) -> Client:

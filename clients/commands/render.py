@@ -37,26 +37,30 @@ def _options(parser: argparse.ArgumentParser) -> None:
         metavar="SCORE",
         help=SCORE,
     )
-    out = "sound file, .wav or .flac; - for WAV on stdout; for several scores a folder, or a name such as 'out/{}.flac'"
+    out = "sound file, .wav or .flac; -: stdout; for several scores a folder, or a name such as 'out/{}.flac'"
     parser.add_argument("out", metavar="OUT", help=out)
-    parser.add_argument("--jobs", type=whole, metavar="N", help="scores to render at once (one for each processor)")
+    parser.add_argument(
+        "--jobs", type=whole, metavar="N", help="number of scores to render at once (one for each processor)"
+    )
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
-    parser.add_argument("--block", type=whole, default=16_384, help="frames per block (%(default)s); changes no sound")
+    parser.add_argument(
+        "--block", type=whole, default=16_384, help="frames per block; the sound is the same (%(default)s)"
+    )
     parser.add_argument("--format", choices=FORMATS, type=one_of(*FORMATS), help="sample format (WAV: float, FLAC: 24)")
     parser.add_argument("--seconds", type=number, help="length of the sound (until silence)")
-    parser.add_argument("--plot", metavar="OUT.png", help="draw the wave and spectrogram of each channel")
-    parser.add_argument("--stems", metavar="DIR", help="folder for a file of each object's part of the sound")
-    parser.add_argument("--calibrated", action="store_true", help="samples are pascals: floats, and no limiter")
+    parser.add_argument("--plot", metavar="OUT.png", help="picture of the wave and the spectrogram of each channel")
+    parser.add_argument("--stems", metavar="DIR", help="folder for a file of each object")
+    parser.add_argument("--calibrated", action="store_true", help="samples in pascals: floats, without limiter")
+    parser.add_argument("--channels", type=whole, metavar="N", help="number of channels, 1 to 64 (the score's, else 2)")
+    parser.add_argument("--gain", type=number, metavar="DB", help="level of everything, dB (the score's, else 0)")
     parser.add_argument(
-        "--channels", type=whole, metavar="N", help="channels, 1 to 64 (as the score says, else 2: stereo)"
+        "--limiter", **SWITCH, help="limiter, which keeps the sound within full scale (the score's, else on)"
     )
-    parser.add_argument("--gain", type=number, metavar="DB", help="level of the whole, dB (as the score says, else 0)")
-    parser.add_argument("--limiter", **SWITCH, help="keep within full scale (as the score says, else on)")
-    normalize = f"bring the whole to this peak ({PEAK:g} if none is given), without a limiter unless it is on"
+    normalize = f"peak of the file, dB of full scale, without limiter unless it is on ({PEAK:g})"
     parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)
-    add_full_scale(parser, otherwise="as the score says, else 4")
-    add_bank(parser, None, "as the score says, else float64")
-    budget = "bound what coupled contacts cost, as /budget does, whatever the score says: 16 8192 is a server's"
+    add_full_scale(parser, otherwise="the score's, else 4")
+    add_bank(parser, None, "the score's, else float64")
+    budget = "bounds of what coupled contacts cost, as /budget sets them; a server's: 16 8192 (the score's)"
     parser.add_argument("--budget", type=number, nargs=2, metavar=("STEPS", "MODES"), help=budget)
     add_contact(parser)
     add_presets(parser)

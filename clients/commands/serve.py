@@ -39,44 +39,51 @@ _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--port", type=whole, default=DEFAULT_PORT, help="port for UDP and TCP, 0 for any free one (%(default)s)"
+        "--port", type=whole, default=DEFAULT_PORT, help="port for UDP and TCP; 0: any free one (%(default)s)"
     )
     parser.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: for this machine only)")
-    text = "send all answers and /notify to hosts of this network over UDP; others get 3 times the bytes they sent"
+    text = "network whose hosts get all answers over UDP, such as 192.168.1.0/24"
     parser.add_argument("--trust", action="append", default=[], metavar="NET", help=text)
     parser.add_argument(
         "--device",
-        help="index or part of a name from `carom devices`; none: paced by the clock; page: heard in browsers only",
+        help="device, by index or part of its name; none: no sound; page: in browsers only (the system's)",
     )
     parser.add_argument(
-        "--latency", type=number, help="seconds from computing a sound to hearing it (the device's lowest)"
+        "--latency", type=number, help="time from computing a sound to hearing it, s (the device's lowest)"
     )
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
-    parser.add_argument("--block", type=whole, default=0, help="frames per block (0: the device's)")
+    parser.add_argument("--block", type=whole, default=0, help="frames per block (the device's)")
     _add_files_and_midi(parser)
     parser.add_argument(
         "--page", type=whole, nargs="?", const=PAGE_PORT, metavar="PORT",
-        help=f"offer a page to play from, and OSCQuery, over HTTP ({PAGE_PORT}; 0: any free port)",
+        help=f"port of a page to play on, and of OSCQuery; 0: any free one ({PAGE_PORT})",
     )  # fmt: skip
-    parser.add_argument("--tls", action="store_true", help="page over https, with a certificate that is made for it")
-    parser.add_argument("--certificate", type=Path, metavar="FILE.pem", help="page over https, with yours and its key")
+    parser.add_argument("--tls", action="store_true", help="page over https, with a new certificate")
     parser.add_argument(
-        "--oscquery", type=whole, metavar="PORT", help="describe all addresses over HTTP (0: any free port)"
+        "--certificate", type=Path, metavar="FILE.pem", help="page over https, with this certificate and its key"
     )
     parser.add_argument(
-        "--channels", type=whole, default=2, metavar="N", help="channels, 1 to 64 (%(default)s: left and right)"
+        "--oscquery",
+        type=whole,
+        metavar="PORT",
+        help="port of OSCQuery, which describes all addresses; 0: any free one",
+    )
+    parser.add_argument(
+        "--channels", type=whole, default=2, metavar="N", help="number of channels, 1 to 64 (%(default)s)"
     )
     parser.add_argument(
         "--sensors", type=whole, default=0, metavar="N",
-        help="channels after those of the sound, one for each sensor on an object (%(default)s)",
+        help="number of channels for sensors, after those of the sound (%(default)s)",
     )  # fmt: skip
-    parser.add_argument("--gain", type=number, default=0.0, metavar="DB", help="level of the whole, dB (%(default)g)")
-    parser.add_argument("--limiter", default="on", **SWITCH, help="keep within full scale (%(default)s)")
+    parser.add_argument("--gain", type=number, default=0.0, metavar="DB", help="level of everything, dB (%(default)g)")
     parser.add_argument(
-        "--modes", type=whole, default=131_072, metavar="N", help="room for modes (%(default)s, at most 1310720)"
+        "--limiter", default="on", **SWITCH, help="limiter, which keeps the sound within full scale (%(default)s)"
     )
     parser.add_argument(
-        "--objects", type=whole, default=512, metavar="N", help="room for objects (%(default)s, at most 16384)"
+        "--modes", type=whole, default=131_072, metavar="N", help="largest number of modes, up to 1310720 (%(default)s)"
+    )
+    parser.add_argument(
+        "--objects", type=whole, default=512, metavar="N", help="largest number of objects, up to 16384 (%(default)s)"
     )
     add_full_scale(parser, 4.0, "%(default)g")
     add_bank(parser, "float64", "%(default)s")
@@ -86,19 +93,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def _add_files_and_midi(parser: argparse.ArgumentParser) -> None:
     """Add the options of what is written, and of MIDI."""
-    parser.add_argument("--record", type=_file, metavar="OUT.wav", help="record the sound")
-    parser.add_argument("--log", type=_file, metavar="OUT.txt", help="log all events, as a score")
-    parser.add_argument(
-        "--recordings", type=Path, metavar="DIR", help="folder for new files that clients record by /record (none)"
-    )
+    parser.add_argument("--record", type=_file, metavar="OUT.wav", help="file that records the sound")
+    parser.add_argument("--log", type=_file, metavar="OUT.txt", help="file that logs all messages, as a score")
+    parser.add_argument("--recordings", type=Path, metavar="DIR", help="folder for what clients record by /record")
     parser.add_argument(
         "--quota", type=size, default="10GB", metavar="SIZE",
-        help="the most that all files there may take (%(default)s)",
+        help="largest size of all files there (%(default)s)",
     )  # fmt: skip
     parser.add_argument(
         "--midi", action="append", default=[], metavar="PORT",
-        help="MIDI input that plays: index or part of a name from `carom devices`; virtual: one to connect to; may be "
-        "given more than once",
+        help="MIDI input, by index or part of its name; virtual: an input to connect to; may be given twice",
     )  # fmt: skip
 
 

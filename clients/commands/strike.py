@@ -11,12 +11,12 @@ _WORK = Work("strike", SECONDS_OF_SOUND, "s of sound")
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("preset", metavar="PRESET", help="an object from `carom presets`")
-    out = "sound file, .wav or .flac; - for WAV on stdout; without it, the default device plays the sound"
+    parser.add_argument("preset", metavar="PRESET", help="object from `carom presets`")
+    out = "sound file, .wav or .flac; -: stdout (the default device plays the sound)"
     parser.add_argument("out", nargs="?", metavar="OUT", help=out)
-    parser.add_argument("--velocity", type=number, help="of the striker, m/s (the preset's)")
-    parser.add_argument("--position", type=number, help="0 to 1 along the object's strike path (the preset's)")
-    parser.add_argument("--striker", help="a preset (the object's own)")
+    parser.add_argument("--velocity", type=number, help="speed of the striker, m/s (the preset's)")
+    parser.add_argument("--position", type=number, help="position on the object's strike path, 0 to 1 (the preset's)")
+    parser.add_argument("--striker", help="striker from `carom presets strikers` (the object's)")
     parser.add_argument("--rate", type=whole, help="sampling rate in Hz (the device's, 48000 for a file)")
     parser.add_argument("--seconds", type=number, help="length of the sound (until silence)")
     add_full_scale(parser)

@@ -7,7 +7,7 @@ from .parser import Command
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--once", action="store_true", help="print the state once")
+    parser.add_argument("--once", action="store_true", help="one view, then the end")
     add_server(parser)
 
 

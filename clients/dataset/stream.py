@@ -46,14 +46,36 @@ def render_many(
 ) -> Iterator[dict[str, Any]]:
     """Render items of a recipe one after the other, without files: the sounds that `carom dataset` writes.
 
-        for row in carom.render_many("impacts", range(100)):
-            print(row["sound"].shape, row["factors"])
+    Parameters
+    ----------
+    recipe : str, path or dict
+        As `carom dataset` takes it, or a dictionary with the keys of such a file; it needs no `count`.
+    numbers : iterable of int, optional
+        Numbers of the items. Default: all. An item follows from the recipe's seed and its number alone.
+    workers : int, default 1
+        Number of processes. With more than one, begin the program under `if __name__ == "__main__"`.
+    presets : path or list of paths, optional
+        Folders of your own presets.
 
-    Yield for each a row of the data set's table, and in it `sound`, float32 (frames, channels) in pascals, as a reader
-    of its file has it. recipe: as `carom dataset` takes it, or a dictionary with the keys of such a file; it needs no
-    `count`. numbers: of the items (None: all); an item follows from the recipe's seed and its number alone. workers:
-    processes; a program that has more than one begins under `if __name__ == "__main__"`. presets: folders of your own.
-    PresetError names what the recipe cannot have, ItemError an item that cannot be.
+    Yields
+    ------
+    dict
+        A row of the data set's table, with `sound`, float32 (frames, channels) in Pa.
+
+    Raises
+    ------
+    PresetError
+        Names what the recipe cannot have.
+    ItemError
+        Names an item that cannot be.
+
+    Examples
+    --------
+    >>> import carom
+    >>> for row in carom.render_many("bars", range(2)):
+    ...     print(row["sound"].shape, len(row["contacts"]))
+    (48000, 1) 1
+    (48000, 1) 1
     """
     plan, folders = checked(recipe, presets)
     if not hasattr(workers, "__index__") or workers < 1:

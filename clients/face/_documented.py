@@ -15,8 +15,7 @@ Acting = TypeVar("Acting", bound=Actions)
 
 
 def documented(cls: type[Acting]) -> type[Acting]:
-    """Document keys, as a decorator: the help of each method whose address takes keys ends with them, their ranges and
-    meanings.
+    """Document keys, as a decorator: the help of each method whose address takes keys ends with these, as numpydoc.
 
     The methods of Actions stay as they are: a Client starts without the table of addresses.
     """
@@ -33,9 +32,13 @@ def _with_keys(method: Callable[..., None], keys: Iterable[Key]) -> Callable[...
     def same(*args: Any, **kwargs: Any) -> None:
         method(*args, **kwargs)
 
-    lines = [inspect.getdoc(method) or "", "", "Keys:"]
+    lines = [inspect.getdoc(method) or "", "", "Other Parameters", "----------------"]
     for key in keys:
-        lines.append(f"  {key.name}: " + "; ".join(filter(None, (_kind(key), key.help + default_of(key)))))
+        default = f", default {default_of(key)}" * (default_of(key) != "")
+        lines += [
+            f"{key.name} : {_kind(key)}{default}",
+            *([f"    {key.help[0].upper()}{key.help[1:]}."] if key.help else []),
+        ]
     same.__doc__ = "\n".join(lines)
     return same
 

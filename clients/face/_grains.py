@@ -5,6 +5,7 @@ from fnmatch import fnmatchcase
 
 from .dsp.arguments import explain_all_arguments
 from .scene import Scene
+from .server.bridge.checks import WorldError
 from .server.bridge.simulation import Simulation
 
 
@@ -23,6 +24,8 @@ class Grained:
         "stone*", of bodies that move; they sound as the first of them that rings. Call it before they touch anything.
         striker: a preset, such as rice. WorldError for a name that is taken, or for what cannot be.
         """
+        if not isinstance(bodies, Iterable):
+            raise WorldError(f"bodies = {bodies!r}: expected names, or a pattern")
         names = [body.name for body in self.simulation.bodies]
         if isinstance(bodies, str):
             chosen = [each for each in names if fnmatchcase(each, bodies)] or [bodies]

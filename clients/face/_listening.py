@@ -95,7 +95,7 @@ def ride(simulation: Simulation, microphones: tuple[Microphone, ...], record: np
         if microphone.on:
             place, turn = ridden(simulation, microphone.on, microphone.position)
             if not np.isfinite(place).all():
-                raise WorldError(f"microphone {n}: body {microphone.on}: no step has said its Pose")
+                raise WorldError(f"microphone {n}: body {microphone.on}: no step has given its Pose")
             record["position"][n] = place
             if microphone.direction is not None and (length := math.hypot(*microphone.direction)):
                 record["direction"][n] = turn @ (np.array(microphone.direction) / length)

@@ -1,5 +1,6 @@
 """Objects from meshes."""
 
+import reprlib
 from collections.abc import Mapping
 from dataclasses import fields
 from os import PathLike
@@ -8,7 +9,7 @@ from typing import Any
 
 from .clients.meshes import Asked, MadeMesh, make
 from .clients.performer import Folders
-from .dsp.arguments import explain_arguments, path_of, refuse_unknown
+from .dsp.arguments import ArgumentError, explain_arguments, path_of, refuse_unknown
 from .presets import Presets
 
 File = str | PathLike[str]
@@ -29,18 +30,44 @@ def mesh(
 ) -> MadeMesh:
     """Make an object of a mesh, as `carom mesh` does.
 
-        carom.mesh("mug.glb", "mine", "mug", "ceramic", scale=0.001)
-        carom.Scene(presets="mine").new("a", "mug").impact(1.0)
-        carom.mesh("pan.glb", "mine", "pan", {"*": "steel", "handle": "wood"})
+    Parameters
+    ----------
+    file : path
+        .obj, .stl, .ply, .glb or .gltf.
+    out : path
+        Folder of presets that gets the object; it is made if missing.
+    name : str
+        Name of the object.
+    material : str or dict
+        A preset; or a preset for each part of the file by name, with "*" for all others.
+    presets : path, list of paths or Presets, optional
+        Folders of your own presets.
+    report : bool, default False
+        Whether the page NAME.html is written.
+    **asked
+        `wall` (m, thickness of a sheet or a hollow body), `scale` (m, the mesh's unit), `modes` (at most), `points`
+        (at most), `fine` (bool), `errors` (bool), `source`.
 
-    file: .obj, .stl, .ply or .glb. out: the folder of presets that gets the object; it is made if missing. material: a
-    preset's name; or the names of the file's parts, each with that of its material, "*" of all others (without it, the
-    first part's is). asked: wall (m, of a sheet or a hollow body), scale (the mesh's unit, m), modes and points (how
-    many at most), fine, errors (whether a second resolution gives each mode's error), source. report: whether to write
-    the page NAME.html too.
+    Returns
+    -------
+    MadeMesh
+        `table`: frequency (n,) in Hz, shapes (P, 3, n) in kg^-1/2 at points (P, 3) in m, resistance (n,) in 1/s.
+        `files` and `notes`.
 
-    Return `table` (frequency (n,) in Hz, shapes (P, 3, n) in kg^-1/2 at points (P, 3) in m, resistance (n,) in 1/s),
-    `files` and `notes`. MeshError, PresetError or OSError say what cannot be.
+    Raises
+    ------
+    MeshError, PresetError, OSError
+        Say what cannot be.
+
+    Examples
+    --------
+    >>> import carom, trimesh
+    >>> made = trimesh.creation.box((0.12, 0.05, 0.02)).export("block.stl")
+    >>> made = carom.mesh("block.stl", "mine", "block", "steel", modes=8)
+    >>> made.table.frequency.shape
+    (8,)
+    >>> with carom.Scene(presets="mine") as scene:
+    ...     scene.new("a", "block").impact(1.0)
     """
     known = (each.name for each in fields(Asked) if each.name not in ("name", "material", "parts"))
     refuse_unknown("mesh", asked, known)
@@ -59,8 +86,8 @@ def _divided(material: str | Mapping[str, str]) -> tuple[str, dict[str, str]]:
     """Return the main material, and those of parts by name."""
     if isinstance(material, str):
         return material, {}
-    if not material:
-        raise ValueError("material = {}: expected a material's name, or one for each part")
+    if not isinstance(material, Mapping) or not material:
+        raise ArgumentError(f"material = {reprlib.repr(material)}: expected a material's name, or one for each part")
     parts = dict(material)
     main = parts.pop(REST, None)
     return (next(iter(parts.values())) if main is None else main), parts

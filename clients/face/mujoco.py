@@ -143,7 +143,7 @@ class Bridge(Closing):
                 unsaid.append(part.name)
             self._add(part, frame, surface, material or default, about)
         if unsaid:
-            text = f"no material is said of {', '.join(unsaid)}: {default}; materials={{{unsaid[0]!r}: ...}} says it"
+            text = f"no material is given for {', '.join(unsaid)}: {default}; materials={{{unsaid[0]!r}: ...}} gives it"
             warnings.warn(text, stacklevel=3)
         for name, keys in (sensors or {}).items():
             self._mount(name, keys, parts, frames)

@@ -13,6 +13,7 @@ from .clients.actions import plain
 from .clients.gesture_methods import Value
 from .clients.performer import Folders, Performer
 from .dsp.arguments import explain_arguments
+from .server.files.whole import RenderError
 from .server.osc.score import LONGEST_SCORE, Line, ScoreError, parse, read
 from .server.osc.wire import Message
 from .server.render import Options, blocks
@@ -36,23 +37,50 @@ def render(
     contact: str | Sequence[Value] = (),
     presets: Folders = (),
 ) -> Sound:
-    """Render a score, to the bits of `carom render`.
+    r"""Render a score, to the bits of `carom render`.
 
-        carom.render("0 /object/new bell church-bell\\n0.1 /object/bell/impact 1.5").save("bell.wav")
+    Parameters
+    ----------
+    score : Path, str or list
+        File of a text or binary score; a text; or lines (time in s, address, argument, ...) in any order.
+    rate : int, default 48000
+        Sampling rate in Hz, 8000 to 192000.
+    limiter, gain, channels, full_scale : optional
+        As for a Scene. Default: what the score says at time 0.
+    calibrated, stems, contacts, presets : optional
+        As for a Scene.
+    normalize : float, optional
+        Peak of the whole, dB of full scale; without a limiter unless one is asked for.
+    seconds : float, optional
+        Length in s. Default: until silence.
+    contact : str or list, optional
+        Solver of contacts, as `/contact` takes it: "verlet", or ("verlet", 4, "correction", "both").
 
-    score: a Path to a file of text or of scsynth's binary form, a text, or lines in any order of time, each
-    (time in s, address, argument, ...). rate: Hz, 8000 to 192000. seconds: its length (None: until silence).
-    limiter, gain, channels, full_scale, calibrated, stems, contacts, presets: as for a Scene; the first four hold in
-    place of what the score says at time 0 (None: as it says). normalize: the peak (dBFS) to which the whole is brought,
-    which the report notes; without a limiter, unless one is asked for. contact: how contacts are solved from the start,
-    as the address /contact takes it: "verlet", or ("verlet", 4, "correction", "both").
-    ScoreError names a line that cannot be read or was refused; RenderError or PresetError say what else cannot be;
-    OSError, that the file cannot be read.
+    Returns
+    -------
+    Sound
+        Its `samples` are float32 (frames, channels).
+
+    Raises
+    ------
+    ScoreError
+        Names a line that cannot be read or was refused.
+    RenderError, PresetError, OSError
+        Say what else cannot be.
+
+    Examples
+    --------
+    >>> import carom
+    >>> sound = carom.render("0 /object/new bell church-bell\n0.1 /object/bell/impact 1.5", seconds=1.0)
+    >>> sound.duration
+    1.0
     """
     lines = _lines(score)
+    if not isinstance(contact, str | Sequence):
+        raise RenderError(f"contact = {contact!r}: expected a method's name, or a tuple that begins with it")
     choice = (contact,) if isinstance(contact, str) else tuple(map(plain, contact))
     options = Options(
-        rate, seconds=seconds, contact=choice, channels=plain(channels), gain=plain(gain), limiter=limiter,
+        rate, seconds=plain(seconds), contact=choice, channels=plain(channels), gain=plain(gain), limiter=limiter,
         calibrated=calibrated, normalize=plain(normalize), full_scale=plain(full_scale),
     )  # fmt: skip
     performer = Performer(options, lines, presets, stems, contacts, steers_ended=True)

@@ -26,18 +26,44 @@ def fit(
     report: bool = False,
     **known: Any,
 ) -> Made:
-    """Make an object of recordings of single strikes, as `carom fit` does.
+    r"""Make an object of recordings of single strikes, as `carom fit` does.
 
-        carom.fit(["left.wav", "middle.wav"], "mine", "bar", positions=(0.1, 0.5), licence="CC0")
-        carom.Scene(presets="mine").new("a", "bar").impact(2.0, position=0.3)
+    Parameters
+    ----------
+    recordings : path, list of paths or a folder
+        Sound files.
+    out : path
+        Folder of presets that gets the object; it is made if missing.
+    name : str
+        Name of the object.
+    presets : path, list of paths or Presets, optional
+        Folders of your own presets.
+    report : bool, default False
+        Whether the page NAME.html is written.
+    **known
+        `modes` (at most), `positions` (0 to 1, one for each strike), `strikers` (a preset's name or a new one; one,
+        or one for each strike), `force` (a hammer's recording), `mass` (kg), `velocity` (m/s), `full_scale` (Pa),
+        `distance` (m), `source`, `licence`.
 
-    recordings: sound files, or a folder of such. out: the folder that gets the presets; it is made if missing. name:
-    the object's. known: modes (how many at most), positions (0 to 1, one for each hit), strikers (a preset's name or a
-    new one; one, or one for each hit), force (a hammer's recording), mass (kg), velocity (m/s), full_scale (Pa),
-    distance (m), source, licence. report: whether to write the page NAME.html too.
+    Returns
+    -------
+    Made
+        `fit`: frequency (n,) in Hz, decay (n,) in 1/s, residual in dB of each take. `files`, `notes`, and `sound`,
+        the default strike.
 
-    Return `fit` (frequency (n,) in Hz, decay (n,) in 1/s, residual in dB of each take), `files`, `notes`, and `sound`,
-    the default strike. RecordingError, FitError, PresetError or OSError say what cannot be.
+    Raises
+    ------
+    RecordingError, FitError, PresetError, OSError
+        Say what cannot be.
+
+    Examples
+    --------
+    >>> import carom
+    >>> score = "0 /object/new a marimba-bar\n0.1 /object/a/impact 1 striker wood"
+    >>> path = carom.render(score, seconds=1.5, limiter=False).save("strike.wav")
+    >>> made = carom.fit("strike.wav", "mine", "bar", modes=8, licence="CC0-1.0", source="an example")
+    >>> len(made.fit.frequency) <= 8
+    True
     """
     refuse_unknown("fit", known, (each.name for each in fields(Wanted) if each.name != "name"))
     if not isinstance(recordings, str | PathLike | Iterable):
@@ -62,8 +88,20 @@ def fit(
 def compare(a: File, b: File) -> Distance:
     """Measure how far apart two sound files are, as `carom compare` does.
 
-    Return the residual and the log-spectral distance (dB), third octaves (Hz, dB, dB), and decays by octave (Hz, s, s).
-    RecordingError or OSError say what cannot be read.
+    Parameters
+    ----------
+    a, b : path
+        Sound files; b is shifted and levelled to agree with a.
+
+    Returns
+    -------
+    Distance
+        `residual` and `spectral` (log-spectral distance) in dB, `thirds` (Hz, dB, dB), `decays` by octave (Hz, s, s).
+
+    Raises
+    ------
+    RecordingError, OSError
+        Say what cannot be read.
     """
     wanted = "a sound file, such as Sound.save writes"
     return _compare(path_of("a", a, wanted), path_of("b", b, wanted))[0]

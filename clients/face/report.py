@@ -22,19 +22,38 @@ _COUNTERS = {
 
 @dataclass(frozen=True)
 class Report:
-    """The events that a listener may want to know of a sound.
+    """The events that a listener may want to know of a sound. `str(report)` is a line for each.
 
-    limited: spans (start, end) in s of the sound in which the limiter turned it down, to 1,024 frames (64 with stems);
-    limited_db: by how much at most, dB; limited_objects: for each object its share (0 to 1) of the energy then.
-    normalized_db: by how much the sound was brought to the peak that was asked for (None: it was not).
-    contacts: how many began, or were left out; contacts_dropped: left out, as too many went on at once;
-    strikers_cut: strikers whose own sound was cut short or left out, as too many sounded;
-    nonlinear_dropped: blows that left a plate linear, as the modes of too many plates were coupled;
-    steps_held: steps of contacts solved with the modes that took the force as constant; over_budget: samples in which
-    they did as `/budget` granted no more steps.
-    late: events that came after their time; faults: times that an object was silenced as its sound was not finite.
-    compiled: whether this process compiled the engine (it loads it where it was compiled before).
-    warnings: other things to know, such as that the sound ends though something would go on for ever.
+    Attributes
+    ----------
+    limited : tuple of (start, end)
+        Spans in s in which the limiter turned the sound down.
+    limited_db : float
+        Largest reduction, dB.
+    limited_objects : dict of float
+        Share (0 to 1) of each object in the energy of these spans.
+    normalized_db : float or None
+        Change of level that brought the sound to its peak, dB.
+    contacts : int
+        Number of contacts.
+    contacts_dropped : int
+        Contacts left out, for lack of room.
+    strikers_cut : int
+        Strikers whose own sound was cut short or left out, for lack of room.
+    nonlinear_dropped : int
+        Blows that left a plate linear, for lack of room.
+    steps_held : int
+        Steps of contacts in which the force was held.
+    over_budget : int
+        Samples and contacts for which `/budget` left no room.
+    late : int
+        Messages that came after their time.
+    faults : int
+        Times that an object was silenced, as its sound was not finite.
+    compiled : bool
+        Whether this process compiled the engine.
+    warnings : tuple of str
+        Other things to know.
     """
 
     limited: tuple[tuple[float, float], ...] = ()
@@ -64,13 +83,13 @@ class Report:
         if self.over_budget:
             lines.append(OVER_BUDGET.format(self.over_budget))
         if self.strikers_cut:
-            lines.append(f"{self.strikers_cut} strikers were cut short or left out: too many sounded")
+            lines.append(f"the strikers of {self.strikers_cut} blows were cut short: too many sounded")
         if self.nonlinear_dropped:
-            lines.append(f"{self.nonlinear_dropped} blows left a plate linear: too many were coupled at once")
+            lines.append(f"{self.nonlinear_dropped} blows left a plate linear: too many plates were coupled")
         if self.late:
-            lines.append(f"{self.late} events came after their time")
+            lines.append(f"{self.late} messages came late")
         if self.faults:
-            lines.append(f"{self.faults} times an object was silenced because its sound was not finite")
+            lines.append(f"objects were silenced {self.faults} times: their sound was not finite")
         return "\n".join(lines) or "nothing to report"
 
 

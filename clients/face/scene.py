@@ -32,30 +32,55 @@ if TYPE_CHECKING:
 @explain_all_arguments
 @documented
 class Scene(Actions, Closing):
-    """An engine in this process, without a server: what a score can say as methods, and `render` for the sound.
+    """An engine in this process: objects and gestures as methods, and `render` for the sound.
 
-        with carom.Scene() as scene:
-            bar = scene.new("bar", "marimba-bar")
-            scene.impact("bar", 1.0, position=0.3, at=0.25)
-            sound = scene.render(seconds=1.5)
+    Each address of a score is a method. Calls may come in any order of time, as sound is computed once `render` asks
+    for it; nothing can happen before what is computed. Equal calls make equal sounds, bit for bit, and those of the
+    score that says the same. Scenes may work in parallel, each in one thread at a time.
 
-    rate: Hz, 8000 to 192000. limiter: False leaves the sum of all objects as it is, beyond full scale too (None: it is
-    on, unless calibrated). gain: of everything, dB. channels: 1 to 64; 2 are left and right, any other number a ring
-    around the listener. full_scale: the sound pressure (Pa) of a sample of 1.0, of an object of level 0 (None: 4).
-    calibrated: samples are pascals, whatever the levels of presets, and nothing limits them.
-    stems: keep each object's part of the sound; contacts: keep each contact's time, force and impulse (see Sound).
-    presets: folders of your own presets, looked through first, or a carom.Presets.
+    Parameters
+    ----------
+    rate : int, default 48000
+        Sampling rate in Hz, 8000 to 192000.
+    limiter : bool, optional
+        Whether the sum of all objects stays within full scale. Default: True, unless `calibrated`.
+    gain : float, default 0
+        Level of everything, dB.
+    channels : int, default 2
+        1 to 64; 2 are left and right, any other number is a ring around the listener.
+    full_scale : float, optional
+        Pressure of a sample of 1.0, of an object of level 0, in Pa. Default: 4.
+    calibrated : bool, default False
+        Whether samples are pascals, without the levels of presets and without a limiter.
+    stems : bool, default False
+        Whether each object's part of the sound is kept.
+    contacts : bool, default False
+        Whether each contact's time, force and impulse are kept.
+    presets : path, list of paths or Presets, optional
+        Folders of your own presets, which come first.
 
-    `at` is a time in s from the scene's beginning, between samples where it falls there; None is as soon as possible.
-    Sound is computed once `render` asks for it, and nothing can happen before what is computed; else the calls may come
-    in any order of time. Some 6,000 events can wait for theirs: render a scene of more in parts.
-    A name may be a pattern (`*`, `[a-c]`, `{a,b}`): it means the objects there are at that time.
-    Keys are those of the OSC address of the same name; numbers may be NumPy's, lists may be arrays.
-    Equal calls make equal sounds, bit by bit, and those of the score that says the same.
-    Any number of scenes may be at work, each in one thread at a time.
+    Raises
+    ------
+    CommandError
+        A message was refused, and changed nothing. Of several values to `steer` the others count.
+    RenderError
+        An option or a length that cannot be.
 
-    CommandError: a message was refused, and changed nothing. Where `steer` sets several values, the error names all
-    that were refused; the others count. RenderError: an option or a length that cannot be.
+    Notes
+    -----
+    `at` is a time in s from the scene's beginning; None is as soon as possible. A name may be a pattern (`*`,
+    `[a-c]`, `{a,b}`). Keys are those of the OSC address of the same name. Some 6,000 events can wait: render longer
+    scenes in parts.
+
+    Examples
+    --------
+    >>> import carom
+    >>> with carom.Scene() as scene:
+    ...     bar = scene.new("bar", "marimba-bar")
+    ...     bar.impact(1.0, position=0.3, at=0.25)
+    ...     sound = scene.render(seconds=1.5)
+    >>> sound.samples.shape
+    (72000, 2)
     """
 
     def __init__(
@@ -126,8 +151,22 @@ class Scene(Actions, Closing):
     def render(self, seconds: SupportsFloat | None = None, *, frames: SupportsIndex | None = None) -> Sound:
         """Render the sound of the next seconds, or frames, from the end of the last one on.
 
-        Return a Sound: samples float32 (frames, channels). RenderError unless one of the two is given, and is at least
-        a frame.
+        Parameters
+        ----------
+        seconds : float, optional
+            Length in s; or
+        frames : int, optional
+            length in frames.
+
+        Returns
+        -------
+        Sound
+            Its `samples` are float32 (frames, channels).
+
+        Raises
+        ------
+        RenderError
+            Neither or both are given, or the length is less than a frame.
         """
         if (seconds is None) == (frames is None):
             raise RenderError(f"seconds = {seconds}, frames = {frames}: expected one of the two")
@@ -164,8 +203,27 @@ class Scene(Actions, Closing):
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Unpack[NewKeys]) -> Object:
         """Make an object from a preset.
 
-        name: of the object. Keys change the preset (length, material, ...), or are the object's first gain (dB), pan,
-        gains, distance (m), tune (semitones), decay and damp. CommandError if the name is taken, or a key does not fit.
+        Parameters
+        ----------
+        name : str
+            Name of the new object.
+        preset : str
+            Name of its preset.
+        at : float, optional
+            Time in s.
+        **keys
+            The preset's keys (`length`, `material`, `size`, ...), or the object's first `gain` (dB), `pan`, `gains`,
+            `distance` (m), `tune` (semitones), `decay` and `damp`.
+
+        Returns
+        -------
+        Object
+            Its methods are the scene's, without the name.
+
+        Raises
+        ------
+        CommandError
+            The name is taken, or a key does not fit.
         """
         self.send("/object/new", name, preset, at=at, **keys)
         return Object(self, name, self._open.placed(name), _settings(keys))
@@ -197,10 +255,22 @@ class Object(ObjectMethods):
         return self.name
 
     def modes(self, position: SupportsFloat | None = None) -> ModeTable:
-        """Return the modes that a strike at a position 0 to 1 (None: the preset's) excites: frequencies, decays, gains.
+        """Return the modes that a strike excites, as the object is tuned, damped and placed now.
 
-        They are as the object is tuned, damped and placed at the time to which its scene is computed; before the object
-        is there, and after its scene is closed, as it was made. RenderError for a position beyond 0 to 1.
+        Parameters
+        ----------
+        position : float, optional
+            0 to 1 on the strike path. Default: the preset's.
+
+        Returns
+        -------
+        ModeTable
+            Frequencies (Hz), decays (1/s) and gains (Pa per N s).
+
+        Raises
+        ------
+        RenderError
+            A position beyond 0 to 1.
         """
         place = self._placed.position if position is None else _number(position)
         if not 0.0 <= place <= 1.0:

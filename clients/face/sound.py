@@ -57,19 +57,26 @@ class Sensed:
 @explain_all_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class Sound:
-    """A sound, and what there is to know about it.
+    """A sound that was computed. A notebook shows it as a player; `numpy.asarray(sound)` gives the samples.
 
-    samples: float32 (frames, channels), of two channels left and right. 1.0 is full scale, which it exceeds only where
-    it was computed without a limiter: as many pascals as `scale` says. rate: Hz. start: s on the scene's clock
-    at which it begins. report: what happened meanwhile.
-    stems: for each object, float32 (frames, channels), its part of the sound before the limiter: without one, the sum
-    of the stems is the sound, up to rounding, but for a room's late part, which is in none; None unless they were asked
-    for.
-    contacts: every contact as it was played, by start; None unless they were asked for.
-    sensors: the signal of each sensor, a Sensed by name; a file has them as channels after those of the sound.
-    scale: whether samples are pascals (`calibrated`), else the pressure (Pa) of full scale (`full_scale`).
-
-    A notebook shows it as a player. `numpy.asarray(sound)` gives the samples.
+    Attributes
+    ----------
+    samples : float32 (frames, channels)
+        1.0 is full scale, as many pascals as `scale` says; only sound without a limiter exceeds it.
+    rate : int
+        Sampling rate in Hz.
+    start : float
+        Time on the scene's clock at which it begins, s.
+    report : Report
+        What happened meanwhile.
+    stems : dict of float32 (frames, channels), or None
+        Each object's part, before the limiter; the reverberation of a room is in none.
+    contacts : tuple of Contact, or None
+        Every contact as it was played, by start.
+    sensors : dict of Sensed
+        Signal of each sensor; a file has them as channels after those of the sound.
+    scale : Scale
+        Whether samples are pascals (`calibrated`), else the pressure of full scale (`full_scale`, Pa).
     """
 
     samples: NDArray[np.float32] = field(repr=False)
@@ -140,7 +147,7 @@ class Sound:
 
         RenderError for a rate that cannot be.
         """
-        whole = index(rate) if hasattr(rate, "__index__") else 0
+        whole = index(rate) if hasattr(rate, "__index__") and np.shape(np.asarray(rate)) == () else 0
         if not LOWEST_RATE <= whole <= HIGHEST_RATE:
             raise RenderError(f"rate = {rate!r}: expected a whole number from {LOWEST_RATE} to {HIGHEST_RATE} Hz")
         shared = math.gcd(whole, self.rate)

@@ -23,7 +23,7 @@ from .clients.actions import CommandError, plain
 from .clients.client import Client
 from .clients.commands.progress import shown_mesh
 from .clients.performer import Folders, Performer, chosen
-from .dsp.arguments import explain_all_arguments
+from .dsp.arguments import explain_all_arguments, switch_of
 from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.memory.state import QUANTUM
 from .dsp.numerics.quantities import Range
@@ -61,29 +61,50 @@ _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, be
 
 @explain_all_arguments
 class World(Grained, Closing):
-    """The sound of a simulation, computed in step with it, or played on a server.
+    """The sound of a simulation of rigid bodies, computed in step with it, or played on a server.
 
-        with carom.World(microphones=[carom.Microphone((0, -1, 0.5))]) as world:
-            world.body("floor", "plate", (2, 2, 0.02), "wood", held=True)
-            world.body("ball", "sphere", 0.02, "glass")
-            touch = carom.Touch("floor", "ball", point=(0, 0, 0.01), normal=(0, 0, 1), approach=1.5)
-            block = world.step(0.01, [touch])   # float32 (480, 1), in pascals
+    Bodies become objects. Contacts become blows, slides, rolls and rests, by the contact law of both materials.
+    Samples are pascals at the microphones. Equal steps make equal bits. The sound comes `latency` (s) after its time:
+    64 frames.
 
-    Bodies become objects, which ring where they are struck; contacts become blows, slides and rolls. `step` takes what
-    a simulator knows of a moment: which points touch, and where the bodies are. A contact begins once, stays, and ends;
-    bodies that rest on each other ring shorter. A blow follows from the speed of approach and the effective mass, by
-    the contact law of both materials, at its time between the steps. Samples are pascals at the microphones, and
-    nothing limits them.
+    Parameters
+    ----------
+    rate : int, default 48000
+        Sampling rate in Hz.
+    microphones : list of Microphone or (x, y, z) in m
+        A channel for each. Default: one at (0, 0, 1.5).
+    hearing : Hearing, optional
+        Microphones, and settings of what is computed.
+    listener : Listener, optional
+        In place of microphones: delay, doppler, air, direction and room.
+    client : Client, optional
+        Plays on that client's server; steps return empty blocks, and are to be taken in real time.
+    keep : bool, default False
+        Whether the sound is kept for `sound`, and the messages for `score`.
+    stems, contacts : bool, default False
+        As for a Scene; they need `keep`.
+    presets : path, list of paths or Presets, optional
+        As for a Scene.
+    gravity : float, default 9.81
+        In m/s^2.
+    start : float, default 0
+        Time of the simulation before the first step, in s.
 
-    rate: Hz. microphones: Microphone or positions (m), a channel each; the pressure falls as 1/r. hearing: in place of
-    microphones, a Hearing, which says what is computed, too. listener: in place of microphones, a Listener, to whom
-    sound takes its time, with doppler, from its direction. client: plays on that Client's server instead, whose
-    channels are then left as they are; steps return empty blocks, and are to be taken in real time. keep: keep the
-    sound, for `sound`, and the messages, for `score`. stems, contacts: as for a Scene; they need `keep`. presets: as
-    for a Scene. gravity: m/s^2. start: s, the simulation's time before the first step.
+    Raises
+    ------
+    WorldError
+        Names the body and the step of what cannot be; the step has changed nothing.
 
-    The sound of a time comes `latency` (s) later in the blocks: 64 frames. WorldError names the body and the step of
-    what cannot be; then that step has changed nothing. Equal steps make equal bits.
+    Examples
+    --------
+    >>> import carom
+    >>> with carom.World(microphones=[(0, -1, 0.5)]) as world:
+    ...     number = world.body("floor", "plate", (2, 2, 0.02), "wood", held=True)
+    ...     number = world.body("ball", "sphere", 0.02, "glass")
+    ...     touch = carom.Touch("floor", "ball", point=(0, 0, 0.01), normal=(0, 0, 1), approach=1.5)
+    ...     block = world.step(0.01, [touch])
+    ...     print(block.shape, len(world.hits))
+    (480, 1) 1
     """
 
     def __init__(
@@ -101,6 +122,7 @@ class World(Grained, Closing):
         gravity: float = 9.81,
         start: float = 0.0,
     ) -> None:
+        stems, contacts, keep = switch_of("stems", stems), switch_of("contacts", contacts), switch_of("keep", keep)
         if (stems or contacts) and not keep:
             raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
         require_number("rate", rate, _RATE)
@@ -192,19 +214,51 @@ class World(Grained, Closing):
         self, name: str, shape: str, size: ArrayLike, material: str, pose: Pose | None = None,
         **about: Unpack[BodyKeys],
     ) -> int:  # fmt: skip
-        """Add a body before it touches anything; return its number.
+        """Add a body before it touches anything.
 
-        shape and size (m): box or plate (three edges), sphere (radius), cylinder (radius, length), capsule (radius,
-        length between its ends' centres), mesh (vertices (n, 3), of which the box around rings; or these and its faces
-        (m, 3), numbers of vertices: it rings by its own modes, which are made at first and kept, and is touched at
-        points of its surface). A cylinder's and a capsule's axis is z; a mesh with faces is as seen from its centre of
-        mass. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg), inertia (moments
-        about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does not move.
-        rings=False: it is silent. object: a preset that rings in its place. wall: thickness (m) of the wall of a hollow
-        box, cylinder or capsule, or of a mesh with faces. surface=True: a solid box or cylinder that is free rings as
-        the solid that it is, and is touched at points of its surface, as a mesh with faces is: on its edges as on its
-        faces. Further keys are those of `/object/new`, such as most_modes,
-        damping or gain. WorldError for a name that is taken, or a value that cannot be.
+        Parameters
+        ----------
+        name : str
+            Name of the body.
+        shape : {"box", "plate", "sphere", "cylinder", "capsule", "mesh"}
+            The axis of a cylinder and a capsule is z.
+        size : float or array, m
+            Box and plate: three edges. Sphere: radius. Cylinder: radius and length. Capsule: radius and length
+            between the centres of its ends. Mesh: vertices (n, 3), or these and faces (m, 3); with faces it rings by
+            its own modes.
+        material : str
+            Preset of the material.
+        pose : Pose, optional
+            Where it is, if no step says so.
+        **about
+            As below, and further keys of `/object/new`, such as `most_modes`, `damp` or `gain`.
+
+        Other Parameters
+        ----------------
+        density, mass : float, optional
+            In kg/m^3, or in kg. Default: a solid body of the material.
+        inertia : (3,), optional
+            Moments about its axes, kg m^2.
+        held : bool, default False
+            Whether it does not move.
+        rings : bool, default True
+            Whether it sounds.
+        object : str, optional
+            Preset that rings in its place.
+        wall : float, optional
+            Thickness of the wall of a hollow body, m.
+        surface : bool, default False
+            Whether a solid free box or cylinder rings as such, and is struck at points of its surface.
+
+        Returns
+        -------
+        int
+            Number of the body.
+
+        Raises
+        ------
+        WorldError
+            The name is taken, or a value cannot be.
         """
         given: dict[str, Any] = {key: plain(value) for key, value in about.items()}
         try:
@@ -237,10 +291,18 @@ class World(Grained, Closing):
     def pair(self, a: str, b: str, **keys: Unpack[PairKeys]) -> None:
         """Set how the contact of two bodies differs from that of their materials.
 
-        keys: surface (a preset), support (felt, foam, finger or palm: whose contact law they have in blows and at
-        rest), restitution (0 to 1), roughness (times), patch (m), static, dynamic, stribeck (m/s), tangential
-        (N/m), along (0 to 1: how far modes move along the slip). WorldError for a body that is not there, or a value
-        out of range.
+        Parameters
+        ----------
+        a, b : str
+            Names of the bodies.
+        **keys
+            `surface` (a preset), `support` (felt, foam, finger or palm), `restitution` (0 to 1), `roughness` (times),
+            `patch` (m), `static`, `dynamic`, `stribeck` (m/s), `tangential` (N/m), `along` (0 to 1).
+
+        Raises
+        ------
+        WorldError
+            A body that is not there, or a value out of range.
         """
         given: dict[str, Any] = {key: plain(value) for key, value in keys.items()}
         self.simulation.pair(a, b, **given)
@@ -254,13 +316,27 @@ class World(Grained, Closing):
         place: Sequence[float] | None = None,
         **keys: Unpack[SensorKeys],
     ) -> None:
-        """Mount a sensor on a body: a contact microphone or an accelerometer.
+        """Mount a contact microphone or an accelerometer on a body; `sensed` has its signal.
 
-        It senses what rings, and not how the body moves as a whole, which the simulator knows. position: 0 to 1 along
-        the body's strike path; or place: x y z (m) in the axes of the body, of which the nearest point of its surface
-        is taken where it is a mesh, else of that path. It senses along the normal, and on a mesh along `direction`,
-        x y z, where that is given. keys: that, preset, quantity, resonance, damping, full, as `Scene.sensor` has them.
-        `sensed` has its signal. WorldError for a body that is not there or is silent, or a value that cannot be.
+        It senses vibration along the normal, not the motion of the body as a whole.
+
+        Parameters
+        ----------
+        name : str
+            Name of the sensor.
+        body : str
+            Name of a body that rings.
+        position : float, optional
+            0 to 1 on the strike path; or
+        place : (x, y, z), optional
+            m, in the axes of the body; the nearest point is taken.
+        **keys
+            `preset`, `quantity`, `resonance` (Hz), `damping`, `full`; on a mesh `direction` (x, y, z).
+
+        Raises
+        ------
+        WorldError
+            A body that is not there or is silent, or a value that cannot be.
         """
         number = self.simulation.number(body)
         its = self.simulation.bodies[number]
@@ -297,11 +373,26 @@ class World(Grained, Closing):
         return {name: whole[:, first + n] for n, (name, _) in mounted}
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> Blocks:
-        """Take the simulation's state at a time (s) after the last step's; return the sound up to it.
+        """Take the simulation's state at a time after the last step's, and return the sound up to it.
 
-        contacts: all points that touch now, as Touch or as arrays by name. poses: Pose by name, of the bodies that have
-        moved; others are where they were. The sound: float32 (frames, channels), Pa; empty of a World with a client.
-        WorldError names what cannot be; the step has then changed nothing.
+        Parameters
+        ----------
+        time : float
+            In s.
+        contacts : list of Touch, or arrays by name
+            All points that touch now.
+        poses : dict of Pose, optional
+            Bodies that have moved, by name.
+
+        Returns
+        -------
+        array
+            float32 (frames, channels), in Pa; empty with a client.
+
+        Raises
+        ------
+        WorldError
+            Names what cannot be; the step has changed nothing.
         """
         before = self.simulation.time
         if self._scene and isinstance(time, float | Real) and before + _LONGEST < time < math.inf:
@@ -377,6 +468,8 @@ class World(Grained, Closing):
         batch: a Batch of `carom.dsp.runtime.batch`. The block is filled once its `finish` was called, which is to be
         before the next step. A World that keeps its sound fills it at once.
         """
+        if batch is not None and not isinstance(batch, Batch):
+            raise WorldError(f"batch = {batch!r}: expected a Batch")
         return self._up_to(self.time, batch)
 
     def whole_block(self, batch: Batch | None = None) -> Blocks:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.bessel import ine, jn
+from ..numerics.settled import single
 from ..sizes import MOST_SCATTERED
 from .dome import Waves, strains_of
 from .material import Array, Indices, Material
@@ -164,9 +165,9 @@ def _lay(sheet: Sheet, top: float) -> Laid | None:
         listed.size,
         plain,
         (grids[0], grids[1]),
-        np.concatenate([share, share[plain:]]),
-        _GROWTH * max(1.0, stiffest),
-        _least(sheet, int(coupled[0])),
+        single(np.concatenate([share, share[plain:]])),
+        float(single(_GROWTH * max(1.0, stiffest))),
+        float(single(_least(sheet, int(coupled[0])))),
         float(highest),
         _ladder(sheet, mode, _ascending(sheet, coupled), _ascending(sheet, half).size, others.size),
     )

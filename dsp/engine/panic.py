@@ -53,9 +53,9 @@ def _set_aside(state: State, obj: Object) -> None:
     bank = state.bank
     left = left_of(state.rate, obj.faded) if obj.fading > 0 else 0.0
     for i in range(obj.first, obj.first + max(obj.live, obj.fading)):
-        before = left if i < obj.first + obj.fading else 0.0
-        bank.fading_y1[i] = before * bank.fading_y1[i] + bank.y1[i]
-        bank.fading_y2[i] = before * bank.fading_y2[i] + bank.y2[i]
+        fades = i < obj.first + obj.fading  # else what stands there is of an object that has gone
+        bank.fading_y1[i] = (left * bank.fading_y1[i] if fades else 0.0) + bank.y1[i]
+        bank.fading_y2[i] = (left * bank.fading_y2[i] if fades else 0.0) + bank.y2[i]
         bank.fading_a1[i], bank.fading_a2[i] = bank.a1[i], bank.a2[i]
         bank.y1[i] = bank.y2[i] = 0.0
     _age(state, obj, left)

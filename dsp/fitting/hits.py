@@ -110,8 +110,8 @@ def hits(samples: Array, rate: float) -> list[Hit]:
             found.append(Hit(piece, rate, onset, before, quiet, fall, len(starts)))
     if not found:
         raise RecordingError(
-            f"{len(starts)} onsets in {len(samples) / rate:.3g} s, and the level falls by {least:g} dB after none of "
-            "them: expected a single strike that rings out"
+            f"{len(starts)} onset{'s' * (len(starts) != 1)} in {len(samples) / rate:.3g} s, and the level falls by "
+            f"{least:g} dB after none of them: expected a single strike that rings out"
         )
     return found
 

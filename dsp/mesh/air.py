@@ -52,10 +52,11 @@ class Layer(NamedTuple):
 
 class Radiation(NamedTuple):
     """Resistance R (n,) in 1/s of modes of unit mass: each radiates R q'^2/2. mass (n,): of the air that moves with
-    them, as a share of theirs; 0 where it isn't known."""
+    them, as a share of theirs; 0 where it isn't known. piston (n,): R in 1/s if each area radiated for itself."""
 
     resistance: Array
     mass: Array
+    piston: Array
 
 
 def layer_of(surface: Surface, kind: str, points: int) -> tuple[Layer, Array]:
@@ -164,6 +165,16 @@ def _alike(places: Array, normals: Array) -> Array:
     return normals * sign[:, None]
 
 
+def nearest_pair(layer: Layer) -> Array:
+    """Return the place (3,) between the two points of a layer that are nearest to each other."""
+    from scipy.spatial import cKDTree
+
+    distance, near = cKDTree(layer.places).query(layer.places, k=2)
+    one = int(distance[:, 1].argmin())
+    middle: Array = layer.places[[one, near[one, 1]]].mean(axis=0)
+    return middle
+
+
 def velocities(layer: Layer, shapes: Array) -> Array:
     """Return the velocity (points, modes) along the layer's normals of shapes (samples, 3, modes)."""
     along = np.einsum("ijm,ij->im", shapes, layer.normals[layer.own])
@@ -190,7 +201,7 @@ def radiation(layer: Layer, motion: Array, frequency: Array) -> Radiation:
         begin = end
     share = np.clip((frequency / limit - 0.7) / 0.3, 0, 1)
     resistance = np.where(share >= 1, flat, (1 - share) * np.where(share >= 1, 0, resistance) + share * flat)
-    return Radiation(resistance, mass)
+    return Radiation(resistance, mass, flat)
 
 
 class _Static(NamedTuple):

@@ -4,6 +4,7 @@ import numpy as np
 
 from ..bodies.material import Array
 from .surface import Flags, Indices, MeshError, Surface, faces_of, size_of, volume_of
+from .winding import lone_faces
 
 MOST_FACES = 2_000_000
 
@@ -51,7 +52,7 @@ def _welded(points: Array, faces: Indices, notes: list[str]) -> Surface:
     distinct = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     faces = faces[distinct]
     keep = faces_of(Surface(points, faces)).areas > _FLAT * size**2
-    _said(notes, int((~distinct).sum() + (~keep).sum()), "triangle without area", "left out")
+    _said(notes, int((~distinct).sum() + (~keep).sum()), "triangle", "without area left out")
     faces = faces[keep]
     if not len(faces):
         raise MeshError("no triangle has an area: expected a surface")
@@ -188,7 +189,7 @@ def _solid(surface: Surface, notes: list[str]) -> Surface:
     _said(notes, turned, "part", "turned inside out")
     if count > 1:
         notes.append(f"{count} parts count as one body; where they overlap they are joined")
-    solid = Surface(surface.points, faces)
+    solid = _without_sheets(Surface(surface.points, faces), notes)
     volume, area = volume_of(solid), float(faces_of(solid).areas.sum())
     if volume < _HOLLOW * area**1.5:
         x, y, z = size_of(solid)
@@ -197,3 +198,14 @@ def _solid(surface: Surface, notes: list[str]) -> Surface:
             f"thickness, or its wall (m)"
         )
     return solid
+
+
+def _without_sheets(surface: Surface, notes: list[str]) -> Surface:
+    """Return the surface without faces that have air on both sides: they enclose nothing."""
+    bare, _ = lone_faces(surface)
+    if not bare.any():
+        return surface
+    x, y, z = surface.points[surface.faces[bare]].mean(axis=(0, 1))
+    _said(notes, int(bare.sum()), "triangle", f"without a thickness left out, about ({x:.3g}, {y:.3g}, {z:.3g}) m")
+    used = np.unique(surface.faces[~bare])
+    return Surface(surface.points[used], np.searchsorted(used, surface.faces[~bare]))

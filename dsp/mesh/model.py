@@ -9,11 +9,11 @@ import numpy as np
 
 from ..bodies.material import Array, Material
 from . import blocks, cells, shells, sizing, solutions
-from .air import Radiation, layer_of, radiation, velocities
+from .air import Radiation, layer_of, nearest_pair, radiation, velocities
 from .cleaning import cleaned, openings
 from .forms import together
 from .grids import TILT
-from .parts import Division, Parts, joined, outside
+from .parts import Division, Parts, exposed, joined, outside
 from .points import curvature, sampled
 from .refining import refined
 from .rounding import quartered
@@ -38,6 +38,8 @@ _LEAST_ERROR = 1e-3  # of a frequency: the quadrature's
 _HELD = 0.03  # of the size: a tine that is clamped so much nearer is 6 % too high, or more
 _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
+_MOST_RADIATED = 10.0  # of a piston's: bodies at their loudest reach some 2 to 3
+_MET = 0.05  # of the volume
 _DIGITS = 12  # to which proportions are alike
 _MOST_UNITS = 16
 _TRIANGLES, _FINE_TRIANGLES = (500, 2600), (1250, 8000)  # of a shell, about: for quarters, and without
@@ -216,14 +218,20 @@ def _body(points: Array, faces: Indices, made_of: Material | Division, wanted: W
     wall = wanted.wall is not None
     if isinstance(made_of, Material):
         surface, notes = cleaned(points, faces, wall)
-        return _Body(surface, np.zeros(len(surface.faces), np.int64), Parts((surface,), (made_of,))), notes
+        parts = Parts((surface,), (made_of,))
+        own = surface if wall else exposed(surface, _CUT * _spacing(surface, wanted))
+        return _Body(own, np.zeros(len(own.faces), np.int64), parts), notes
     parts, notes = joined(points, faces, made_of, wall)
     whole = together(*parts.surfaces)
     if wall:
         of = np.repeat(np.arange(len(parts.surfaces)), [len(each.faces) for each in parts.surfaces])
         return _Body(whole, of, parts), notes
-    spacing = math.sqrt(float(faces_of(whole).areas.sum()) / max(wanted.points, POINTS))
-    return _Body(*outside(parts, _CUT * spacing), parts), notes
+    return _Body(*outside(parts, _CUT * _spacing(whole, wanted)), parts), notes
+
+
+def _spacing(surface: Surface, wanted: Wanted) -> float:
+    """Return how far (m) points of the surface are apart."""
+    return math.sqrt(float(faces_of(surface).areas.sum()) / max(wanted.points, POINTS))
 
 
 def _require(wanted: Wanted) -> None:
@@ -246,6 +254,12 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
         size = sizing.graded_sizes(surface, number, fine)
         solved = cells.solve(parts, size, degree, count)
         sides = " to ".join(f"{1e3 * each:.3g}" for each in np.unique(solved.mesh.sides))
+        met = solved.volume / max(volume_of(body.surface), 1e-300)
+        if abs(met - 1) > _MET:
+            raise MeshError(
+                f"cells of {sides} mm meet {100 * met:.3g} % of its volume: expected a body that is thicker there, "
+                "or its wall (m), if it is a sheet"
+            )
         told = [f"a solid of {len(solved.mesh.cells)} cells of {sides} mm and degree {degree}"]
         if solved.leaks > 1e-3:
             told.append(f"{100 * solved.leaks:.2g} % of the rays met a gap in the surface, and took a neighbour's hits")
@@ -346,7 +360,17 @@ def _heard(surface: Surface, solution: Solution, keep: Indices, wanted: Wanted) 
     kind = "solid" if wanted.wall is None else "sheet" if openings(surface) else "hollow"
     layer, places = layer_of(surface, kind, max(wanted.points, POINTS))
     motion = velocities(layer, solution.at(places)[:, :, keep])
-    return radiation(layer, motion, solution.frequency[keep])
+    found = radiation(layer, motion, solution.frequency[keep])
+    over = found.resistance / np.maximum(found.piston, 1e-300)
+    worst = int(over.argmax())
+    if not over[worst] <= _MOST_RADIATED:
+        x, y, z = nearest_pair(layer)
+        raise MeshError(
+            f"the mode of {solution.frequency[keep][worst]:.4g} Hz radiates {over[worst]:.3g} times what its surface "
+            f"would as a piston: expected {_MOST_RADIATED:g} at most, of a surface that does not lie on itself; look "
+            f"at ({x:.3g}, {y:.3g}, {z:.3g}) m"
+        )
+    return found
 
 
 def _at_points(body: _Body, solution: Solution, keep: Indices, wanted: Wanted) -> Model:
@@ -388,7 +412,7 @@ def _at_points(body: _Body, solution: Solution, keep: Indices, wanted: Wanted) -
 
 def _volume(body: _Body, solution: Solution) -> float:
     """Return the volume (m^3) of a solid."""
-    several = len(body.parts.surfaces) > 1
+    several = len(body.parts.surfaces) > 1 or body.surface is not body.parts.surfaces[0]
     if isinstance(solution, blocks.Solution) or (several and isinstance(solution, solutions.Solution)):
         return solution.volume
     return volume_of(body.surface)

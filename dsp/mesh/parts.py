@@ -10,13 +10,14 @@ from .forms import together
 from .nearest import Nearest
 from .points import sampled
 from .refining import divided
-from .surface import Flags, Indices, MeshError, Surface, faces_of, size_of
+from .surface import Indices, MeshError, Surface, faces_of, size_of
+from .winding import lone_faces, windings
 
 _TOUCH = 1e-3  # of the size: how far apart parts that touch may be
 _SAMPLES = 2000  # of a part's surface, that say whether it touches
 _AGAINST = -0.5  # cosine of the normals of two faces that lie on each other
-_CHUNK = 4_000_000  # triangles and places at a time
 _MOST_FACES = 60_000  # of a part: it is not split beyond
+_MOST_CUT = 20_000  # of parts of one material
 
 
 class Parts(NamedTuple):
@@ -89,7 +90,7 @@ def _apart(surface: Surface, other: Surface, sheets: bool) -> float:
     """Return how far (m) a surface's places are from another one at least: 0 if one lies inside."""
     places = np.vstack([surface.points[:: max(1, len(surface.points) // _SAMPLES)], sampled(surface, _SAMPLES).places])
     low, high = other.points.min(axis=0), other.points.max(axis=0)
-    if not sheets and _inside(places[((places > low) & (places < high)).all(axis=1)], other).any():
+    if not sheets and (windings(other, places[((places > low) & (places < high)).all(axis=1)]) > 0.5).any():
         return 0.0
     return float(_near(places, other)[0].min())
 
@@ -99,23 +100,6 @@ def _near(places: Array, surface: Surface) -> tuple[Array, Indices]:
     face, share = Nearest(surface).to(places)
     nearest = np.einsum("nc,nck->nk", share, surface.points[surface.faces[face]])
     return np.linalg.norm(places - nearest, axis=1), face
-
-
-def _inside(places: Array, surface: Surface) -> Flags:
-    """Return which places (n, 3) a closed surface goes round, by the solid angles of its triangles (A. Van Oosterom,
-    J. Strackee, IEEE Trans. Biomed. Eng. 30, 1983)."""
-    found = np.zeros(len(places), bool)
-    step = max(1, _CHUNK // len(surface.faces))
-    for begin in range(0, len(places), step):
-        corners = surface.points[surface.faces] - places[begin : begin + step, None, None]
-        a, b, c = np.moveaxis(corners, 2, 0)
-        x, y, z = (np.linalg.norm(each, axis=2) for each in (a, b, c))
-        over = np.einsum("nfk,nfk->nf", a, np.cross(b, c))
-        under = x * y * z
-        for one, other, length in ((a, b, z), (b, c, x), (c, a, y)):
-            under = under + np.einsum("nfk,nfk->nf", one, other) * length
-        found[begin : begin + step] = np.arctan2(over, under).sum(axis=1) > np.pi
-    return found
 
 
 def outside(parts: Parts, longest: float) -> tuple[Surface, Indices]:
@@ -135,8 +119,22 @@ def outside(parts: Parts, longest: float) -> tuple[Surface, Indices]:
             about = np.flatnonzero(own & ((middles > low) & (middles < high)).all(axis=1))
             away, face = _near(middles[about], other)
             against = np.einsum("ij,ij->i", normals[about], faces_of(other).normals[face]) < _AGAINST
-            own[about[((away <= reach) & against) | _inside(middles[about], other)]] = False
+            own[about[((away <= reach) & against) | (windings(other, middles[about]) > 0.5)]] = False
         used = np.unique(cut.faces[own])
         kept.append(Surface(cut.points[used], np.searchsorted(used, cut.faces[own])))
         of.append(np.full(int(own.sum()), number))
     return together(*kept), np.concatenate(of)
+
+
+def exposed(surface: Surface, longest: float) -> Surface:
+    """Return what of a closed surface lies between the body and the air: it is cut as finely as `longest` (m) where
+    some of it lies inside of another part, or on it."""
+    if not np.logical_or(*lone_faces(surface)).any():
+        return surface
+    cut = divided(surface, longest, _MOST_CUT)
+    cut = cut if len(cut.faces) > len(surface.faces) else surface
+    own = ~np.logical_or(*lone_faces(cut))
+    if not own.any():
+        raise MeshError("no face lies between the body and the air: expected a closed body with a thickness")
+    used = np.unique(cut.faces[own])
+    return Surface(cut.points[used], np.searchsorted(used, cut.faces[own]))

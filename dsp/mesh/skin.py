@@ -12,6 +12,7 @@ import numpy as np
 
 from ..bodies.material import Array
 from .cleaning import edges_of
+from .nearest import Nearest
 from .points import Samples, sampled
 from .rounding import CREASE
 from .surface import Flags, Indices, MeshError, Surface, faces_of
@@ -23,6 +24,7 @@ _REACH = 2.6  # spacings: neighbours of a corner
 _TURNED = 0.3  # cosine of the normals of neighbours
 _STEEP = 0.7  # of a neighbour's distance: how far it lies off the corner's plane
 _OFF = 0.55  # of the spacing: how far a triangle's middle may lie from the surface
+_BESIDE = 0.05  # of the spacing: how far from the surface, along itself, a place of a triangle may lie
 _FACES = 0.5  # cosine of a triangle's normal and those of its corners
 _FOUND = 2  # corners of a triangle that find it
 
@@ -53,7 +55,7 @@ def skin_of(surface: Surface, points: int) -> Skin:
     samples = sampled(surface, _SAMPLES * points)
     spacing = float(np.sqrt(samples.area * _SAMPLES))
     corners = _corners(surface, samples, spacing)
-    faces = _triangles(corners, samples, spacing)
+    faces = _triangles(surface, corners, samples, spacing)
     if not len(faces):
         raise MeshError(f"no triangle of {1e3 * spacing:.3g} mm fits the surface: expected more points")
     normals = _smoothed(corners, samples, spacing)
@@ -152,7 +154,7 @@ def _meetings(surface: Surface, ends: Indices, sides: Array, convex: Flags) -> t
     return points[found], looks, np.array([convex[numbers].all() for numbers in at.values()], bool)
 
 
-def _triangles(corners: _Corners, samples: Samples, spacing: float) -> Indices:
+def _triangles(surface: Surface, corners: _Corners, samples: Samples, spacing: float) -> Indices:
     """Return the triangles (F, 3) between corners."""
     from scipy.spatial import Delaunay, QhullError, cKDTree
 
@@ -187,7 +189,21 @@ def _triangles(corners: _Corners, samples: Samples, spacing: float) -> Indices:
     # Of corners in a row, along a rim, Delaunay's makes slivers across it.
     faces_so = np.abs(np.einsum("ij,ij->i", cross, look)) > _FACES * area
     kept: Indices = every[beside & faces_so & (area > 1e-4 * spacing**2)]
-    return kept
+    return kept[_lying(surface, corners.places[kept], spacing)]
+
+
+def _lying(surface: Surface, corners: Array, spacing: float) -> Flags:
+    """Return which triangles, by their corners (t, 3, 3), lie on a surface: none that bridges a gap, as between two
+    prongs. Where the surface is round a triangle lies below it, but not beside it."""
+    a, b, c = corners.transpose(1, 0, 2)
+    places = np.stack([(a + b) / 2, (b + c) / 2, (c + a) / 2, (a + b + c) / 3], axis=1)
+    face, share = Nearest(surface).to(places.reshape(-1, 3))
+    away = np.einsum("nc,nck->nk", share, surface.points[surface.faces[face]]).reshape(places.shape) - places
+    look = np.cross(b - a, c - a)
+    look /= np.maximum(np.linalg.norm(look, axis=1), 1e-300)[:, None]
+    aside = away - np.einsum("tpk,tk->tp", away, look)[:, :, None] * look[:, None]
+    found: Flags = np.linalg.norm(aside, axis=2).max(axis=1, initial=0.0) < _BESIDE * spacing
+    return found
 
 
 def _others(corners: _Corners, number: int, near: Indices) -> Indices:

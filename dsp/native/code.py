@@ -37,22 +37,22 @@ def load(module: str) -> Code:
 
     NoCodeError where it is in neither, and there is no compiler.
     """
-    all, own = targets(), targets()[:1]
-    found = _found(module, Store(stores.PACKAGED), "package", all)
+    fitting, own = targets(), targets()[:1]
+    found = _found(module, Store(stores.PACKAGED), "package", fitting)
     if found:
         return found
     kept = Store(user_cache())
     found = _found(module, kept, "cache", own)
     if found is None and carried.came_along():
-        found = _found(module, kept, "cache", all)
+        found = _found(module, kept, "cache", fitting)
         if found is None and carried.unpacked(kept):
-            found = _found(module, kept, "cache", all)
+            found = _found(module, kept, "cache", fitting)
     if found:
         return found
     try:
         compiling = importlib.import_module(f"{__package__}.compiling")  # it imports llvmlite, later numba
     except ModuleNotFoundError as error:
-        why, found = lacking(module, own[0]), _found(module, kept, "cache", all)
+        why, found = lacking(module, own[0]), _found(module, kept, "cache", fitting)
         if found is None:
             raise NoCodeError(why) from error
         import logging  # slow to load

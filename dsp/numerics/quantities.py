@@ -142,6 +142,8 @@ class Parameter(Ranged):
     steered: str = ""
     """The time at which a running gesture takes a new value, if not at once."""
     or_zero: bool = False
+    otherwise: str = ""
+    """What the value is where none is given, if no number says it: "the striker's"."""
 
     def __str__(self) -> str:
         usual = f", usually {self.useful[0]:g} to {self.useful[1]:g}" if self.useful else ""

@@ -49,3 +49,9 @@ def same_everywhere(name: str, values: Any) -> NDArray[np.float64]:
     if table is None or table.shape != found.shape:
         raise RuntimeError(f"{name}: {FILE.name} has no such table of the shape {found.shape}; {REMEDY}")
     return table
+
+
+def single(values: Any) -> NDArray[np.float64]:
+    """Return values, float64, rounded to single precision: they then are the same where roundings of double precision
+    are not."""
+    return np.asarray(values, np.float32).astype(np.float64)

@@ -90,7 +90,7 @@ class Engine:
         self.stems = Stems(self._record)
         self._strikers = Strikers(self._record, self.top_frequency)
         self.pulses = PulseTables(self._record)
-        self._ends_read = 0
+        self._ends_read = self.ends_lost = 0
 
     def mark(self) -> Mark:
         """Return what `rewind` brings it back to, as long as no objects are made between. OSError where this system
@@ -101,7 +101,7 @@ class Engine:
         """Bring it back to a mark that was made before any striker sounded. OSError as `mark`: then it is of no use."""
         mark.restore()
         self._strikers.forget()
-        self._ends_read = 0
+        self._ends_read = self.ends_lost = 0
 
     @property
     def rate(self) -> float:
@@ -282,12 +282,12 @@ class Engine:
         count = int(observe(self._record["ends"]["written"]))
         if count == self._ends_read:
             return []
-        first = max(self._ends_read, count - ENDED)
-        self._ends_read = count
+        first, unread, self._ends_read = max(self._ends_read, count - ENDED), self._ends_read, count
         ended = self._record["ends"]["entries"]
         ends = ended[np.arange(first, count) % ENDED].tolist()
         # The engine waits for nobody: what it may have written over meanwhile is lost.
         lost = max(0, int(confirm(self._record["ends"]["written"])) + 1 - ENDED - first)
+        self.ends_lost += first + min(lost, len(ends)) - unread
         return [(serial, End(end)) for serial, end in ends[lost:]]
 
     @property

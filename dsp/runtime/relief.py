@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array
+from ..numerics.settled import single
 
 OCTAVES = 2.0
 REACH = 2.0  # times the middle of a band: a relief's natural frequency
@@ -40,9 +41,9 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
     weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
     size = np.sqrt(_mean_square(shapes[:rows]) * _mean_square(weight)) + 1e-300
     middle = np.exp(np.add.reduceat(np.log(omega) * size, first) / np.add.reduceat(size, first))
-    natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
+    natural = single(np.minimum(REACH * middle, 2 * np.pi * top / TURN))
     # Summed without BLAS, whose last bits are not the same with any number of threads.
-    static = np.add.reduceat(shapes * weight[:, None], first, axis=-1)
+    static = single(np.add.reduceat(shapes * weight[:, None], first, axis=-1))
     return Relief(TURN * natural / (2 * np.pi), DAMPING * natural, -static * natural / TURN)
 
 

@@ -79,5 +79,14 @@ def rounded(table: Table) -> Table:
     scale = scale_of(table)
     multiples = values_of(multiples_of(table, scale), scale)
     sums = sum_of(coefficients_of(table, scale), len(table), scale)
+    return np.where(told_by_terms(table), sums, multiples)
+
+
+def told_by_terms(table: Table) -> NDArray[np.bool_]:
+    """Return which columns of a table of LEAST_ROWS rows or more polynomials tell."""
+    scale = scale_of(table)
+    multiples = values_of(multiples_of(table, scale), scale)
+    sums = sum_of(coefficients_of(table, scale), len(table), scale)
     far = np.abs(sums - table.astype(np.float64)).max(axis=0) > np.ldexp(scale, -BITS)
-    return np.where(far | (multiples == table).all(axis=0), multiples, sums)
+    told: NDArray[np.bool_] = ~(far | (multiples == table).all(axis=0))
+    return told

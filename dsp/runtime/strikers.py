@@ -16,14 +16,15 @@ from ..resonator.sizes import CLICK_MODES
 class Strikers:
     """The places of strikers that sound in a record of STATE.
 
-    Where all are taken the one that was asked for least recently makes room. Its gestures that still wait for their
-    time are then silent strikers, and counted.
+    Where all are taken one that moves in no gesture makes room: the one that was asked for least recently; where all
+    move, it is that of all. Its gestures are then silent strikers; those that still wait for their time are counted.
     """
 
     def __init__(self, record: np.void, top: float) -> None:
         """Prepare the places of `record`; modes above `top` (Hz) are left out."""
         self._places = record["strikers"]
         self._bytes = as_bytes(self._places)
+        self._moving, self._since = record["contacts"]["sound"], record["last_command"]
         self._top = top
         self.forget()
 
@@ -40,12 +41,18 @@ class Strikers:
             return laid
         place = len(self._known)
         if place == STRIKERS:
-            place = int(self._known.popitem(last=False)[1]["sound"])
+            place = self._make_room()
         self._serial += 1
         self._write(place, sound)
         self._sounds[place] = sound
         laid = self._known[sound] = {"sound": place, "sound_serial": self._serial}
         return laid
+
+    def _make_room(self) -> int:
+        """Forget a striker; return its place."""
+        moving = set(self._moving[self._since > 0].tolist())
+        still = (sound for sound, laid in self._known.items() if laid["sound"] not in moving)
+        return int(self._known.pop(next(still, next(iter(self._known))))["sound"])
 
     def at(self, place: int) -> StrikerSound | None:
         """Return the sound that is laid out at a place; None where there is none."""

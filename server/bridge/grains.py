@@ -9,6 +9,7 @@ for grains of mass m and restitution e. Where k is out of bounds the impulse and
 """
 
 import math
+import reprlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -112,6 +113,9 @@ class Grains:
     def declare(self, name: str, bodies: Sequence[int], striker: str) -> float:
         """Make bodies a kind of grains, or a striker if there are none; the exponent of their contacts. WorldError says
         what cannot be."""
+        for what, value in (("grains", name), ("striker", striker)):
+            if not isinstance(value, str):
+                raise WorldError(f"{what} = {reprlib.repr(value)}: expected a name")
         if name in self._kinds:
             raise WorldError(f"grains {shown(name)}: there are some of that name already")
         if len(self._kinds) == GRAINS:

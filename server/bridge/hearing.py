@@ -30,8 +30,16 @@ _CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
 class Microphone(NamedTuple):
     """A microphone in the world of a simulation.
 
-    position: m. direction: in which it points, None for one that hears alike all around. pattern: 0 all around, 0.5 a
-    cardioid, 1 a figure of eight. on: the body on which it rides, in whose axes position and direction then are.
+    Attributes
+    ----------
+    position : (x, y, z)
+        In m.
+    direction : (x, y, z), optional
+        Direction in which it points. Default: it hears alike all around.
+    pattern : float, default 0.5
+        0 all around, 0.5 a cardioid, 1 a figure of eight.
+    on : str, optional
+        Body on which it rides, in whose axes position and direction are.
     """
 
     position: Vector
@@ -42,11 +50,24 @@ class Microphone(NamedTuple):
 
 @explain_all_arguments
 class Listener(NamedTuple):
-    """A listener in the world of a simulation, to whom sound takes its time: by distance, doppler, air and direction.
+    """A listener in the world of a simulation, with delay, doppler, air and direction.
 
-    position: m. yaw, pitch, roll: to the left, down, to the right (degrees), from looking along x with z up. layout:
-    "pan" or "binaural", of two channels, or "ambisonics", of (order + 1)^2. on: the body on which it rides, in whose
-    axes all this then is. floor: the height (m) of a floor that reflects. room: the keys of `/room`.
+    Attributes
+    ----------
+    position : (x, y, z), default (0, 0, 1.5)
+        In m.
+    yaw, pitch, roll : float, default 0
+        Turns to the left, down and to the right, degrees, from looking along x with z up.
+    layout : {"binaural", "pan", "ambisonics"}
+        Way in which directions become channels: two, two, or (order + 1)^2.
+    order : int, default 1
+        Order of ambisonics, 1 to 3.
+    on : str, optional
+        Body on which it rides, in whose axes all this is.
+    floor : float, optional
+        Height of a floor that reflects, m.
+    room : dict, optional
+        Arguments of `/room`.
     """
 
     position: Vector = (0.0, 0.0, 1.5)
@@ -68,16 +89,29 @@ class Listener(NamedTuple):
 @explain_all_arguments
 @dataclass(frozen=True)
 class Hearing:
-    """Settings: how much of a simulation is computed, and where it is heard.
+    """Settings of a World: how much of a simulation is computed, and where it is heard.
 
-    microphones: one for each channel, or its place (m). faintest: dB over 20 µPa, below which a contact is left out.
-    masked: dB by which it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that
-    slip or sweep at once; the loudest are taken. rests: the most that lie on each other at once, so that they mute each
-    other; those whose bodies sound come first; 0: bodies that lie ring as if they hung. seed: of the surfaces on which
-    bodies slide and roll. accuracy: of blows, as `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a
-    server keeps its own. quality: as `/quality` has it, 0 (everything) to 8; a server keeps its own. Rolls and slides
-    cost most, nearly the same at any accuracy. At a quality of 3 they have fewer micro-impacts and take some 70 % of
-    the time: bodies that stay on each other are within 1 dB, small ones that skip are up to 10 dB softer.
+    Attributes
+    ----------
+    microphones : list of Microphone or (x, y, z)
+        A channel for each.
+    faintest : float, default 0
+        Level below which a contact is left out, dB over 20 uPa.
+    masked : float, default 70
+        Distance below the sound of the last 0.1 s at which a contact is left out, dB.
+    blows : int, default 200
+        Largest number of blows in 50 ms; the loudest are taken.
+    gestures : int, default 24
+        Largest number of slides and rolls at once.
+    rests : int, default 4
+        Largest number of rests at once; 0: bodies that lie ring as if they hung.
+    seed : int, default 0
+        Seed of the surfaces on which bodies slide and roll.
+    accuracy : {"-60", "-40", "-50", "-80", "exact"}
+        Accuracy of blows, as `/accuracy` sets it; a server keeps its own.
+    quality : int, default 0
+        0 (everything) to 8, as `/quality` sets it; a server keeps its own. At 3 rolls and slides have fewer
+        micro-impacts.
     """
 
     microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)

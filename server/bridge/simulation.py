@@ -190,7 +190,7 @@ class Simulation:
 
     def number(self, name: str) -> int:
         """Return the number of a body, from 0 on. WorldError if there is none of that name."""
-        if name not in self._numbers:
+        if not isinstance(name, str) or name not in self._numbers:
             known = expected(name, list(self._numbers)) if self._numbers else "there is no body yet"
             raise WorldError(f"body {shown(name)}: no such body; {known}")
         return self._numbers[name]

@@ -18,13 +18,30 @@ from .tracking.state import POINTS, TOLD
 
 @explain_all_arguments
 class Touch(NamedTuple):
-    """A point at which two bodies touch, or are about to; what a simulator does not tell is NaN.
+    """A point at which two bodies touch, or are about to. What a simulator does not know is NaN.
 
-    point: m, in the world. normal: of length 1, from a to b. approach: how fast they close (m/s), before the simulator
-    pushes them apart; slip: how fast they move over each other; both follow from the bodies' velocities if these are
-    told. depth: by how much they overlap (m). force: N, along the normal. mass: effective along the normal (kg), if it
-    is not that of two free bodies. restitution: of the simulator's contact, 0 to 1, else the materials'.
-    friction: its coefficient, by which the simulator may lift what slides.
+    Attributes
+    ----------
+    a, b : str
+        Names of the bodies.
+    point : (x, y, z)
+        m, in the world.
+    normal : (x, y, z)
+        Of length 1, from a to b.
+    approach : float, optional
+        Speed at which they approach before the simulator pushes them apart, m/s. Default: by the bodies' velocities.
+    slip : float, optional
+        Speed at which they slip over each other, m/s. Default: by the bodies' velocities.
+    depth : float, optional
+        Depth by which they overlap, m.
+    force : float, optional
+        Normal force, N.
+    mass : float, optional
+        Effective mass along the normal, kg. Default: that of two free bodies.
+    restitution : float, optional
+        0 to 1. Default: the materials'.
+    friction : float, optional
+        Coefficient of friction in the simulator.
     """
 
     a: str
@@ -44,8 +61,16 @@ class Touch(NamedTuple):
 class Pose(NamedTuple):
     """The pose of a body, in the world's axes.
 
-    position: of its centre of mass (m). turn: a quaternion w, x, y, z. velocity: of the centre of mass (m/s). spin:
-    rad/s.
+    Attributes
+    ----------
+    position : (x, y, z)
+        Centre of mass, m.
+    turn : (w, x, y, z), default (1, 0, 0, 0)
+        Quaternion of its axes.
+    velocity : (x, y, z), default 0
+        Velocity of the centre of mass, m/s.
+    spin : (x, y, z), default 0
+        Angular velocity, rad/s.
     """
 
     position: Sequence[float]

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 from ..osc.urgency import Urgency, urgency
 from ..osc.wire import Message, encode
-from .places import PAUSE, Complaint, Places, is_out, most_places
+from .places import PAUSE, Complaint, NoDescriptorError, Places, accepted, most_places
 from .remote import Doorway, Remote
 from .reply_budget import Allowance, Nets
 from .rotation import Rotation
@@ -38,7 +38,6 @@ RECEIVE_BUFFER = 1 << 22
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
 _LOOK = 0.1  # s between looks at who has long been silent
-_ACCEPTING = 0.006  # s for which connections are accepted at once
 _OUTDATED = 256  # questions that are dropped at once: some 2 ms
 _MOST_CALLERS = 4_096  # addresses that datagrams wait from; a host may have as many as are left
 _TRIES = 16  # ports that may be free for UDP and not for TCP
@@ -47,6 +46,9 @@ Source = tuple[str, int] | Connection | Remote
 """Source of a packet, to which replies go: a UDP address, a TCP client or a web socket's client."""
 
 _Client = Caller | Connection | Remote
+
+_SHORT = 1_472
+"""Bytes of a datagram that Ethernet carries whole: what a longer one asks for may take 50 times as much memory."""
 
 _C, _Q, _A, _QA = Urgency.COMMAND, Urgency.QUESTION, Urgency.ASIDE, Urgency.QUESTION | Urgency.ASIDE
 _TURNS = ((_C, _A, _Q, _QA), (_A, _C, _QA, _Q), (_C, _A, _Q, _QA), (_Q, _QA, _A, _C), (_QA, _Q, _C, _A))
@@ -80,7 +82,9 @@ class Network:
         self._accepts_from = 0.0  # s: when the listener is looked at again
         self._connections: set[Connection] = set()
         self._paused: set[Source] = set()
+        self._held: dict[str, list[_Client]] = {}  # by host: clients whose long packets wait
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
+        self._unended: set[Connection] = set()  # a first packet of theirs has not ended yet
         self._allowance = Allowance(trusted)
         self._udp, self._listener = _bound(host, port)
         self.doorway = Doorway()
@@ -151,6 +155,10 @@ class Network:
             client.queued = False
             source = client.address if isinstance(client, Caller) else client
             if source in self._paused or not client.arrived:
+                continue
+            if client.host in self._held and len(client.arrived[0] or b"") > _SHORT:
+                client.queued = True
+                self._held[client.host].append(client)
                 continue
             packet = client.arrived.popleft()
             if isinstance(client, Caller):
@@ -241,6 +249,16 @@ class Network:
             if client:
                 self._queue(client)
 
+    def hold(self, host: str) -> None:
+        """Return no long packet of a host until `release`."""
+        self._held.setdefault(host, [])
+
+    def release(self, host: str) -> None:
+        """Take back `hold`."""
+        for client in self._held.pop(host, ()):
+            client.queued = False
+            self._queue(client)
+
     def drop(self, source: Source) -> None:
         """Count a datagram that was received, and is not carried out."""
         if isinstance(source, tuple):
@@ -326,6 +344,11 @@ class Network:
         now = time.monotonic()
         for connection in [each for each, until in self._lingering.items() if until <= now]:
             self._leave(connection)
+        for connection in [each for each in self._unended if each.patience_ends < now]:
+            self._unended.discard(connection)
+            if connection in self._connections and connection.is_unframed():
+                connection.arrived.append(None)
+                self._queue(connection)
         if self._accepts_from and now >= self._accepts_from:
             self._accepts_from = 0.0
             self._selector.register(self._listener, selectors.EVENT_READ)
@@ -343,32 +366,27 @@ class Network:
 
     def _accept(self) -> None:
         """Accept those that want to connect, as many as take a short time."""
-        end = time.monotonic() + _ACCEPTING
-        while time.monotonic() < end:
-            try:
-                sock, (host, _) = self._listener.accept()
-            except BlockingIOError:
-                return
-            except OSError as error:
-                if is_out(error):
-                    self._selector.unregister(self._listener)
-                    self._accepts_from = time.monotonic() + PAUSE
-                    self._complaint.say(f"OSC over TCP: no new client: {error.strerror}")
-                    return
-                continue  # the client has left already
-            if not self._makes_room(host):
-                most = self._places.limit_of(host)
-                text = f"{most} clients are connected already: expected one to leave first"
-                turn_away(sock, _encoded_texts("/fail", "stream", text))
-                continue
-            try:
-                connection = Connection(sock, host)
-            except OSError:
-                sock.close()
-                continue
-            self._connections.add(connection)
-            self._places.come(connection, host)
-            self._watch(connection)
+        try:
+            for sock, host in accepted(self._listener, self._complaint, "OSC over TCP"):
+                self._admit(sock, host)
+        except NoDescriptorError:
+            self._selector.unregister(self._listener)
+            self._accepts_from = time.monotonic() + PAUSE
+
+    def _admit(self, sock: socket.socket, host: str) -> None:
+        if not self._makes_room(host):
+            most = self._places.limit_of(host)
+            text = f"{most} clients are connected already: expected one to leave first"
+            turn_away(sock, _encoded_texts("/fail", "stream", text))
+            return
+        try:
+            connection = Connection(sock, host)
+        except OSError:
+            sock.close()
+            return
+        self._connections.add(connection)
+        self._places.come(connection, host)
+        self._watch(connection)
 
     def _makes_room(self, host: str) -> bool:
         """True if there is a place for a newcomer of a host, perhaps another one's, who has left now."""
@@ -403,6 +421,7 @@ class Network:
         try:
             if events & selectors.EVENT_READ:
                 connection.arrived.extend(connection.packets())
+                (self._unended.add if connection.is_unended else self._unended.discard)(connection)
                 if connection.arrived:
                     self._places.rouse(connection)
                 if connection.over:
@@ -451,6 +470,7 @@ class Network:
     def _leave(self, connection: Connection) -> None:
         if connection in self._connections:
             self._connections.remove(connection)
+            self._unended.discard(connection)
             self._places.leave(connection)
             self._lingering.pop(connection, None)
             with suppress(KeyError):

@@ -1,9 +1,10 @@
 """Places for connections: so many in all, and so many for each host. Whoever says nothing makes way for a newcomer."""
 
 import errno
+import socket
 import sys
 import time
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
 from contextlib import suppress
 from typing import Generic, TypeVar
 
@@ -13,6 +14,7 @@ PAUSE = 0.5  # s without accepting, where the system has no descriptor or memory
 _OUT = {errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM}
 _RESERVE = 96  # descriptors kept for files, devices and what else the server opens
 _FEWEST = 8
+_ACCEPTING = 0.005  # s for which connections are accepted at once
 _QUIET = 60.0  # s between two lines of the same complaint
 
 
@@ -125,6 +127,24 @@ class Complaint:
                 print(f"carom: {text}", file=sys.stderr, flush=True)
 
 
-def is_out(error: OSError) -> bool:
-    """True if the system has nothing left for another connection, so that it is of no use to try again at once."""
-    return error.errno in _OUT
+class NoDescriptorError(Exception):
+    """The system has nothing left for another connection, so that it is of no use to try again before PAUSE."""
+
+
+def accepted(listener: socket.socket, complaint: Complaint, where: str) -> Iterator[tuple[socket.socket, str]]:
+    """Yield those that want to connect, and their hosts, as many as take a short time.
+
+    NoDescriptorError, after a complaint, where the system has nothing left for them; where: what they connect to.
+    """
+    end = time.monotonic() + _ACCEPTING
+    while time.monotonic() < end:
+        try:
+            sock, (host, _) = listener.accept()
+        except BlockingIOError:
+            return
+        except OSError as error:
+            if error.errno in _OUT:
+                complaint.say(f"{where}: no new connection: {error.strerror}")
+                raise NoDescriptorError from error
+            continue  # it is gone already
+        yield sock, host

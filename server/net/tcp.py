@@ -1,5 +1,6 @@
 """OSC over TCP: a listener on the server's port, and clients that each speak SLIP or sized packets."""
 
+import math
 import socket
 import sys
 import time
@@ -7,10 +8,11 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import suppress
 
-from ..osc.framing import Broken, Framing, Slip, framing
+from ..osc.framing import UNFRAMED, Broken, Framing, Slip, framing
 
 _PIECE = 1 << 14  # bytes read at a time: as packets, short ones take up to 20 times that in memory
 _MOST_WAITING = 1 << 18  # bytes of replies kept for a client that reads slowly
+_PATIENCE = 0.5  # s: within it the END of a first packet comes
 _BACKLOG = 4_096  # connections that wait to be accepted; the system may allow fewer
 
 
@@ -38,6 +40,8 @@ class Connection:
         self.deaf = False
         """True once it takes no more replies, as a client that closed its socket; the system has what it sent."""
         self._framing: Framing | None = None
+        self.patience_ends = math.inf
+        """Time at which the END of its first packet should have come."""
         self._unsent = bytearray()
 
     def packets(self) -> Iterator[bytes]:
@@ -55,11 +59,23 @@ class Connection:
             return
         try:
             if self._framing is None:
-                self._framing = framing(data[0])
+                self._framing, self.patience_ends = framing(data[0]), self.heard_at + _PATIENCE
             yield from self._framing.packets(data)
         except Broken as error:
             self.wrong = str(error)
             self.over = True
+
+    @property
+    def is_unended(self) -> bool:
+        """True while no END has come, of a stream that seems to have them."""
+        return isinstance(self._framing, Slip) and not (self._framing.ended or self.over)
+
+    def is_unframed(self) -> bool:
+        """True if what it sent is packets without framing: then its stream is over."""
+        if not isinstance(self._framing, Slip) or not self._framing.is_unframed:
+            return False
+        self.wrong, self.over = UNFRAMED, True
+        return True
 
     def close(self) -> None:
         """Close the socket."""

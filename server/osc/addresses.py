@@ -46,35 +46,30 @@ from .space_verbs import LISTENING, PLACING
 from .wire import MOST_PORT, Message
 from .world_verbs import WORLD
 
-STRIKER = Word("striker", "a preset; the object's own for such a gesture, or for a strike, if none is given")
+STRIKER = Word("striker", "preset of the striker", "the object's for such a gesture, or for a strike")
 
-_ON = "in place of its position: the point of its surface or strike path, in its own frame, nearest to there"
-ON_SURFACE = Vector("point", POINT, f"{_ON} (m)")
-BY_ON_SURFACE = Vector("by_point", BY_POINT, "the same of the object that strikes")
-_DIRECTED = Vector(
-    "direction", DIRECTION, "beside a point, in its own frame: that of the push, or of the slip, in place of the normal"
-)
-_BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "beside a by_point, the same of the object that strikes")
+ON_SURFACE = Vector("point", POINT, "point in the object's frame, in place of a position; the nearest one is touched")
+BY_ON_SURFACE = Vector("by_point", BY_POINT, "the same of the object that strikes, or that is lain on")
+_DIRECTED = Vector("direction", DIRECTION, "direction of the push or slip at a point, in place of the normal")
+_BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "the same of the object that strikes, at its `by_point`")
 STRIKE: tuple[Number | Word | Vector, ...] = (
     STRIKER,
     *LAW,
     RESTITUTION,
-    Word("by", "an object that strikes, and rings too"),
+    Word("by", "name of an object that strikes, and rings, too"),
     ON_SURFACE,
     BY_POSITION,
     BY_ON_SURFACE,
     BY_RADIUS,
     GAIN,
-    Word("id", "names the gesture, for `/gesture/ID/...` and `/gesture/end`"),
+    Word("id", "name of the gesture, for `/gesture/ID/...` and `/gesture/end`"),
 )
 """Keys that every gesture takes."""
 
-_SURFACE = Word("surface", "a preset; the object's own for such a gesture, or wood, if none is given")
-_PRESS = Word("press", "the id of a press on the object: its friction feels that force, in place of its own")
+_SURFACE = Word("surface", "preset of the surface", "the object's for such a gesture, or wood")
+_PRESS = Word("press", "id of a press on the object, whose force the friction takes in place of its own")
 _ONTO = Word(
-    "onto",
-    "the object on which its pieces fall; `none`: nothing that sounds; if it is not given, `floor`, which is made of "
-    "`wooden-floor` where there is none",
+    "onto", "name of the object on which the pieces fall, or `none`", "`floor`, made of `wooden-floor` if missing"
 )
 
 
@@ -130,16 +125,16 @@ def _begins(gesture: Gesture) -> Verb:
     return Verb(address, gesture.help, (), (gesture.argument, POSITION), (*STRIKE, *keys))
 
 
-GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains")
-NOTE = Note("note", "tunes its lowest mode, or its string, to this note (A4, 69, is 440 Hz); `tune` counts from there")
-PITCH = Number("pitch", 1.0, 20_000.0, "Hz", "the same in Hz", useful=(30.0, 4_000.0))
-VELOCITY = Number("velocity", 0, 127, "", "as MIDI has it", useful=(1, 127))
+GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains", "factor of each channel, in place of the pan")
+NOTE = Note("note", "note of the lowest mode, or of the string; `tune` counts from there")
+PITCH = Number("pitch", 1.0, 20_000.0, "Hz", "pitch, in place of a note", useful=(30.0, 4_000.0))
+VELOCITY = Number("velocity", 0, 127, "", "MIDI velocity", useful=(1, 127))
 
 _OBJECTS = (
     Verb(
         "/object/new",
-        "makes an object from a preset; further keys change the preset (length, material, `size` of all lengths, ...)",
-        (Word("name"), Word("preset")),
+        "makes an object of a preset; the preset's keys may follow, such as `length`, `material` or `size`",
+        (Word("name", "name of the new object"), Word("preset", "name of its preset")),
         keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER, NOTE, PITCH),
         open_keys=True,
     ),
@@ -147,136 +142,139 @@ _OBJECTS = (
     *(Change(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),
     Verb(
         "/object/NAME/gains",
-        "gives it a factor for each channel in place of its pan; without arguments its pan counts again",
+        "gives the object a factor for each channel in place of its pan; without arguments its pan counts again",
         many=GAINS,
     ),
     PLACING,
     Verb(
         "/object/NAME/note",
-        "strikes a copy of it, NAME.NOTE, that is tuned to a note, and made when the note is first played. Velocities "
-        "from 1 to 127 are 0.05 to 5 m/s, by equal ratios; 0 does nothing",
+        "strikes NAME.NOTE, a copy of the object that is tuned to the note; MIDI velocities 1 to 127 are 0.05 to 5 m/s",
         (NOTE, VELOCITY),
         (POSITION,),
         (STRIKER,),
     ),
     Verb(
         "/object/NAME/free",
-        "removes it, and the copies for its notes, once silent, or with 1 at once (a 70 ms fade); its name is free",
-        optional=(Number("at_once", 0, 1, default=0, whole=True),),
+        "removes the object and the copies for its notes, once they are silent; its name is free at once",
+        optional=(Number("at_once", 0, 1, "", "1: it fades within 70 ms", default=0, whole=True),),
     ),
 )
 
 _RUNNING = (
     Verb(
         "/gesture/ID/stop",
-        "ends it: a bouncing striker or a disc does not come back, a rolling or sliding body halts, a hand lets go",
+        "ends the gesture: a striker does not come back, a rolling or sliding body halts, a hand lets go",
     ),
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
         "/gesture/ID/point",
-        "steers a gesture to the point of its object's surface or path nearest to there, or along a list of points",
+        "moves a gesture to the point of its object nearest to there, or along a list of points",
         POINT,
     ),
-    Move("/gesture/ID/by_point", "steers a rest to such a point of the object on which it lies", BY_POINT),
+    Move("/gesture/ID/by_point", "moves a rest to such a point of the object on which it lies", BY_POINT),
 )
 
 _ENGINE = (
     Verb(
         "/accuracy",
-        "how exact contacts with objects that yield are from now on: -40, -50, -60 (dB, the default), -80 or exact",
-        (Either("accuracy", LEVELS),),
+        "sets how exact contacts with objects that yield are",
+        (Either("accuracy", LEVELS, "error of the sound, dB", "-60"),),
     ),
     Verb(
         "/quality",
-        "how much is computed from now on; each step adds to those before it. 0: everything. 1: coupled contacts "
-        "take one step per sample, but rolls go on in blocks, and the stretching of plates is looked at every third "
-        "sample at most. 2: modes below -80 dB are no longer computed, and half as many modes of plates are coupled. "
-        "3: rolls have fewer micro-impacts, and plates are linear. 4: objects untouched for 0.5 s fade out. "
-        "5, 6, 7, 8: only the newest 32, 16, 8, 4 gestures that last run; older ones wait. Under load the server goes "
-        "further by itself",
-        (Number("quality", 0, 8, whole=True),),
+        "sets how much is computed, from 0 (everything) to 8 (least); under load the server goes further by itself",
+        (Number("quality", 0, 8, "", "how much is left out; each step adds to those before it", whole=True),),
     ),
     Verb(
         "/bank",
-        "what freely ringing modes are kept in from now on: float64 (-115 dB, the default) or float32 (-95 dB, faster)",
-        (Either("bank", FORMS),),
+        "sets the numbers that freely ringing modes are kept in",
+        (Either("bank", FORMS, "float64, within -115 dB; float32, within -95 dB and faster", "float64"),),
     ),
     Verb(
         "/contact",
-        "how contacts are solved from now on: closed (exact, the default), am1, verlet, heun or rk4",
-        (Word("method"),),
-        (Number("oversampling", 1, 64, default=1, whole=True),),
-        (Word("correction", "none, hybrid, release, both, paper-release, paper-both"),),
+        "sets how contacts are solved, to compare methods",
+        (Word("method", "closed (exact), am1, verlet, heun or rk4", "closed"),),
+        (Number("oversampling", 1, 64, "", "steps per sample of a sampled method", default=1, whole=True),),
+        (Word("correction", "none, hybrid, release, both, paper-release or paper-both", "none"),),
     ),
     Verb(
         "/budget",
-        "the most that contacts coupled to modes may cost from now on. With fewer steps than a contact needs its force "
-        "is held for each sample; a contact that finds no room is left out. /status counts both. A score begins with "
-        "0 0, without bounds, a server with 16 8192",
+        "bounds the cost of contacts that are coupled to modes. A score begins with 0 0, without bounds, a server with "
+        "16 8192",
         (STEPS, ROOM),
     ),
-    Change("/gain", "the level of everything", (MAIN_GAIN,)),
+    Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
     Verb(
         "/limiter",
-        "on (or 1, the default): the sound stays within full scale. off (or 0): it is left as it is",
-        (Either("limiter", ("on", "off", "1", "0")),),
+        "turns the limiter on or off; it keeps the sound within full scale",
+        (Either("limiter", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
         "/channels",
-        "sets the number of channels that a score is rendered with; a server refuses any other number than its own",
+        "sets the number of channels of a score; a server takes only its own number",
         (CHANNELS,),
     ),
     Verb(
         "/sensors",
-        "sets how many channels for sensors a score is rendered with, in place of one for each name of a sensor; a "
-        "server refuses any other number than its own",
+        "sets the number of channels for sensors of a score; a server takes only its own number",
         (SENSED,),
     ),
     Verb(
         "/full_scale",
-        "sets the pressure that is full scale, of objects whose level is 0 dB, as a score is rendered; a server "
-        "refuses any other than its own",
+        "sets the pressure that is full scale in a score; a server takes only its own",
         (FULL_SCALE,),
     ),
-    Verb("/panic", "ends everything: all sound fades within 11 ms; objects stay"),
+    Verb("/end", "ends a score's render at its time; a server does nothing"),
+    Verb("/panic", "ends all gestures; the sound fades within 11 ms, and objects stay"),
 )
 
 _SERVER = (
     *(verb for verb, _ in QUESTIONS.values()),
-    Verb("/status", "answers /status.reply", scored=False),
-    Verb("/version", "answers /version.reply name major minor patch", scored=False),
+    Verb("/status", "answers `/status.reply`, whose values the page on replies lists", scored=False),
+    Verb("/version", "answers `/version.reply name major minor patch`", scored=False),
     Verb(
         "/sync",
-        "answers /synced id once everything sent before it is done",
-        (Number("id", -(2**31), 2**31 - 1, whole=True),),
+        "answers `/synced id` once everything that was sent before is done",
+        (Number("id", -(2**31), 2**31 - 1, "", "number that the answer repeats", whole=True),),
         scored=False,
     ),
     Verb(
         "/notify",
-        "sends you from now on: 0: nothing. 1: /warning and /gesture/end. 2: objects that come and go, and contacts, "
-        "too. 3: levels, too. With a port all answers to your datagrams go there",
-        (Number("level", 0, 3, whole=True),),
-        (Number("port", 1, MOST_PORT, whole=True),),
+        "subscribes the sender to what happens",
+        (
+            Number(
+                "level",
+                0,
+                3,
+                "",
+                "0: nothing, 1: warnings and ends of gestures, 2: contacts, too, 3: levels, too",
+                whole=True,
+            ),
+        ),
+        (Number("port", 1, MOST_PORT, "", "port for all answers to the sender's datagrams", whole=True),),
         scored=False,
     ),
     Verb(
         "/record",
-        "1: records into a new file of the server's folder, by that name or else the day and time, and answers "
-        "/done /record FILE FIRST; 0: ends that, and answers /done /record FILE FIRST END, in samples",
-        (Number("on", 0, 1, whole=True),),
-        keys=(Word("name"),),
+        "begins a recording in the server's folder and answers `/done /record FILE FIRST`, or ends it and answers "
+        "`/done /record FILE FIRST END`, in samples",
+        (Number("on", 0, 1, "", "1 begins, 0 ends", whole=True),),
+        keys=(Word("name", "name of the new file", "day and time"),),
         scored=False,
     ),
     Verb(
         "/dump",
-        "1: prints messages, cut at 2,000 characters; 0: no more",
-        (Number("on", 0, 1, whole=True),),
+        "has the server print each message, cut at 2,000 characters",
+        (Number("on", 0, 1, "", "1: on, 0: off", whole=True),),
         scored=False,
     ),
     Verb("/quit", "ends the server", scored=False),
 )
 
 VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *LISTENING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
+
+
+_SHOWN = 60  # characters of what stands in an address, in an error
 
 
 class Call(NamedTuple):
@@ -292,11 +290,36 @@ def calls(message: Message) -> list[Call]:
     """Return the calls that a message makes: one for each verb that its address, perhaps a pattern, matches.
 
     A pattern never matches /quit: nobody who sends to every address wants to end the server. An address that nothing
-    has makes one call, without a verb.
+    has makes one call, without a verb. An address without arguments takes a button: pressed it calls, let go it makes
+    no call.
     """
     if not is_pattern(message.address):
-        return [_named(message)]
-    return [_named(Message(address, message.args)) for address in _matched(message.address)] or [Call(message, None)]
+        found = [_named(message)]
+    else:
+        matched = _matched(message.address)
+        found = [_named(Message(address, message.args)) for address in matched] or [Call(message, None)]
+    return [_pressed(call) for call in found if not _is_let_go(call)]
+
+
+def _is_let_go(call: Call) -> bool:
+    """True of a button of a control surface that is let go, at an address without arguments: 0 or false."""
+    return call.verb is not None and call.verb.is_bare and len(call.message.args) == 1 and _button(call) is False
+
+
+def _pressed(call: Call) -> Call:
+    """Return a call as it is, but for a button that is pressed, at an address without arguments: 1, true, nil or an
+    impulse is none."""
+    if call.verb is None or not call.verb.is_bare or len(call.message.args) != 1 or not _button(call):
+        return call
+    return call._replace(message=call.message._replace(args=()))
+
+
+def _button(call: Call) -> bool | None:
+    """Return whether a button is pressed, by its argument; None: it is none."""
+    (value,) = call.message.args
+    if value is None:
+        return True
+    return bool(value) if isinstance(value, int | float) and value in (0, 1) else None
 
 
 _TARGETED = {tuple(address.split("/")[1::2]): verb for address, verb in VERBS.items() if address.count("/") == 3}
@@ -325,6 +348,11 @@ def _matched(pattern: str) -> list[str]:
 
 def unknown(address: str) -> Refused:
     """Return the error for an address that nothing has."""
+    first, *rest = address.split(maxsplit=1)
+    if rest:
+        return Refused(
+            f"arguments inside the address: expected the address {first} alone, and {rest[0][:_SHOWN]} as its arguments"
+        )
     meant = _meant(address)
     if meant:
         return Refused(f"no such address; did you mean {' or '.join(meant)}?")

@@ -33,10 +33,14 @@ def shown(value: Argument) -> str:
     if isinstance(value, int) and value.bit_length() > 64:  # Python refuses to spell the longest
         return f"a whole number of {value.bit_length()} bits"
     if isinstance(value, bytes):
-        return f"a blob of {len(value)} bytes"
+        return f"a blob of {len(value)} bytes{_IN_SUPERCOLLIDER if _NESTED.match(value) else ''}"
     if isinstance(value, tuple | list):
         return _cut(f"[{' '.join(map(shown, value[:_LONGEST_SHOWN]))}]")
     return _cut(value if isinstance(value, str) and not _looks_like_a_number(value) else repr(value))
+
+
+_IN_SUPERCOLLIDER = ", which SuperCollider makes of an array (send $[, its values, $])"
+_NESTED = re.compile(rb"(?:.{4}){1,64}?,[ifsb]*\0", re.DOTALL)  # its first value, padded, and the tags of the others
 
 
 def _cut(text: str) -> str:
@@ -82,6 +86,8 @@ class Word(NamedTuple):
 
     name: str
     help: str = ""
+    otherwise: str = ""
+    """What it is where none is given."""
 
     def check(self, value: Argument) -> str:
         """Return the value; raise Refused if it is no text, or an empty one."""
@@ -99,6 +105,8 @@ class Either(NamedTuple):
     name: str
     words: tuple[str, ...]
     help: str = ""
+    otherwise: str = ""
+    """The word where none is given."""
 
     def check(self, value: Argument) -> str:
         """Return the word; raise Refused if it is none of them."""
@@ -262,6 +270,11 @@ class Verb:
     def action(self) -> str:
         """The last part of the address, such as `impact` or `gain`."""
         return self.address.rsplit("/", 1)[1]
+
+    @property
+    def is_bare(self) -> bool:
+        """True if it takes no arguments."""
+        return not (self.required or self.optional or self.keys or self.many or self.open_keys)
 
     @cached_property
     def named(self) -> dict[str, Key]:

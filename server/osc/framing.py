@@ -6,14 +6,18 @@ the packet itself. Replies go out in the same framing.
 
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 
 from ...dsp.errors import CaromError
-from .wire import MAX_DATAGRAM
+from .wire import MAX_DATAGRAM, BadPacket, parse
 
 _END = b"\xc0"
 _ESCAPE = b"\xdb"
 _ESCAPED = {b"\xdc": _END, b"\xdd": _ESCAPE}
 _SIZE = struct.Struct(">i")
+_LONGEST_BARE = 1_024  # bytes of a packet that is looked for in a stream without framing
+
+UNFRAMED = "OSC without framing: expected an END (c0) after each packet (SLIP), or the size (int32) before each"
 
 
 class Broken(CaromError, ValueError):
@@ -29,16 +33,30 @@ class Slip:
     def __init__(self) -> None:
         self.rest = b""
         """Bytes of a packet that has not ended."""
+        self.ended = False
+        """True once an END has come."""
 
     def packets(self, data: bytes) -> Iterator[bytes]:
         """Yield the packets that are whole once `data` has come; raise Broken for a wrong escape or one longer than a
         datagram."""
         *frames, self.rest = (self.rest + data).split(_END)
+        self.ended |= bool(frames)
         for frame in frames:
             if frame:
                 yield _unescaped(frame)
         if len(self.rest) > 2 * MAX_DATAGRAM:  # all of it escaped
             raise Broken(f"SLIP: {len(self.rest)} bytes without an END: expected packets up to {MAX_DATAGRAM} bytes")
+
+    @property
+    def is_unframed(self) -> bool:
+        """True if without any END it begins with a whole packet, after which it rests or another one begins."""
+        data = self.rest
+        for size in range(8, 0 if self.ended else min(len(data), _LONGEST_BARE) + 1, 4):
+            if size == len(data) or data[size : size + 1] in (b"/", b"#"):
+                with suppress(BadPacket):
+                    parse(data[:size])
+                    return True
+        return False
 
     @staticmethod
     def framed(packet: bytes) -> bytes:

@@ -1,14 +1,14 @@
-"""The addresses that say what MIDI does."""
+"""The addresses that set what MIDI does."""
 
 from ...dsp.schema import Parameter as Number
 from .arguments import Either, Note, Refused, Verb, Word, shown
 from .wire import Argument
 
-CHANNEL = Number("channel", 0, 16, "", "of MIDI; 0: any", default=0.0, whole=True)
-LOW = Number("low", -1e12, 1e12, "", "value at the controller's lowest place")
-HIGH = Number("high", -1e12, 1e12, "", "value at its highest one")
-LOWEST = Note("low", "the lowest note that it plays")
-HIGHEST = Note("high", "the highest one")
+CHANNEL = Number("channel", 0, 16, "", "channel of MIDI; 0: any", default=0.0, whole=True)
+LOW = Number("low", -1e12, 1e12, "", "value at the controller's lowest position", otherwise="a fader's")
+HIGH = Number("high", -1e12, 1e12, "", "value at the controller's highest position", otherwise="a fader's")
+LOWEST = Note("low", "lowest note that it plays")
+HIGHEST = Note("high", "highest note that it plays")
 BEND, PRESSURE = "bend", "pressure"
 
 
@@ -23,37 +23,37 @@ class _Controller(Either):
             raise Refused(f"{self.name} = {shown(value)}: expected 0 to 127, {BEND} or {PRESSURE}") from None
 
 
-_CONTROLLER = _Controller("controller", (*map(str, range(128)), BEND, PRESSURE))
-_ADDRESS = Word("address")
+_CONTROLLER = _Controller("controller", (*map(str, range(128)), BEND, PRESSURE), "0 to 127, bend or pressure")
+_ADDRESS = Word("address", "address that takes one number")
 
 MIDI = (
     Verb(
         "/midi/notes",
-        "has an object play the notes of a channel, or those from `low` to `high`, as /object/NAME/note does. What no "
-        "object was given plays the newest one",
-        (Word("object"),),
+        "has an object play the notes of a channel, or those from `low` to `high`, as `/object/NAME/note` does; all "
+        "other notes play the newest object",
+        (Word("object", "name of the object"),),
         keys=(CHANNEL, LOWEST, HIGHEST),
         scored=False,
     ),
     Verb(
         "/midi/learn",
-        "has the controller that is moved next set an address with one number, such as /gesture/ID/speed; answers "
-        "/midi/learnt ADDRESS CONTROLLER CHANNEL then. Its range is that of a fader if no other is given",
+        "lets the controller that is moved next set an address, and answers `/midi/learnt ADDRESS CONTROLLER CHANNEL` "
+        "then",
         (_ADDRESS,),
         keys=(CHANNEL, LOW, HIGH),
         scored=False,
     ),
     Verb(
         "/midi/control",
-        "the same for a controller that is named: 0 to 127, bend or pressure",
+        "lets a controller set an address",
         (_CONTROLLER, _ADDRESS),
         keys=(CHANNEL, LOW, HIGH),
         scored=False,
     ),
-    Verb("/midi/forget", "has no controller set an address any more; or none at all", keys=(_ADDRESS,), scored=False),
+    Verb("/midi/forget", "frees an address, or all, from its controllers", keys=(_ADDRESS,), scored=False),
     Verb(
         "/midi/controls",
-        "answers /midi/controls.reply FIRST TOTAL and controller, channel, address, low and high of each",
+        "answers `/midi/controls.reply FIRST TOTAL` and controller, channel, address, low and high of each",
         scored=False,
     ),
 )

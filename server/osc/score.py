@@ -41,6 +41,17 @@ _SOUNDS = (b"RIFF", b"RF64", b"fLaC", b"OggS", b"FORM", b"ID3")
 """First bytes of sound files."""
 
 
+END = "/end"
+"""The address that ends a score's render."""
+
+_END = wire.encode(END)
+_END_SIZE = len(_END).to_bytes(4, "big")
+_END_MARKS = (
+    wire.encode("/c_set", 0, 0), wire.encode("/c_set", 0, 0.0), wire.encode("/none"), b"\0\0\0\0,\0\0\0", b"\0\0\0\0",
+)  # fmt: skip
+"""Messages that do nothing, by which SuperCollider's scores end."""
+
+
 class ScoreError(CaromError, ValueError):
     """A score that cannot be read: "FILE:LINE: reason"."""
 
@@ -193,6 +204,7 @@ def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
         if len(packet) < size or start + 4 > len(data):
             raise ScoreError(f"{where}: the file ends inside the packet")
         try:
+            packet = _without_end_mark(packet)
             for bundle in wire.parse(packet):
                 # Here a time tag counts from the start of the score, and 1 (at once) is that start.
                 time = _time(0.0 if bundle.time == wire.IMMEDIATELY else bundle.time / 2**32)
@@ -201,6 +213,14 @@ def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
         except ValueError as error:
             raise ScoreError(f"{where}: {error}") from None
         start += 4 + size
+
+
+def _without_end_mark(packet: bytes) -> bytes:
+    """Return a packet; for a bundle that ends a score of scsynth's, [time, [\\c_set, 0, 0]] or [time, [0]], one with
+    /end in its place."""
+    if packet[:8] == wire.BUNDLE and packet[20:] in _END_MARKS:
+        return packet[:16] + _END_SIZE + _END
+    return packet
 
 
 def on_grid(sample: float) -> float:

@@ -6,29 +6,37 @@ from .arguments import Either, Vector, Verb, Word
 
 SENSOR = "/sensor/new"
 
-PLACE = Parameter("position", 0.0, 1.0, "", "along the object's strike path; the object's own if not given")
+PLACE = Parameter("position", 0.0, 1.0, "", "position on the object's strike path", otherwise="the object's")
 RESONANCE = Parameter(
-    "resonance", 1.0, 1e6, "Hz", "of the sensor; 0: it has none", useful=(500.0, 100_000.0), or_zero=True
+    "resonance",
+    1.0,
+    1e6,
+    "Hz",
+    "resonance of the sensor; 0: none",
+    useful=(500.0, 100_000.0),
+    or_zero=True,
+    otherwise="the preset's",
 )
-DAMPING = Parameter("damping", 1e-4, 10.0, "", "the damping ratio of its resonance", useful=(0.01, 1.0))
-FULL = Parameter("full", 1e-9, 1e9, "", "the value that is a sample of 1.0", default=1.0, useful=(0.01, 10_000.0))
+DAMPING = Parameter(
+    "damping", 1e-4, 10.0, "", "damping ratio of the resonance", useful=(0.01, 1.0), otherwise="the preset's"
+)
+FULL = Parameter("full", 1e-9, 1e9, "", "value of a sample of 1.0", default=1.0, useful=(0.01, 10_000.0))
 
 SENSORS = (
     Verb(
         SENSOR,
-        "mounts a sensor on an object: a channel of its own after those of the sound, in m/s^2 or m/s along the "
-        "normal or a direction, without gain and limiter",
-        (Word("name"), Word("object")),
+        "mounts a sensor on an object; it has a channel of its own after those of the sound, in SI units",
+        (Word("name", "name of the sensor"), Word("object", "name of the object")),
         (PLACE,),
         (
-            Word("preset", "accelerometer, mems, piezo-20, piezo-27, piezo-35, velocity, or ideal, if none is given"),
-            Either("quantity", tuple(QUANTITIES)),
+            Word("preset", "ideal, velocity, accelerometer, mems, piezo-20, piezo-27 or piezo-35", "ideal"),
+            Either("quantity", tuple(QUANTITIES), "what it senses", "the preset's"),
             RESONANCE,
             DAMPING,
             FULL,
-            Vector("point", POINT, "in place of its position: the nearest point of its surface or strike path (m)"),
-            Vector("direction", DIRECTION, "beside a point, in the object's own frame: in which it senses"),
+            Vector("point", POINT, "point in the object's frame, in place of a position; the nearest one is taken"),
+            Vector("direction", DIRECTION, "direction in which it senses at a point, in place of the normal"),
         ),
     ),
-    Verb("/sensor/NAME/free", "takes a sensor away; its channel is silent"),
+    Verb("/sensor/NAME/free", "removes a sensor; its channel is silent"),
 )

@@ -18,51 +18,55 @@ def _degrees(name: str, help: str) -> Parameter:
     return Parameter(name, -360.0, 360.0, "degrees", help, default=0.0)
 
 
-OVER = Parameter("over", 0.0, 3600.0, "s", "time that it takes from where it is, evenly", default=0.0)
-XYZ = tuple(_metres(name, "of the place") for name in "xyz")
-T60 = Parameter("t60", 0.05, 60.0, "s", "time in which the late part falls by 60 dB; by the absorption if not given")
+OVER = Parameter("over", 0.0, 3600.0, "s", "duration of the way there", default=0.0)
+XYZ = tuple(_metres(name, f"{name} of the place") for name in "xyz")
+T60 = Parameter(
+    "t60", 0.05, 60.0, "s", "time in which the late part falls by 60 dB", otherwise="by the absorption, else 0.5"
+)
 
 LISTENING = (
     Verb(
         LISTENER,
-        "places the listener, who looks along x with y to the left and z up, turned by yaw to the left, pitch down, "
-        "then roll to the right; objects with a place are heard from there",
+        "places the listener, who looks along x, with y to the left and z up, before it is turned",
         XYZ,
         keys=(
-            _degrees("yaw", "to the left"),
-            _degrees("pitch", "down"),
-            _degrees("roll", "to the right"),
+            _degrees("yaw", "turn to the left"),
+            _degrees("pitch", "turn down, after the yaw"),
+            _degrees("roll", "tilt to the right, after the pitch"),
             OVER,
-            Either("layout", LAYOUTS),
-            Parameter("head", 0.02, 1.0, "m", "radius of the head, of the layout binaural", default=0.0875),
-            Parameter("temperature", -20.0, 50.0, "degrees Celsius", "of the air", default=20.0),
-            Parameter("humidity", 1.0, 100.0, "%", "of the air", default=50.0),
-            Parameter("air", 0.0, 10.0, "times", "its absorption as it is; 0: it takes nothing", default=1.0),
+            Either("layout", LAYOUTS, "way in which directions become channels", "pan"),
+            Parameter("head", 0.02, 1.0, "m", "radius of the head, in the layout `binaural`", default=0.0875),
+            Parameter("temperature", -20.0, 50.0, "degrees Celsius", "temperature of the air", default=20.0),
+            Parameter("humidity", 1.0, 100.0, "%", "humidity of the air", default=50.0),
+            Parameter("air", 0.0, 10.0, "times", "factor of the air's absorption", default=1.0),
         ),
     ),
     Verb(
         FLOOR,
-        "lays a floor, which reflects, at a height; without arguments nothing reflects",
-        optional=(_metres("z", "of the floor"),),
-        keys=(Parameter("absorption", 0.0, 1.0, "", "share of the energy that it takes", default=0.1),),
+        "lays a floor that reflects; without arguments floor and room are gone",
+        optional=(_metres("z", "height of the floor"),),
+        keys=(Parameter("absorption", 0.0, 1.0, "", "share of the energy that the floor absorbs", default=0.1),),
     ),
     Verb(
         ROOM,
-        "puts all into a box with first reflections and a late part: its lengths along x, y and z",
-        tuple(_metres(name, "length of the room", low=0.5) for name in ("length", "width", "height")),
+        "puts everything into a box that reflects and reverberates",
+        tuple(
+            _metres(name, f"{name} of the room, along {axis}", low=0.5)
+            for name, axis in (("length", "x"), ("width", "y"), ("height", "z"))
+        ),
         keys=(
-            *(_metres(name, "of its lowest corner", 0.0) for name in ("x", "y", "z")),
-            Parameter("absorption", 0.001, 1.0, "", "share of the energy that each wall takes; by t60 if not given"),
+            *(_metres(name, f"{name} of the lowest corner", 0.0) for name in ("x", "y", "z")),
+            Parameter("absorption", 0.001, 1.0, "", "share of the energy that each wall absorbs", otherwise="by `t60`"),
             T60,
-            Parameter("t60_high", 0.05, 60.0, "s", "the same of high frequencies; that of low ones if not given"),
-            Parameter("late", 0, 1, "", "0: first reflections alone", default=1.0),
+            Parameter("t60_high", 0.05, 60.0, "s", "the same at high frequencies", otherwise="`t60`"),
+            Parameter("late", 0, 1, "", "1: reflections and reverberation, 0: reflections alone", default=1.0),
         ),
     ),
 )
 
 PLACING = Verb(
     PLACE,
-    "puts it into space, or has it go there; without arguments it is placed by its pan again",
+    "puts the object at a place in space; without arguments its pan counts again",
     optional=XYZ,
     keys=(OVER,),
 )

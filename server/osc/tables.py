@@ -1,70 +1,78 @@
-"""The tables of addresses and of keys in the pages of server/; `python -m carom.server.osc.tables` prints them."""
+"""Tables of the keys of gestures and addresses, in Markdown, for the pages and for `help`."""
 
+from collections.abc import Iterable
+
+from ...dsp.schema import GESTURES
 from ...dsp.schema import Parameter as Number
-from .addresses import KEYS, NOTE, PITCH, STRIKE, VERBS
-from .arguments import Key, Verb
-from .midi_verbs import MIDI
-from .points import CHANGE, Change, Move
-from .sensor_verbs import SENSORS
-from .space_verbs import LISTENING, PLACING
-from .world_verbs import WORLD
+from .addresses import KEYS, STRIKE, VERBS
+from .arguments import Either, Key, Note, Numbers, Vector, Word
+from .points import CHANGE
+
+_HEAD = "| key | range | default | meaning |\n|---|---|---|---|"
+_STEERED = "| key | range | default | steered | meaning |\n|---|---|---|---|---|"
 
 
-def table() -> str:
-    """Return two Markdown tables: all addresses, and the keys of gestures."""
-    return f"{address_table()}\n\n{key_table()}"
+def gesture_table(name: str) -> str:
+    """Return the argument and the keys of a gesture, but for those that all gestures share."""
+    gesture = GESTURES[name]
+    shared = {key.name for key in STRIKE}
+    own = [key for key in KEYS[name] if key.name not in shared or gesture.what]
+    argument = [VERBS[f"/object/NAME/{name}"].required[0] if gesture.what else gesture.argument]
+    rows = [_row(key, "yes" * (key.name in gesture.steerable)) for key in (*argument, *own)]
+    return "\n".join([_STEERED, *dict.fromkeys(rows)])
 
 
-def address_table() -> str:
-    """Return every address, its arguments and its meaning, as a Markdown table."""
-
-    def listed(verb: Verb) -> str:
-        if isinstance(verb, Change | Move):
-            return "; keys: a change's"
-        shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
-        whole = verb.keys if verb in (*WORLD, *MIDI, *SENSORS, *LISTENING, PLACING) else (NOTE, PITCH)
-        own = [_marked(key) if key in whole else f"`{key.name}`" for key in verb.keys[shared:]]
-        keys = ["a gesture's"] * bool(shared) + own
-        return f"; keys: {', '.join(keys)}" if keys else ""
-
-    lines = ["| address | arguments | does |", "|---|---|---|"]
-    for verb in VERBS.values():
-        many = [f"[{_marked(verb.many)}]"] if verb.many else []
-        optional = [f"[{_marked(number)}]" for number in verb.optional]
-        arguments = ", ".join([*map(_marked, verb.required), *optional, *many])
-        lines.append(f"| `{verb.address}` | {arguments}{listed(verb)} | {verb.help} |")
-    return "\n".join(lines)
+def shared_table() -> str:
+    """Return the keys that all gestures share, and the position."""
+    position = VERBS["/object/NAME/impact"].named["position"]
+    steered = {"position", "point", "gain"}
+    return "\n".join([_STEERED, *(_row(key, "yes" * (key.name in steered)) for key in (position, *STRIKE))])
 
 
-def key_table() -> str:
-    """Return the keys of gestures, as a Markdown table."""
-    keys: dict[str, list[str]] = {_row(key): ["all"] for key in STRIKE}
-    for name, own in KEYS.items():
-        for key in own:
-            if key not in STRIKE:
-                keys.setdefault(_row(key), []).append(name)
-    keys |= {_row(key): ["changes"] for key in CHANGE}
-    lines = ["| a gesture's key | of | meaning |", "|---|---|---|"]
-    lines += [row.format(", ".join(gestures)) for row, gestures in keys.items()]
-    return "\n".join(lines)
+def change_table() -> str:
+    """Return the keys of what takes its time."""
+    return key_rows(CHANGE)
 
 
-def _row(key: Key) -> str:
-    """Return the row of a gesture's key, with a place for the gestures that take it."""
-    return f"| {_marked(key)} | {{}} | {key.help}{default_of(key)} |"
+def key_rows(keys: Iterable[Key]) -> str:
+    """Return a table of keys."""
+    return "\n".join([_HEAD, *map(_row, keys)])
 
 
-def _marked(parameter: Key) -> str:
-    """Return a parameter in Markdown."""
-    return str(parameter).replace(parameter.name, f"`{parameter.name}`", 1)
+def _row(key: Key, steered: str | None = None) -> str:
+    cells = [
+        f"`{key.name}`",
+        range_of(key),
+        default_of(key),
+        *([] if steered is None else [steered]),
+        _sentence(key.help),
+    ]
+    return f"| {' | '.join(cells)} |"
 
 
-def default_of(parameter: Key) -> str:
-    """Say which value a key has that is not given, as the end of its help; "" where it has none of its own."""
-    if not isinstance(parameter, Number) or parameter.default is None:
-        return ""
-    return f"{'; ' * bool(parameter.help)}{parameter.default:g} if not given"
+def _sentence(help: str) -> str:
+    return f"{help[:1].upper()}{help[1:]}{'.' * (help != '')}"
 
 
-if __name__ == "__main__":
-    print(table())
+def range_of(key: Key) -> str:
+    """Return the values that a key may have."""
+    match key:
+        case Number():
+            return key.allowed + (f", usually {key.useful[0]:g} to {key.useful[1]:g}" if key.useful else "")
+        case Either():
+            return ", ".join(f"`{word}`" for word in key.words) if len(key.words) < 10 else "a number or a name"
+        case Note():
+            return "0 to 127, or a name such as C#4"
+        case Vector():
+            return f"three numbers of {key.axes[0].bounds}"
+        case Numbers():
+            return f"up to {key.most} numbers of {key.number.bounds}"
+        case Word():
+            return "a name"
+
+
+def default_of(key: Key) -> str:
+    """Return the value of a key that is not given; "" where there is none."""
+    if isinstance(key, Number) and key.default is not None:
+        return f"{key.default:g}"
+    return key.otherwise if isinstance(key, Number | Word | Either) else ""

@@ -21,7 +21,7 @@ MAX_DATAGRAM = 65507  # bytes: the most that UDP over IPv4 carries
 MAX_DEPTH = 8  # of bundles in bundles, and of arrays in arrays
 MAX_ADDRESS = 1024  # characters: a pattern is matched with the name of every object
 
-_BUNDLE = b"#bundle\0"
+BUNDLE = b"#bundle\0"
 _SIZE = struct.Struct(">i")
 _TIME = struct.Struct(">Q")
 _UNIX_EPOCH = 2208988800 << 32  # 1 January 1970 as an NTP time tag
@@ -62,7 +62,7 @@ def parse(datagram: bytes) -> list[Bundle]:
         raise BadPacket(f"{len(datagram)} bytes: expected at most {MAX_DATAGRAM}")
     if len(datagram) % 4 or not datagram:
         raise BadPacket(f"{len(datagram)} bytes: expected a multiple of 4, above 0")
-    if datagram.startswith(_BUNDLE):
+    if datagram.startswith(BUNDLE):
         return list(_bundles(datagram, 1))
     return [Bundle(IMMEDIATELY, (_message(datagram),))]
 
@@ -82,7 +82,7 @@ def _bundles(data: bytes, depth: int) -> Iterator[Bundle]:
             raise BadPacket(f"bundle element of {size} bytes: expected 4, 8 ... {len(data) - start}")
         element = data[start : start + size]
         start += size
-        if not element.startswith(_BUNDLE):
+        if not element.startswith(BUNDLE):
             messages.append(_message(element))
             continue
         if messages:
@@ -267,7 +267,7 @@ def _is_plain(value: Argument) -> bool:
 
 def encode_bundle(time_tag: int, messages: Iterable[Message], real: str = "f") -> bytes:
     """Write one flat bundle for a 64-bit NTP time tag; floats and errors as in encode."""
-    parts = [_BUNDLE, _TIME.pack(time_tag)]
+    parts = [BUNDLE, _TIME.pack(time_tag)]
     for message in messages:
         packet = encode(message.address, *message.args, real=real)
         parts += [_SIZE.pack(len(packet)), packet]

@@ -1,4 +1,4 @@
-"""The addresses by which a simulation is told, `/world/...`."""
+"""The addresses by which a simulation reports what happens in it, `/world/...`."""
 
 from ...dsp.schema import RESTITUTION, SLIDE, Parameter
 from .arguments import Either, Numbers, Verb, Word
@@ -17,98 +17,115 @@ SIZES = {
 
 _FAR = 1e5
 _PLACE = Parameter("metres", -_FAR, _FAR, "m")
-_LENGTH = Parameter("x", 1e-5, 1e3, "m", "its first edge, or its radius", useful=(0.01, 1.0))
+_LENGTH = Parameter("x", 1e-5, 1e3, "m", "first edge, or radius", useful=(0.01, 1.0))
 _GIVEN = ("roughness", "patch", "static", "dynamic", "stribeck", "tangential", "along")
 PAIRED = (*(key for key in SLIDE.keys if key.name in _GIVEN), RESTITUTION)
 """The numbers that may be said of a pair of bodies."""
 
 
-def _number(name: str, help: str, unit: str = "m", low: float = -_FAR, high: float = _FAR) -> Parameter:
-    return Parameter(name, low, high, unit, help)
+def _number(
+    name: str, help: str, unit: str = "m", low: float = -_FAR, high: float = _FAR, otherwise: str = ""
+) -> Parameter:
+    return Parameter(name, low, high, unit, help, otherwise=otherwise)
 
 
 TOUCHED = (
-    _number("approach", "how fast they close", "m/s"),
-    _number("slip", "how fast they move over each other", "m/s", 0.0),
-    _number("depth", "by how much they overlap"),
-    _number("force", "along the normal", "N", 0.0, 1e6),
-    _number("mass", "effective, along the normal", "kg", 1e-9, 1e6),
+    _number("approach", "speed at which they approach", "m/s"),
+    _number("slip", "speed at which they slip over each other", "m/s", 0.0),
+    _number("depth", "depth by which they overlap"),
+    _number("force", "normal force", "N", 0.0, 1e6),
+    _number("mass", "effective mass along the normal", "kg", 1e-9, 1e6),
     RESTITUTION,
-    _number("friction", "its coefficient", "", 0.0, 100.0),
+    _number("friction", "coefficient of friction", "", 0.0, 100.0),
 )
-"""Quantities that may be told of a point of contact."""
+"""Quantities that may be reported of a point of contact."""
 
 WORLD = (
     Verb(
         BODY,
-        "makes a body of a simulation, and the object that rings as it does. A box, plate or mesh has three edges, a "
-        "sphere a radius, a cylinder and a capsule a radius and a length along z",
-        (Word("name"), Either("shape", tuple(SIZES)), Word("material"), _LENGTH),
-        (_number("y", "", low=1e-5, high=1e3), _number("z", "", low=1e-5, high=1e3)),
+        "makes a body of a simulation, with the object that rings for it. A box or plate has three edges, a sphere a "
+        "radius, a cylinder or capsule a radius and a length along z",
         (
-            _number("density", "its material's if not given", "kg/m3", 1e-3, 1e5),
-            _number("mass", "in place of the density", "kg", 1e-9, 1e9),
-            _number("wall", "thickness of the wall of a hollow box, cylinder or capsule", low=1e-5, high=10.0),
-            Parameter("held", 0, 1, "", "1: it does not move"),
-            Parameter("rings", 0, 1, "", "0: it is silent"),
-            Word("object", "a preset that rings in its place"),
-            Parameter("most_modes", 1, 4096, "", "of its object", whole=True),
+            Word("name", "name of the body"),
+            Either("shape", tuple(SIZES), "shape of the body"),
+            Word("material", "preset of the material"),
+            _LENGTH,
+        ),
+        (_number("y", "second edge, or length", low=1e-5, high=1e3), _number("z", "third edge", low=1e-5, high=1e3)),
+        (
+            _number("density", "density", "kg/m3", 1e-3, 1e5, otherwise="the material's"),
+            _number("mass", "mass, in place of the density", "kg", 1e-9, 1e9),
+            _number(
+                "wall",
+                "thickness of the wall of a hollow box, cylinder or capsule",
+                low=1e-5,
+                high=10.0,
+                otherwise="solid",
+            ),
+            Parameter("held", 0, 1, "", "1: the body does not move", otherwise="0"),
+            Parameter("rings", 0, 1, "", "0: the body is silent", otherwise="1"),
+            Word("object", "preset of an object that rings in its place"),
+            Parameter("most_modes", 1, 4096, "", "largest number of modes", whole=True),
         ),
     ),
     Verb(
         "/world/pair",
-        "says how the contact of two bodies differs from that of their materials",
-        (Word("a"), Word("b")),
+        "sets how the contact of two bodies differs from that of their materials",
+        (Word("a", "name of a body"), Word("b", "name of the other body")),
         keys=(
-            Word("surface", "a preset"),
-            Word("support", "whose contact law they have in blows and at rest: felt, foam, finger or palm"),
+            Word("surface", "preset of the surface"),
+            Word("support", "support whose contact law they have: felt, foam, finger or palm"),
             *PAIRED,
         ),
     ),
     Verb(
         "/world/microphones",
-        "places a microphone for each channel: x y z (m), one after the other",
-        many=Numbers(_PLACE, 3 * 64, "places"),
+        "places a microphone for each channel",
+        many=Numbers(_PLACE, 3 * 64, "places", "x y z of each microphone"),
     ),
     Verb(
         "/world/pose",
-        "says where a body is: x y z (m) of its centre of mass, and as many as are known of the quaternion w x y z of "
-        "its axes, its velocity x y z (m/s) and its spin x y z (rad/s)",
-        (Word("name"),),
-        many=Numbers(Parameter("value", -_FAR, _FAR), 13, "values"),
+        "sets where a body is: x y z (m) of its centre of mass, and as far as known its quaternion w x y z, velocity "
+        "x y z (m/s) and spin x y z (rad/s)",
+        (Word("name", "name of the body"),),
+        many=Numbers(Parameter("value", -_FAR, _FAR), 13, "values", "numbers of the pose, in this order"),
     ),
     Verb(
         "/world/touch",
-        "says that two bodies touch at a point, with the normal from a to b",
+        "reports that two bodies touch at a point, with the normal from a to b",
         (
-            Word("a"),
-            Word("b"),
-            *(_number(name, "of the point") for name in "xyz"),
-            *(_number(f"n{name}", "of the normal", "", -1.001, 1.001) for name in "xyz"),
+            Word("a", "name of a body"),
+            Word("b", "name of the other body"),
+            *(_number(name, f"{name} of the point") for name in "xyz"),
+            *(_number(f"n{name}", f"{name} of the normal", "", -1.001, 1.001) for name in "xyz"),
         ),
         keys=TOUCHED,
     ),
     Verb(
         "/world/grains",
-        "makes small bodies grains, or names a striker for `/world/pour`: a swarm is heard of their blows on each body",
-        (Word("name"),),
-        keys=(Word("bodies", "a pattern of their names, as stone*"), Word("striker", "a preset")),
+        "makes small bodies grains, or names a striker for `/world/pour`; a swarm of blows is heard on each body",
+        (Word("name", "name of the grains"),),
+        keys=(Word("bodies", "pattern of the bodies' names, such as stone*"), Word("striker", "preset of a striker")),
     ),
     Verb(
         "/world/pour",
-        "tells blows of grains on a body since the last step: how many, and at least one of speed, impulse and energy",
-        (Word("name"), Word("on"), _number("count", "how many", "", 0.0, 1e6)),
+        "reports blows of grains on a body since the last step, with at least one of speed, impulse and energy",
+        (
+            Word("name", "name of the grains"),
+            Word("on", "name of the body"),
+            _number("count", "number of blows", "", 0.0, 1e6),
+        ),
         keys=(
-            _number("speed", "rms", "m/s", 0.0, 1e3),
-            _number("impulse", "of all of them", "N s", 0.0, 1e6),
-            _number("energy", "of all of them", "J", 0.0, 1e6),
-            Parameter("position", 0, 1, "", "on its strike path"),
+            _number("speed", "rms speed", "m/s", 0.0, 1e3),
+            _number("impulse", "impulse of all blows", "N s", 0.0, 1e6),
+            _number("energy", "energy of all blows", "J", 0.0, 1e6),
+            Parameter("position", 0, 1, "", "position on the strike path", otherwise="the object's"),
         ),
     ),
     Verb(
         "/world/step",
-        "ends a step of the simulation: what was told since the last one holds at this time",
-        (_number("time", "of the simulation", "s", 0.0, 1e9),),
+        "ends a step of the simulation; what was reported since the last one holds at this time",
+        (_number("time", "time of the simulation", "s", 0.0, 1e9),),
     ),
     Verb("/world/end", "forgets the simulation; its objects fall silent"),
 )

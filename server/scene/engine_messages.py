@@ -90,6 +90,10 @@ def _full_scale(transaction: Transaction, call: Call, values: Values) -> None:
         raise Refused(f"full_scale = {asked:g}: expected {scale.full_scale:g} Pa, as was chosen at the start")
 
 
+def _end(transaction: Transaction, call: Call, values: Values) -> None:
+    """Do nothing: a render looks for it before it begins."""
+
+
 def _contact(transaction: Transaction, call: Call, values: Values) -> None:
     send(transaction, call.message, Command(NOW, Kind.METHOD, values=contact_choice(values)))
 
@@ -123,5 +127,6 @@ ENGINE_HANDLERS: dict[str, Handler] = {
     "/sensors": _sensors,
     "/full_scale": _full_scale,
     "/panic": _panic,
+    "/end": _end,
 }
 """Handlers by address."""

@@ -17,7 +17,7 @@ from typing import Any
 
 from aiohttp import web
 
-from ..net.places import PAUSE, Complaint, Places, is_out, most_places
+from ..net.places import PAUSE, Complaint, NoDescriptorError, Places, accepted, most_places
 from ..net.rotation import Rotation
 from ..net.tcp import listen
 
@@ -27,7 +27,6 @@ _HANDSHAKE = 5.0  # s for the first byte, and over TLS for the handshake
 _SPEAKING = 10.0  # s for a request to be sent, and between requests
 _LOOK = 0.25  # s
 _MOST_FAILED = 100  # handshakes that may fail before what they took, some 100 kB each in circles, is given back
-_ACCEPTING = 0.005  # s for which connections are accepted at once
 
 
 class _Visitor:
@@ -78,20 +77,13 @@ class BoundedServer(web.Server):
         return int(self._listener.getsockname()[1])
 
     def _accept(self) -> None:
-        end = time.monotonic() + _ACCEPTING
-        while self._listener and time.monotonic() < end:
-            try:
-                sock, (host, _) = self._listener.accept()
-            except BlockingIOError:
-                return
-            except OSError as error:
-                if is_out(error):
-                    self._complaint.say(f"HTTP: no new connection: {error.strerror}")
-                    self._loop.remove_reader(self._listener)
-                    self._loop.call_later(PAUSE, self._accept_again)
-                    return
-                continue  # it is gone already
-            self._admit(_Visitor(sock, host))
+        assert self._listener
+        try:
+            for sock, host in accepted(self._listener, self._complaint, "HTTP"):
+                self._admit(_Visitor(sock, host))
+        except NoDescriptorError:
+            self._loop.remove_reader(self._listener)
+            self._loop.call_later(PAUSE, self._accept_again)
 
     def _accept_again(self) -> None:
         if self._listener:

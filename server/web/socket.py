@@ -26,6 +26,8 @@ _MOST_UNSENT = 1 << 18  # bytes of replies kept for one that reads slowly
 _MOST_SOUND = 0.5  # s of sound kept for it
 _MOST_PATHS = 1_024  # that it listens to
 _LONGEST_PATH = 256  # characters: no address that has a value is longer
+_SHOWN = 60  # characters of a text that is no command
+_EXPECTED = '{"COMMAND": "LISTEN" or "IGNORE", "DATA": "/gain"}'
 _ALIVE = 20.0  # s between questions whether it is still there
 _SOUND = b"/sound\0\0" + b",hiib\0\0\0"
 _HEAD = struct.Struct(">qiii")
@@ -117,18 +119,22 @@ class SocketClient(Remote):
             await asyncio.sleep(0.01)
 
     def _command(self, text: str) -> None:
-        """Carry out a command of OSCQuery's; what is none is ignored, as the proposal has no answer for it."""
-        with suppress(ValueError, TypeError, KeyError, RecursionError):
+        """Carry out a command of OSCQuery's; of what is none a FAIL tells what was expected."""
+        try:
             given = json.loads(text)
             command, path = given["COMMAND"], given["DATA"]
-            if command == "LISTEN" and isinstance(path, str) and len(path) <= _LONGEST_PATH:
-                if len(self.listens) < _MOST_PATHS:
-                    self.listens.add(path)
-            elif command == "IGNORE":
-                self.listens.discard(path)
-            elif command == "SOUND":  # Carom's own
-                self.sound_on = bool(path)
-                self._sound.clear()
+        except (ValueError, TypeError, KeyError, RecursionError):
+            command = path = None
+        if command == "LISTEN" and isinstance(path, str):
+            if len(self.listens) < _MOST_PATHS and len(path) <= _LONGEST_PATH:
+                self.listens.add(path)
+        elif command == "IGNORE" and isinstance(path, str):
+            self.listens.discard(path)
+        elif command == "SOUND":  # Carom's own
+            self.sound_on = bool(path)
+            self._sound.clear()
+        else:
+            self.tell("FAIL", f"{text[:_SHOWN]}: expected OSC in binary frames, or as text {_EXPECTED}")
 
     async def _write(self) -> None:
         while True:

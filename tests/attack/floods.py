@@ -13,7 +13,7 @@ from carom.server.osc import wire
 from carom.server.osc.wire import Message
 
 from . import Tried, kind
-from .besieged import ENEMIES, besieged, enemy
+from .attacked import ATTACKERS, attacked, attacker
 
 KINDS = {
     "status": [wire.encode("/status")],
@@ -36,19 +36,19 @@ KINDS["all"] = [each for kind in KINDS.values() for each in kind]
 @kind("floods", 3)
 def run(chance: random.Random) -> Iterator[Tried]:
     """Yield what each of the floods, in any order, did to others."""
-    with besieged() as town:
+    with attacked() as server:
         while True:
             for name in chance.sample(list(KINDS), len(KINDS)):
-                town.begin()
-                with enemy(__name__, ENEMIES[0], town.server.port, name, chance.getrandbits(30)):
+                server.begin()
+                with attacker(__name__, ATTACKERS[0], server.server.port, name, chance.getrandbits(30)):
                     time.sleep(0.7)
                     until = time.monotonic() + 2.0
                     while time.monotonic() < until:
-                        town.measure_blow()
+                        server.measure_blow()
                         time.sleep(chance.uniform(0.0, 0.04))
-                    town.measure_stream()
-                    town.measure_page()
-                yield town.tried(f"flood of {name}")
+                    server.measure_stream()
+                    server.measure_page()
+                yield server.tried(f"flood of {name}")
 
 
 def flood(host: str, port: int, kind: str, seed: int) -> None:

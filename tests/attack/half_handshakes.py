@@ -4,25 +4,20 @@ python -m tests.attack.half_handshakes PORT PAGE SEED: connect for ever.
 """
 
 import random
-import socket
 import ssl
 import sys
-import time
-from collections import deque
 from collections.abc import Iterator
 from contextlib import suppress
 
 from . import Tried, kind
-from .besieged import ENEMIES, anybody
-from .slow_clients import PAUSE, hold_out
-
-_MOST = 5_000
+from .attacked import anybody
+from .slow_clients import crowd, measure_others
 
 
 @kind("half_handshakes", 2)
 def run(chance: random.Random) -> Iterator[Tried]:
     """Yield how others fared, second by second, while thousands of handshakes began."""
-    return hold_out(__name__, "half handshakes", chance)
+    return measure_others(__name__, "half handshakes", chance)
 
 
 def hello() -> bytes:
@@ -33,25 +28,13 @@ def hello() -> bytes:
     return said.read()
 
 
-def come(page: int, seed: int) -> None:
-    """Say hello, a part of it, or something else, and no more."""
-    chance, words = random.Random(seed), hello()
-    there: deque[socket.socket] = deque()
-    while True:
-        sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        sock.bind((chance.choice(ENEMIES), 0))
-        sock.settimeout(0.2)
-        there.append(sock)
-        try:
-            sock.connect(("127.0.0.1", page))
-            sock.setblocking(False)
-            sock.send(chance.choice([words, words, words[: chance.randrange(len(words))], b"", chance.randbytes(300)]))
-        except OSError:
-            pass
-        while len(there) > _MOST:
-            there.popleft().close()
-        time.sleep(PAUSE)
+def beginnings(chance: random.Random) -> list[bytes]:
+    """Return a hello as often as half of one, nothing, or bytes at random."""
+    words = hello()
+    cuts = [words[: chance.randrange(len(words))] for _ in range(20)]
+    return [*[words] * 40, *cuts, *[b""] * 20, *(chance.randbytes(300) for _ in range(20))]
 
 
 if __name__ == "__main__":
-    come(*map(int, sys.argv[2:]))
+    _, page, seed = map(int, sys.argv[1:])
+    crowd((page,), beginnings(random.Random(seed)), seed)

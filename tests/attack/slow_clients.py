@@ -8,16 +8,16 @@ import socket
 import sys
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from carom.server.osc import wire
 from carom.server.osc.framing import Slip
 
 from . import Tried, kind
-from .besieged import ENEMIES, besieged, enemy
+from .attacked import ATTACKERS, attacked, attacker
 
 _MOST = 5_000  # connections at once
-PAUSE = 0.0005
+_PAUSE = 0.0005
 """s between two that come: where the system's own queue of them is full, it has others try again after a second."""
 _STATUS = Slip.framed(wire.encode("/status"))
 WORDS = {
@@ -36,45 +36,49 @@ WORDS = {
 @kind("slow_clients", 2)
 def run(chance: random.Random) -> Iterator[Tried]:
     """Yield how others fared, second by second, while thousands of clients came."""
-    return hold_out(__name__, "slow clients", chance)
+    return measure_others(__name__, "slow clients", chance)
 
 
-def hold_out(enemies: str, what: str, chance: random.Random) -> Iterator[Tried]:
-    """Yield how others fare while a module's enemies come."""
-    with besieged() as town, enemy(enemies, town.server.port, town.page, chance.getrandbits(30)):
+def measure_others(attackers: str, what: str, chance: random.Random) -> Iterator[Tried]:
+    """Yield how others fare while a module's attackers come."""
+    with attacked() as server, attacker(attackers, server.server.port, server.page, chance.getrandbits(30)):
         time.sleep(1.0)
         while True:
-            town.begin()
+            server.begin()
             end = time.monotonic() + 2.0
             while time.monotonic() < end:
-                town.measure_blow()
-                town.measure_stream()
-                town.measure_page()
+                server.measure_blow()
+                server.measure_stream()
+                server.measure_page()
                 time.sleep(chance.uniform(0.0, 0.05))
-            yield town.tried(what)
+            yield server.tried(what)
 
 
-def come(port: int, page: int, seed: int) -> None:
-    """Connect from two hosts, say something, and leave only where too many are there."""
+def crowd(ports: Sequence[int], words: Sequence[bytes], seed: int, again: float = 0.0) -> None:
+    """Connect to any of some ports from two hosts, say any of some words, and leave only where too many are there.
+
+    again: share of the times at which one that is there says more.
+    """
     chance = random.Random(seed)
     there: deque[socket.socket] = deque()
     while True:
         sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        sock.bind((chance.choice(ENEMIES), 0))
+        sock.bind((chance.choice(ATTACKERS), 0))
         sock.settimeout(0.2)
         there.append(sock)
         try:
-            sock.connect(("127.0.0.1", chance.choice([port, page])))
+            sock.connect(("127.0.0.1", chance.choice(ports)))
             sock.setblocking(False)
-            sock.send(chance.choice(list(WORDS.values())))
-            if chance.random() < 0.3 and there:
+            sock.send(chance.choice(words))
+            if chance.random() < again:
                 chance.choice(there).send(b"x")
         except OSError:
             pass
         while len(there) > _MOST:
             there.popleft().close()
-        time.sleep(PAUSE)
+        time.sleep(_PAUSE)
 
 
 if __name__ == "__main__":
-    come(*map(int, sys.argv[1:]))
+    port, page, seed = map(int, sys.argv[1:])
+    crowd((port, page), list(WORDS.values()), seed, 0.3)

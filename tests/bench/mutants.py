@@ -2,10 +2,11 @@
 the broken engines some test notices.
 
 A line is drawn from all lines of kernels, and one thing on it is changed: an operator, a comparison, a number, or an
-assignment, which is left out. A copy of the tree with that line compiles what has changed, and runs the tests until one
-fails. What no test notices is printed, to be looked at: some of it makes no difference to any sound. `--tests` names
-the tests, in words for pytest; by default they are those of `make quick` that play the engine. One line takes a minute
-of CPU or more.
+assignment, which is left out. A copy of the tree with that line compiles what has changed, and runs tests until one
+fails: those of the broken module first, then those of its folder, then all that `make quick` has of the engine. What no
+test notices is printed, to be looked at: some of it makes no difference to any sound. `--tests` names the tests, in
+words for pytest; `--only` takes some of the lines that were drawn, by their numbers. A line takes ten seconds of CPU or
+more, and two minutes if no test notices it.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,9 +27,23 @@ from carom.dsp.runtime.engine import prepare
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("contact", "engine", "friction", "karman", "resonator", "rolling", "space", "spectral", "swarm")
-QUICK = ["tests/dsp", "tests/presets", "tests/server", "-m", "not slow"]
-LONGEST = 900.0
-"""s: a broken engine that goes on for so long has been noticed."""
+QUICK = ["tests/dsp", "tests/presets", "tests/server/scene"]
+LONGEST = 300
+"""s of CPU: a broken engine that goes on for so long has been noticed. All of these tests take a third of it."""
+NOT_COMPILED = 99
+
+RUN = f"""
+import resource, sys
+resource.setrlimit(resource.RLIMIT_CPU, ({LONGEST}, {LONGEST}))
+import pytest
+from carom.dsp.runtime.engine import prepare
+try:
+    prepare()
+except Exception as error:
+    print(error)
+    sys.exit({NOT_COMPILED})
+sys.exit(pytest.main(sys.argv[1:]))
+"""
 
 SWAPPED = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Lt: ast.GtE, ast.GtE: ast.Lt,
@@ -116,51 +132,71 @@ def copied(folder: Path) -> None:
     shutil.copytree(ROOT / "tests", folder / "tests", ignore=ignored)
     shutil.copy(ROOT / "pyproject.toml", folder)
     (folder / "cache" / "carom").mkdir(parents=True)
-    shutil.copytree(user_cache(), folder / "cache" / "carom" / "code")
+    with suppress(shutil.Error):  # of files that another process prunes meanwhile
+        shutil.copytree(user_cache(), folder / "cache" / "carom" / "code")
 
 
-def noticed(folder: Path, mutant: Mutant, tests: list[str]) -> str | None:
+def nearest(file: Path) -> list[list[str]]:
+    """Return the tests that may notice a broken module, in words for pytest: the nearest first, then all of them."""
+    folder = Path("tests", file.parent)
+    own = folder / f"test_{file.stem}.py"
+    near = [str(each) for each in (own, folder) if (ROOT / each).exists()]
+    return [[each, "-m", "not slow"] for each in near] + [[*QUICK, "-m", "not slow"]]
+
+
+def noticed(folder: Path, mutant: Mutant, stages: list[list[str]]) -> str | None:
     """Return the first test that fails with a broken module: "" where none does, None where it does not compile."""
     file = folder / "carom" / mutant.file
     before = file.read_text("utf-8")
     file.write_text(mutant.text, "utf-8")
+    try:
+        for words in stages:
+            if (by := failed(folder, words)) != "":
+                return by
+    finally:
+        file.write_text(before, "utf-8")
+    return ""
+
+
+def failed(folder: Path, tests: list[str]) -> str | None:
+    """Run tests in a copy of the tree; return as `noticed`."""
     env = os.environ | {
         "PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache"), "OPENBLAS_NUM_THREADS": "1",
     }  # fmt: skip
-    words = [sys.executable, "-m", "pytest", "-x", "-q", "--tb=no", "-p", "no:cacheprovider", "--reruns=0", *tests]
-    compiles = [sys.executable, "-c", "from carom.dsp.runtime.engine import prepare; prepare()"]
-    try:
-        if subprocess.run(compiles, cwd=folder, env=env, capture_output=True).returncode:
-            return None
-        run = subprocess.run(words, cwd=folder, env=env, capture_output=True, text=True, timeout=LONGEST)
-    except subprocess.TimeoutExpired:
-        return "(it did not end)"
-    finally:
-        file.write_text(before, "utf-8")
-    failed = [line for line in run.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return failed[0].split(" ")[1] if failed else f"(exit code {run.returncode})" if run.returncode else ""
+    words = [sys.executable, "-c", RUN, "-x", "-q", "--tb=no", "-rfE", "--reruns=0", *tests]
+    run = subprocess.run(words, cwd=folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if run.returncode == NOT_COMPILED:
+        return None
+    if run.returncode in (0, 5):  # 5: no test was there
+        return ""
+    named = [line for line in run.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return named[0].split(" ")[1] if named else f"(exit code {run.returncode})"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n\n")[0])
     parser.add_argument("--count", type=int, default=100, help="lines that are broken")
     parser.add_argument("--seed", type=int, default=1, help="of what is drawn")
-    parser.add_argument("--tests", nargs=argparse.REMAINDER, default=QUICK, help="words for pytest, at the end")
+    parser.add_argument("--only", type=int, nargs="+", help="of these lines, by their numbers")
+    parser.add_argument("--tests", nargs=argparse.REMAINDER, help="words for pytest, at the end")
     options = parser.parse_args()
     prepare()
-    caught, compiled, drawn = 0, 0, draw(options.count, options.seed)
+    drawn = draw(options.count, options.seed)
+    chosen = options.only or range(1, len(drawn) + 1)
+    caught, compiled, noticing = 0, 0, set()
     with tempfile.TemporaryDirectory(prefix="carom-mutants-") as name:
         folder = Path(name)
         copied(folder)
-        sound = noticed(folder, drawn[0]._replace(text=(ROOT / drawn[0].file).read_text("utf-8")), options.tests)
-        if sound:
-            sys.exit(f"{sound} fails with nothing broken")
-        for number, mutant in enumerate(drawn, 1):
-            by = noticed(folder, mutant, options.tests)
+        for number in chosen:
+            mutant = drawn[number - 1]
+            by = noticed(folder, mutant, [options.tests] if options.tests else nearest(mutant.file))
             caught, compiled = caught + bool(by), compiled + (by is not None)
             said = "(does not compile)" if by is None else by or "NOT NOTICED"
             print(f"{number:4} {said}\n     {mutant.file}:{mutant.line}: {mutant.change}", flush=True)
-    print(f"{caught} of {compiled} noticed; {len(drawn) - compiled} more did not compile")
+            noticing |= {by} if by and by[0] != "(" else set()
+        if sound := noticing and failed(folder, sorted(noticing)):
+            sys.exit(f"{sound} fails with nothing broken, too")
+    print(f"{caught} of {compiled} noticed; {len(chosen) - compiled} more did not compile")
 
 
 if __name__ == "__main__":

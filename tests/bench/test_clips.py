@@ -20,6 +20,7 @@ def test_a_clip_has_a_second_of_sound_and_its_modes():
     assert sound.report.contacts >= 1 and len(modes.frequencies) > 0
 
 
+@pytest.mark.slow
 def test_calls_are_timed_and_the_method_is_put_back():
     before = Engine.process
     with clips.timed(Engine, "process") as taken:

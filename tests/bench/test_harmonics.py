@@ -70,6 +70,7 @@ def test_a_lowest_partial_s_swell_is_measured_without_the_rest():
     assert swell(Recording("", bar, RATE), 200.0) == pytest.approx(20 * np.log10(levels[1] / levels[0]), abs=0.5)
 
 
+@pytest.mark.slow
 def test_of_one_recording_at_two_speeds_the_nearest_to_the_presets_note_counts():
     def note(lowest, ratio, fast):
         time = TIME * fast

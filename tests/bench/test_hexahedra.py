@@ -13,22 +13,26 @@ Y, Z = (0.0, SIDES[1]), (0.0, SIDES[2])
 BLOCKS = [hexahedra.box((0.0, 0.06), Y, Z, (2, 2, 2)), hexahedra.box((0.06, SIDES[0]), Y, Z, (2, 2, 2))]
 
 
+@pytest.mark.slow
 def test_two_blocks_ring_as_the_box_that_they_are():
     known = elastic.box(METAL, SIDES, (6, 6, 6), 6)
     assert hexahedra.known(BLOCKS, METAL, 6, 1)[:6] == pytest.approx(known, rel=0.002)
 
 
+@pytest.mark.slow
 def test_half_a_box_rings_as_the_whole():
     half = [hexahedra.box((0.0, SIDES[0]), (0.0, SIDES[1] / 2), Z, (3, 2, 2))]
     known = elastic.box(METAL, SIDES, (6, 6, 6), 8)
     assert hexahedra.known_of_half(half, METAL, 8, 1) == pytest.approx(known, rel=0.002)
 
 
+@pytest.mark.slow
 def test_half_a_mug_reaches_half_as_far():
     whole, half = (np.ptp(hexahedra.skin(each).points, axis=0) for each in (hexahedra.mug(), hexahedra.half_mug()))
     assert whole == pytest.approx(half * [1, 2, 1], rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("blocks", "volume"), [(BLOCKS, np.prod(SIDES)), (hexahedra.wrench(), 11.088e-6)])
 def test_a_skin_is_closed_and_turned_outward(blocks, volume):
     surface = hexahedra.skin(blocks)

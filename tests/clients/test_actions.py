@@ -32,7 +32,7 @@ def test_a_client_and_a_scene_take_the_same_and_say_the_same(name):
     shared, client, scene = (getattr(each, name) for each in (Actions, carom.Client, carom.Scene))
     assert client is shared
     assert inspect.signature(scene) == inspect.signature(shared)
-    assert inspect.getdoc(scene).partition("\n\nKeys:")[0] == inspect.getdoc(shared)
+    assert inspect.getdoc(scene).partition("\n\nOther Parameters")[0] == inspect.getdoc(shared)
 
 
 def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
@@ -49,10 +49,10 @@ def test_the_keys_are_listed_for_a_scene_alone():
     space = {"place", "listener", "floor", "room"}
     assert taking == {*GESTURES, "note", "contact", *changing, *space}
     for name in SHARED:
-        assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
-        assert "Keys:" not in inspect.getdoc(getattr(carom.Client, name))
-    assert "\n  point: x, y, z, each -1000 to 1000 m; " in inspect.getdoc(carom.Scene.slide)
-    assert "\n  gravity: 0.01 to 1000 m/s^2; 9.80665 if not given\n" in inspect.getdoc(carom.Scene.roll)
+        assert ("\n\nOther Parameters\n---" in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
+        assert "Other Parameters" not in inspect.getdoc(getattr(carom.Client, name))
+    assert "\npoint : x, y, z, each -1000 to 1000 m\n    Point" in inspect.getdoc(carom.Scene.slide)
+    assert "\ngravity : 0.01 to 1000 m/s^2, default 9.80665\n    Gravity.\n" in inspect.getdoc(carom.Scene.roll)
 
 
 def test_arguments_go_before_keys_and_become_plain():

@@ -234,6 +234,21 @@ def test_a_sound_is_no_distance_from_itself(folder, tmp_path, capsys):
 
 
 @pytest.mark.slow
+def test_a_comparison_ends_in_a_sentence_that_a_player_understands(tmp_path, capsys):
+    """A ring of two modes beside itself, beside one that is 6 dB brighter, and one that rings twice as long."""
+    time = np.arange(48_000) / 48_000
+    for name, level, seconds in (("a", 1.0, 0.1), ("bright", 2.0, 0.1), ("long", 1.0, 0.2)):
+        ring = np.sin(2 * np.pi * 500 * time) + 0.3 * level * np.sin(2 * np.pi * 4_000 * time)
+        soundfile.write(tmp_path / f"{name}.wav", 0.3 * ring * np.exp(-time / seconds), 48_000)
+    for name, said in (
+        ("a", "B is as bright as A and rings as long."),
+        ("bright", r"B is [67] dB brighter."),
+        ("long", r"B rings (1\.9|2\.0|2\.1) times as long."),
+    ):
+        assert main(["compare", str(tmp_path / "a.wav"), str(tmp_path / f"{name}.wav")]) == 0
+        assert re.fullmatch(said, capsys.readouterr().out.splitlines()[-1]), name
+
+
 def test_a_sound_is_compared_with_recordings_of_its_kind(folder, tmp_path, capsys):
     ring, kind = folder / "ring.wav", tmp_path / "kind"
     kind.mkdir()

@@ -58,7 +58,7 @@ def test_it_prints_ends_of_gestures_as_they_come(server: Running, words):
 def test_it_ends_after_some_seconds(server: Running):
     with listening(server, "--seconds", "3") as listener:
         play(server)
-        assert listener.communicate(timeout=10) == ("/gesture/end blow-on-block\n", "")
+        assert listener.communicate(timeout=10) == ("/gesture/end blow-on-block\nall was well for 3 s\n", "")
         assert listener.returncode == 0
 
 

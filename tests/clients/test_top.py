@@ -13,7 +13,7 @@ from itertools import islice
 
 import pytest
 
-from carom.clients.top import _views, view
+from carom.clients.top import _views, verdict, view
 from carom.server.osc.wire import Message
 from tests.support import CAROM, Running
 
@@ -51,6 +51,20 @@ def test_what_goes_wrong_just_now_stands_out():
     assert re.search(r"\x1b\[1;31m\s+2\x1b", shown({"late": 1}))
     assert re.search(r"\x1b\[33m\s+1\x1b", shown({}))  # an underflow, some time ago
     assert "\x1b[1;31m" not in shown({"late": 2, "impacts": 1})
+
+
+@pytest.mark.parametrize(
+    ("now", "said"),
+    [
+        ({}, "All is well: 2 of 3 objects sound."),
+        ({"limiter_lowest": 0.5}, "It is too loud: lower /gain."),
+        ({"quality": 2}, "The machine is busy: it plays at quality 2."),
+        ({"underflows": 7, "quality": 2}, "The device had 7 dropouts: start with a larger --latency."),
+        ({"load": 130.0, "late": 1}, "The machine is too slow for what plays: stop some gestures, or raise /quality."),
+    ],
+)
+def test_it_ends_in_a_sentence_about_the_first_trouble(now, said):
+    assert verdict({"sounding": 2, "objects": 3, "load": 3.0, "limiter_lowest": 1.0, **now}) == said
 
 
 class Silent:

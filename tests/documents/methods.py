@@ -133,7 +133,7 @@ def _class(cls: type, methods: Iterable[str]) -> str:
 def _method(gesture: Gesture, first: str) -> str:
     argument = "what: str" if gesture.what else f"{gesture.argument.name}: SupportsFloat | None = None"
     given = f"{first}{argument}, {_GIVEN}"
-    doc = f"Begin a gesture that {gesture.help.replace(' it', ' the object', 1)}."
+    doc = f"Begin a gesture that {gesture.help}."
     return _definition(gesture.name, ["self", *given.split(", "), f"**keys: Unpack[{gesture.name.title()}Keys]"], doc)
 
 

@@ -5,19 +5,24 @@ A part stands in a page between `<!-- begin NAME -->` and `<!-- end NAME -->`.
 
 import re
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-from carom.server.osc.tables import address_table, key_table
+from carom.dsp.schema import GESTURES
+from carom.server.osc.tables import change_table, gesture_table, shared_table
 from tests.documents import commands, figures, methods, presets, protocol, recipes, records, scattered, swarms
+from tests.documents.addresses import addresses
 
 ROOT = Path(__file__).parents[2]
-FOLDERS = ("server", "clients", "presets", "dsp", "tests")
+FOLDERS = ("server", "server/gestures", "clients", "presets", "dsp", "tests")
 IN_FOLDERS = [f"{folder}/{page.name}" for folder in FOLDERS for page in sorted((ROOT / folder).glob("*.md"))]
 PAGES = ("README.md", "CONTRIBUTING.md", *IN_FOLDERS)
 
 PARTS: dict[str, Callable[[], str]] = {
-    "addresses": address_table,
-    "gesture keys": key_table,
+    "addresses": addresses,
+    "shared keys": shared_table,
+    "change keys": change_table,
+    **{f"keys of {name}": partial(gesture_table, name) for name in GESTURES},
     "status": protocol.status,
     "limits": protocol.limits,
     "commands that play": commands.playing,
@@ -28,6 +33,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "other keys": presets.other_keys,
     "shapes": presets.shapes,
     "supports": presets.supports,
+    "support sources": presets.support_sources,
     "presets": presets.listed,
     "levels": presets.levels,
     "scores": presets.scores,

@@ -13,7 +13,7 @@ from tests.bench.loudness import MEASURED
 from tests.documents.markdown import table
 from tests.documents.meanings import MEANINGS
 
-_HEAD = ("key", "value", "meaning")
+_HEAD = ("key", "value", "default", "meaning")
 _REQUIRED_OF_OBJECT = ("description", "source", "shape", "level")
 
 
@@ -40,11 +40,15 @@ def _value(domain: known.Domain) -> str:
 
 
 def _keys(where: str, fields: known.Fields, required: Collection[str] = ()) -> str:
-    rows = [
-        (f"`{key}`{' (required)' * (key in required)}", _value(domain), _meaning(where, key))
-        for key, domain in fields.items()
-    ]
+    rows = []
+    for key, domain in fields.items():
+        meaning, _, default = _meaning(where, key).partition(" | ")
+        rows.append((f"`{key}`", _value(domain), "required" if key in required else default, _sentence(meaning)))
     return table(_HEAD, rows)
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
 
 
 def _usual(name: str) -> str:
@@ -53,9 +57,9 @@ def _usual(name: str) -> str:
     words = {key: domain for key, domain in fields.items() if isinstance(domain, Name)}
     own = ", ".join(f"`{key}`" for key in fields if key not in (*words, *gestures.REQUIRED[name]))
     first = GESTURES[name].argument
-    rows = [(f"`{key}` (required)", "a preset's name", f"a {key} preset") for key in words]
-    rows += [(f"`{first.name}` (required)", first.allowed, first.help), (own, "as messages have them", "")]
-    return table(_HEAD, rows)
+    rows = [(f"`{key}`", "a preset's name", "required", f"Preset of the {key}.") for key in words]
+    rows.append((f"`{first.name}`", first.allowed, "required", _sentence(first.help)))
+    return f"{table(_HEAD, rows)}\n\nAnd [keys of the gesture](../server/gestures/{name}.md): {own}."
 
 
 def _meaning(where: str, key: str) -> str:
@@ -158,7 +162,7 @@ def levels() -> str:
 
 def supports() -> str:
     """Return the table of supports."""
-    lines = ["| support | is | spring and resistance at its load | figures |", "|---|---|---|---|"]
+    lines = ["| support | is | spring and resistance at its load |", "|---|---|---|"]
     for name, each in SUPPORTS.items():
         load = each.load or 1.0
         spring = each.exponent * each.stiffness ** (1 / each.exponent) * load ** (1 - 1 / each.exponent)
@@ -166,5 +170,10 @@ def supports() -> str:
         ground = f"; ground {each.resistance:.3g} N s/m" if each.resistance else ""
         mass = f"; {each.mass:g} kg" if each.mass else ""
         of = f"by the material, on {each.material}" if each.material else law
-        lines.append(f"| `{name}` | {each.description} | {of}{mass}{ground} | {each.source} |")
+        lines.append(f"| `{name}` | {each.description} | {of}{mass}{ground} |")
     return "\n".join(lines)
+
+
+def support_sources() -> str:
+    """Return where the figures of supports are from."""
+    return "\n".join(f"- `{name}`: {each.source}." for name, each in SUPPORTS.items())

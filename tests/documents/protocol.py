@@ -24,13 +24,13 @@ def status() -> str:
 def limits() -> str:
     """Return the room that there is at once."""
     rows = [
-        ("objects, of a server that is not told otherwise", USUAL_OBJECTS),
+        ("objects, by default", USUAL_OBJECTS),
         ("objects, with `--objects`", capacity.OBJECTS),
-        ("modes, of a server that is not told otherwise", USUAL_MODES),
+        ("modes, by default", USUAL_MODES),
         ("modes, with `--modes`", capacity.MODES),
         ("modes of an object", capacity.MODES_PER_OBJECT),
         ("values of mode shapes", capacity.SHAPE_VALUES),
-        ("contacts, and gestures that last", state.CONTACTS),
+        ("contacts, and gestures in progress", state.CONTACTS),
         ("of these, rolls and slides", state.ROLLS),
         ("of these, swarms", SWARMS),
         ("events that wait", state.EVENTS),

@@ -3,6 +3,7 @@ them."""
 
 import importlib.util
 import json
+import re
 from pathlib import Path
 from types import ModuleType
 
@@ -26,6 +27,7 @@ begins, and those for a speed that is so many 1e-9 m/s higher: its sound is anot
 STARTS = 32  # of them, whose mean and spread are kept
 SPREAD = ROOT / "tests" / "measured" / "sounds.json"
 MOST_BYTES = 150_000
+TUTORIAL = ROOT / "clients" / "tutorial.md"
 COLOURS = 128  # of a picture: a third of the bytes, and no difference to see
 
 
@@ -35,6 +37,18 @@ def path(name: str) -> Path:
 
 def score(name: str) -> Path:
     return BUILT_IN / "scores" / f"{name}.txt"
+
+
+def lessons() -> dict[str, str]:
+    """Return the scores of the tutorial, by the names of their sounds."""
+    text = TUTORIAL.read_text(encoding="utf-8")
+    found = re.findall(r"```score\n(.*?)```\n\n\[Listen\]\(sounds/(tutorial-[a-z]+)\.ogg\)", text, re.DOTALL)
+    return {name: lines for lines, name in found}
+
+
+def lesson(lines: str) -> np.ndarray:
+    """Return the sound of a score of the tutorial, (frames, channels), its silent end cut off."""
+    return _cut(carom.render(lines, rate=RATE, seconds=SECONDS).samples)
 
 
 def scenes() -> ModuleType:
@@ -60,6 +74,10 @@ def rendered(name: str, start: int = 0) -> np.ndarray:
     else:
         text = _begun(name, score(name).read_text(encoding="utf-8"), start) if start else score(name)
         sound = carom.render(text, rate=RATE, limiter=False).samples.mean(axis=1)
+    return _cut(sound)
+
+
+def _cut(sound: np.ndarray) -> np.ndarray:
     heard = np.flatnonzero(np.abs(sound).reshape(len(sound), -1).max(axis=1) > 1e-4 * np.abs(sound).max())
     sound = sound[: min(heard[-1] + 1, round(SECONDS * RATE))]
     return sound * (PEAK / np.abs(sound).max())
@@ -101,10 +119,20 @@ def write_spread() -> None:
     SPREAD.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
 
 
+def write_lessons() -> None:
+    """Keep the sounds of the tutorial, in mono where both sides are alike, their ends after 4 s faded out."""
+    for name, lines in lessons().items():
+        sound = lesson(lines)[: round(4.5 * RATE)]
+        sound[-RATE // 2 :] *= np.linspace(1.0, 0.0, len(sound[-RATE // 2 :]))[:, None]
+        alike = np.array_equal(sound[:, 0], sound[:, 1])
+        soundfile.write(path(name), sound[:, 0] if alike else sound, RATE, format="OGG", subtype="VORBIS")
+
+
 def main() -> None:
     for name in (*SOUNDS, *SCENES):
         path(name).parent.mkdir(exist_ok=True)
         soundfile.write(path(name), rendered(name), RATE, format="OGG", subtype="VORBIS")
+    write_lessons()
     write_spread()
     for name in PICTURES:
         picture = score(name).with_suffix(".png")

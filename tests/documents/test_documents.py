@@ -8,7 +8,7 @@ import pytest
 from carom.dsp.contact.accuracy import LEVELS
 from carom.server.osc.wire import Message
 from carom.server.status import FIELDS, FIRST
-from tests.documents import methods, records
+from tests.documents import methods, records, site
 from tests.documents.pages import PAGES, PARTS, ROOT, parts, written
 from tests.support import serving
 
@@ -43,6 +43,11 @@ def test_every_page_is_linked_to():
                 found.add(name)
                 left.append(name)
     assert found >= set(PAGES)
+
+
+def test_the_side_bar_of_the_site_has_each_page_once():
+    listed = [name for names in site.NAVIGATION.values() for name in names]
+    assert sorted([*listed, "index"]) == sorted(site.staged(page).removesuffix(".md") for page in TEXTS)
 
 
 @pytest.mark.parametrize("page", TEXTS)

@@ -17,7 +17,11 @@ from tests.documents.sounds import (
     SOUNDS,
     SPREAD,
     STARTS,
+    TUTORIAL,
     WINDOWS,
+    bands,
+    lesson,
+    lessons,
     levels,
     path,
     rendered,
@@ -94,6 +98,21 @@ def test_a_sound_that_is_another_is_told(name):
 
     for change in (shelf, swell):
         assert beyond(name, [change(sound) for sound in made(name)]) > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", lessons())
+def test_a_lessons_sound_is_that_of_its_score(name):
+    """The loud octaves agree within what chaos does to rolls and pieces."""
+    known = kept(name)
+    kept_octaves, octaves = (bands(sound[: len(known), 0]) for sound in (known, lesson(lessons()[name])))
+    assert np.abs(kept_octaves - octaves)[octaves > -15.0].max() < 6.0, "run `make sounds`"
+
+
+def test_every_lesson_has_its_sound():
+    assert TUTORIAL.read_text(encoding="utf-8").count("```score") == len(lessons()) > 10
+    for name in lessons():
+        assert 5_000 < path(name).stat().st_size < MOST_BYTES
 
 
 def test_the_readme_links_to_each_and_they_are_small():

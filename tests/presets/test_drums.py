@@ -59,6 +59,7 @@ def test_a_tom_brightens_by_half_an_octave_and_more(soft, seconds):
     assert -0.3 < math.log2(high / low) < 0.02
 
 
+@pytest.mark.slow
 def test_a_tom_brightens_less_where_its_tension_hardly_rises():
     found = [centroid(struck("tom", v), 0.02) for v in (0.3, 0.6, 1.0, 1.34, 2.0, 3.0, 5.0, 7.0, 10.0)]
     assert all(softer < 1.02 * harder for softer, harder in pairwise(found)), found

@@ -82,6 +82,7 @@ def test_a_glb_with_a_model_plays(tmp_path, capsys):
     capsys.readouterr()
 
 
+@pytest.mark.slow
 def test_what_a_file_of_another_leaves_out_follows_from_its_surface(mug):
     """Radiation is computed anew by the shapes at the points: half of it is within 3 dB of that of the whole model."""
     table = mug.geometry["table"]
@@ -127,8 +128,8 @@ def test_what_cannot_be_read_is_said(mug):
 
     for number in (-1, 0, 10**12, "3", None):
         assert "its modal model can't be read" in said(counts(number))
-    assert "expected 0 to" in said(beyond)
-    assert "accessor -1: expected a number from 0 on" in said(at_minus_one)
+    assert "cut short" in said(beyond)
+    assert "accessors has no number -1" in said(at_minus_one)
     assert "resistance: expected finite numbers" in said(not_finite)
     assert "no indices: expected the triangles" in said(no_indices)
     assert "2 modal models: expected one" in said(two)

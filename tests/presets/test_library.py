@@ -206,11 +206,11 @@ def test_a_folder_is_no_preset(tmp_path):
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        ("".join(f"k{n} = {n}\n" for n in range(1_000_000)), "expected at most 4000000 bytes"),
+        ("k = 1234567890\n" * 300_000, "expected at most 4000000 bytes"),
         ("".join(f"k{n}=1\n" for n in range(10_001)), "10001 keys: expected at most 10000"),
         ("k = '" + "=" * 10_000 + "'", "10001 keys: expected at most 10000"),
         ("".join(f"k{n}=1\n" for n in range(10_000)), "k0 = 1: expected one of"),
-        ("k = [" + "1," * 1_000_000 + "]", "k = .*: expected one of"),
+        pytest.param("k = [" + "1," * 1_000_000 + "]", "k = .*: expected one of", marks=pytest.mark.slow),
         ("[" * 100_000, "not TOML"),
     ],
 )

@@ -78,6 +78,7 @@ def test_feet_that_an_object_stands_on_are_told_as_rests():
     assert sorted((each.object, each.gesture) for each in told) == [("a", "impact"), *[("a", "rest")] * 3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["-50", "-60"])
 @pytest.mark.parametrize("name", ["glockenspiel-bar", "triangle"])
 def test_hard_objects_that_swing_on_each_other_for_long_stay_in_step(name, level):

@@ -153,6 +153,7 @@ TABLE = "wood-board thickness 0.04"
 ball."""
 
 
+@pytest.mark.slow
 def test_a_ping_pong_ball_keeps_its_share_of_the_speed_and_comes_to_rest():
     """The share is that of any speed from 0.1 to 1 m/s within 0.5 %, on a thick table; the ball is at rest after 3.3
     s."""

@@ -68,6 +68,7 @@ DEAR = """
 """
 
 
+@pytest.mark.slow
 def test_a_render_keeps_to_a_budget_whatever_the_score_says():
     free, bound = (Options(seconds=0.05, budget=given) for given in (None, (1.0, 64.0)))
     lines = parse(DEAR.encode(), "dear")

@@ -233,6 +233,7 @@ def test_contacts_are_put_together_across_looks():
     assert all(strength > 0.0 for *_, strength in on)
 
 
+@pytest.mark.slow
 def test_of_a_flood_of_contacts_the_newest_samples_are_looked_at():
     engine, every = Engine(48_000), Engine(48_000)
     for each in (engine, every):

@@ -30,6 +30,7 @@ def test_junk_does_no_harm(tmp_path, seed):
     assert np.abs(sound[-4800:]).max() > 1e-3
 
 
+@pytest.mark.slow
 def test_the_junk_is_neither_all_valid_nor_all_noise():
     packets, again = ([junk.packet() for _ in range(4000)] for junk in (Junk(1, 1.8e9), Junk(1, 1.8e9)))
     assert packets == again

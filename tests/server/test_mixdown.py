@@ -130,16 +130,6 @@ def test_a_line_that_says_other_channels_is_refused():
         heard("0 /channels 0\n" + SCORE)
 
 
-@pytest.mark.parametrize("channels", [1, 8])
-def test_block_size_changes_no_bit_of_channels(channels):
-    text = SCORE + "0.3 /object/bell/gains 0.5 0\n0.35 /panic\n0.36 /object/bell/impact 1\n0.4 /object/bell/gains\n"
-    whole = heard(text.replace("gains 0.5 0", "gains 0.5"), channels=channels)
-    for block in (1, 37, 1000):
-        np.testing.assert_array_equal(
-            heard(text.replace("gains 0.5 0", "gains 0.5"), channels=channels, block=block), whole
-        )
-
-
 # A file for each object
 
 

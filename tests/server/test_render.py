@@ -28,18 +28,12 @@ def demo() -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("block", "seconds"), [(1, 6.0), (37, None), (64, None), (480, None)])
-def test_block_size_changes_no_bit_of_the_demo(demo, block, seconds):
-    sound = render_lines(read(DEMO), block=block, seconds=seconds)
-    np.testing.assert_array_equal(sound, demo[: round(6.0 * 48_000)] if seconds else demo)
-
-
-@pytest.mark.slow
 def test_the_demo_is_loud_enough_clean_and_ends(demo):
     assert 0.2 < np.abs(demo).max() < 1.0
     assert 15 < len(demo) / 48_000 < 25 and np.abs(demo[-4800:]).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_something_is_heard_in_the_demo_as_long_as_it_goes_on(demo):
     """Momentary loudness (ITU-R BS.1770, 400 ms), until a hand is laid on the bell at the end."""
     meter, step = pyloudnorm.Meter(48_000, block_size=0.4), 4800
@@ -262,6 +256,13 @@ def test_a_render_without_a_sound_ends_with_its_last_event(render_text):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("ends", "length"), [((1.25,), 1.25), ((0.5, 0.75), 0.75), ((0.0,), None)])
+def test_a_score_that_says_its_end_is_as_long(render_text, ends, length):
+    text = "0 /object/new b church-bell\n0 /object/b/impact 1\n" + "".join(f"{end} /end\n" for end in ends)
+    seconds = len(render_text(text)) / 48_000
+    assert seconds == pytest.approx(length) if length else seconds > 5.0
+
+
 def test_more_events_than_the_queue_holds_are_played_in_turn(render_text):
     """A striker waits behind twice as many changes of a gain as the queue holds."""
     lines = ["0 /object/new a wood-block"]
@@ -283,12 +284,15 @@ def test_more_events_at_once_than_can_be_queued_are_refused(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, 1, 2, 6, 7])
 def test_block_size_changes_no_bit_of_random_scores(seed):
+    """Gestures and what steers them, strikers, surfaces, other objects, panics, qualities, forms of the bank, channels,
+    the limiter: all of it at once."""
     score = any_score(seed, seconds=1.0)
+    score = replace(score, rate=min(score.rate, 48_000))
     reference = play(replace(score, block=4_096))
     assert np.isfinite(reference).all() and reference.any()
-    for block in (37, 1000, 65_536):
+    for block in (score.block, 37):
         np.testing.assert_array_equal(play(replace(score, block=block)), reference)
 
 

@@ -16,6 +16,7 @@ from tests.server.scene.support import say
 RATE = 48_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", [0.025, 0.08])
 def test_a_piece_rings_as_a_sheet_of_its_mass(length):
     """A piece has its loudest mode where a square shard of 2.8 g has it, 7440 Hz, over its mass: within 12 %, as none
@@ -32,6 +33,7 @@ def test_a_piece_rings_as_a_sheet_of_its_mass(length):
     assert spectrum[near].max() > 30.0 * spectrum[below].max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("side", "thickness"), [(0.03, 0.0012), (0.04, 0.0025), (0.06, 0.004)])
 def test_pieces_of_other_sizes_radiate_as_plates_do(side, thickness):
     """The second to the sixth mode of free plates, from half of the usual piece's sides to three times these, decay by
@@ -59,6 +61,7 @@ def test_a_mode_of_the_usual_piece_radiates_as_it_is_told():
     assert radiated_by(2.0, 130.0, 0.5, 1.0) == pytest.approx(2.0)
 
 
+@pytest.mark.slow
 def test_a_large_piece_rings_fainter_than_a_small_one():
     """The loudest mode of sheets of 30 x 30 mm and 120 x 110 mm, which break into one piece each, is at 7 and at
     0.5 kHz. If both radiated the same share it would be 10 dB louder in the large one."""
@@ -154,6 +157,7 @@ _ABOUT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gesture", _ABOUT)
 def test_what_goes_on_about_an_object_ends_as_it_breaks(gesture):
     """A body that lies, rolls or slides on it, and it itself on another, fell silent as if nothing had happened to
@@ -176,18 +180,6 @@ def test_pieces_that_fall_on_what_breaks_fall_on():
     score = "0 /object/new pane glass-plate\n0 /object/new floor tiled-floor\n0 /object/pane/shatter 1 seed 1\n"
     engine = [carom.render(score + more, RATE, seconds=0.3).samples for more in ("", "0.05 /object/floor/shatter 1")]
     assert np.abs(engine[1][9_600:]).max() > 0.1 * np.abs(engine[0][9_600:]).max() > 0.0
-
-
-def test_what_ends_as_an_object_breaks_does_so_at_any_block_size():
-    def sound(size):
-        session = Session(Engine(RATE), Presets())
-        say(session, "/object/new", "pane", "glass-plate")
-        for action, *args in (("roll", 0.5, "seed", 1), ("rest", "felt", 0.2), ("slide", 0.1, "seed", 2)):
-            say(session, f"/object/pane/{action}", *args)
-        say(session, "/object/pane/shatter", 1.0, "onto", "none", "seed", 3, time=4_815.3)
-        return np.concatenate([session.engine.process(size) for _ in range(12_000 // size)])[:11_000]
-
-    assert np.array_equal(sound(37), sound(4_000)) and np.abs(sound(37)[6_000:]).max() > 0.0
 
 
 @pytest.mark.parametrize("name", ["goblet", "tumbler", "bottle"])

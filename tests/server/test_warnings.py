@@ -12,7 +12,7 @@ import pytest
 
 from carom.clients.actions import CommandError
 from carom.clients.client import Client
-from carom.dsp.engine.memory.state import CONTACTS
+from carom.dsp.engine.memory.state import CONTACTS, ENDED
 from carom.dsp.runtime.engine import Engine
 from carom.server.options import Options, ServeError
 from carom.server.osc import wire
@@ -85,18 +85,23 @@ def unwritten(server: Server, client: Client) -> None:
     server.engine.state["stats"]["tap_lost"] += 7
 
 
+def overwritten(server: Server, client: Client) -> None:
+    server.engine.state["ends"]["written"] += ENDED + 9
+
+
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
-        (too_many_contacts, "5 contacts dropped: the engine was full, or /budget left no room"),
+        (too_many_contacts, "5 contacts were left out: more room is needed, or a larger /budget"),
         (
             too_dear,
             "contacts went over /budget 3 times: a force was held for a sample, or a contact not coupled to the modes",
         ),
-        (late, r"1 late events were played at once; the last was [5-9]\d\d\.\d ms late"),
-        (no_number, "object a was silenced: its output was not finite"),
-        (unheard, "the device ran out of sound 1 times"),
+        (late, r"1 messages came late, the last by [5-9]\d\d\.\d ms: send them earlier"),
+        (no_number, "object a was silenced: its sound was not finite"),
+        (unheard, "the device had 1 dropouts: a larger --latency helps"),
         (unwritten, "7 frames are missing from the recording: the disk is too slow"),
+        (overwritten, "10 ends of gestures were not told: too many ended at once"),
     ],
 )
 def test_what_goes_wrong_is_told_each_time_once_to_those_who_asked(server, client, wrong, told):
@@ -213,12 +218,12 @@ def test_what_the_limiter_did_is_told_once_it_rests(server, client):
     client.send("/object/*/damp", 1.0)
     (text,) = (text for text in warnings(client, 2.0) if "limiter" in text)
     told = re.fullmatch(
-        r"the limiter turned (\S+) s down, mostly loud \((\d+)%\), soft \((\d+)%\), from (\S+) s on, "
-        r"by (\S+) dB at most: lower some gain",
+        r"too loud: loud \((\d+)%\), soft \((\d+)%\); the limiter took up to (\S+) dB for (\S+) s, "
+        r"from (\S+) s on: lower a gain",
         text,
     )
     assert told, text
-    seconds, loud, soft, begin, db = map(float, told.groups())
+    loud, soft, db, seconds, begin = map(float, told.groups())
     assert loud > 90 and soft < 10 and 3.0 < db < 60.0 and 0.0 < seconds < 2.0
     assert 0.0 < begin < float(str(status(client)["time"]))
     assert not [text for text in warnings(client, 0.5) if "limiter" in text]

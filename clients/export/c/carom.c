@@ -93,10 +93,17 @@ void expect_command(carom *scene, const uint8_t *command) {
     refuse(scene, "a command's word %lld: none that the engine can take", (long long)wrong);
 }
 
-/* Give the engine a command, unless it can't take it. 0: it has no room. */
+static void count_refused(carom *scene) {
+    __atomic_store_n(&scene->left_out, scene->left_out + 1, __ATOMIC_RELAXED);
+}
+
+/* Give the engine a command, or count it if it can't take it. 0: it has no room. */
 static int push(carom *scene, const uint8_t *command) {
     int64_t written = whole_at(scene, scene->written);
-    if (carom_engine_judge(scene->state, command, scene->tables) >= 0) return 1;
+    if (carom_engine_judge(scene->state, command, scene->tables) >= 0) {
+        count_refused(scene);
+        return 1;
+    }
     if (written - whole_at(scene, scene->read) >= scene->ring) return 0;
     uint8_t *entry = scene->state + scene->entries + written % scene->ring * scene->command_size;
     memcpy(entry, command, (size_t)scene->command_size);
@@ -164,7 +171,7 @@ static void push_laid(carom *scene, int64_t at, int now) {
     uint8_t *copy = scene->state + scene->state_size; /* room for one, behind the engine's memory */
     memcpy(copy, scene->data + at, (size_t)scene->command_size);
     if (now) field_write(scene, copy, "", "time", -1.0);
-    push(scene, copy);
+    if (!push(scene, copy)) count_refused(scene);
 }
 
 static int is_of_engine(const carom *scene, int64_t at) {
@@ -224,7 +231,7 @@ void carom_load(carom *scene, int live) {
     for (int64_t table = 0; table < scene->tables; table++) carom_engine_make_pulses(scene->state, table);
     scene->next = 0;
     scene->live = live;
-    scene->computed = scene->inbox_written = scene->inbox_read = 0;
+    scene->computed = scene->left_out = scene->inbox_written = scene->inbox_read = 0;
     scene->told[0] = 0;
     messages_begin(scene);
     if (live) make_all(scene);
@@ -442,6 +449,7 @@ void carom_report(const carom *scene, carom_state *state) {
     state->waiting = (long)told_of(scene, "queued");
     state->dropped = (long)told_of(scene, "dropped");
     state->late = (long)told_of(scene, "late");
+    state->refused = (long)__atomic_load_n(&scene->left_out, __ATOMIC_RELAXED);
 }
 
 void carom_close(carom *scene) {

@@ -24,6 +24,7 @@ typedef struct {
     long waiting;     /* commands that wait for their time */
     long dropped;     /* contacts for which there was no room */
     long late;        /* commands that came after their time */
+    long refused;     /* commands of the score or of messages that the engine did not take: it could not, or had no room */
 } carom_state;
 
 /* Open the bytes of a scene (the file scene.carom), which are copied. live: its objects are there, and nothing plays;

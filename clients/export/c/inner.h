@@ -84,7 +84,7 @@ struct carom {
     int live, channels, sensors; /* channels: with those of sensors */
     int64_t tables;              /* of pulses */
     double rate;
-    int64_t computed;
+    int64_t computed, left_out;
     uint8_t *inbox; /* commands from the thread that sends to the one that computes: as many as the engine's ring has */
     int64_t inbox_written, inbox_read;
     /* of messages */

@@ -36,6 +36,7 @@ export interface Options {
   live?: boolean;
 }
 
+/** An event `warning` is a CustomEvent whose `detail` says what of the score was not played, as a server's /warning does. */
 export class Carom extends EventTarget {
   static fetch(folder?: string | URL): Promise<Files>;
   static open(context: BaseAudioContext, options?: Options): Promise<Carom>;

@@ -100,6 +100,7 @@ export class Carom extends EventTarget {
   hear(told) {
     if (told.stopped) this.stop(told.stopped);
     if (told.ready) this.done(told);
+    if (told.warning) this.dispatchEvent(new CustomEvent("warning", { detail: told.warning }));
     const waiting = this.asked.get(told.ask);
     this.asked.delete(told.ask);
     if (told.refused === undefined) waiting?.done(told.id);

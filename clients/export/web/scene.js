@@ -128,7 +128,7 @@ export class Scene {
     this.beginMemory();
     this.runs(map.start, MAY_START);
     map.pulses.forEach((_, number) => this.engine.make_pulses(base, BigInt(number)));
-    this.next = 0;
+    this.next = this.refused = 0;
     this.live = live;
     this.messages.begin();
     if (live) this.makeAll();
@@ -193,11 +193,12 @@ export class Scene {
     return new Uint8Array(this.data.slice(at, at + this.map.command.size));
   }
 
-  /** Send a command of the file, at its own time if no other is given, unless the engine can't take it now. */
+  /** Send a command of the file, at its own time if no other is given; count it if the engine can't take it now. */
   push(at, time) {
     const bytes = this.laid(at);
     if (time !== undefined) new DataView(bytes.buffer).setFloat64(this.map.command.fields.time[0], time, true);
     if (this.judge(bytes) < 0 && this.room > 0) this.hand(bytes);
+    else this.refused++;
   }
 
   /** Commands that the engine has room for. */

@@ -3,6 +3,7 @@
 import { Scene } from "./scene.js";
 
 const WARM = 100; // ms that the engine is warmed up for at most
+const SAID_EVERY = 48000; // frames between two warnings
 
 class Carom extends AudioWorkletProcessor {
   constructor({ processorOptions: { module, map, data, live } }) {
@@ -59,7 +60,18 @@ class Carom extends AudioWorkletProcessor {
       }
       done += now;
     }
+    this.warn();
     return true;
+  }
+
+  /** Say how many commands of the score the engine has not taken since this was said last. */
+  warn() {
+    const { computed, refused } = this.scene;
+    if (computed < (this.said?.computed ?? 0)) this.said = undefined; // it has begun anew
+    const count = refused - (this.said?.refused ?? 0);
+    if (count < 1 || computed < (this.said?.computed ?? -SAID_EVERY) + SAID_EVERY) return;
+    this.said = { computed, refused };
+    this.port.postMessage({ warning: `${count} commands of the score were left out: the engine could not take them, or had no room` });
   }
 }
 

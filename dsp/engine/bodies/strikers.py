@@ -136,9 +136,9 @@ def drive_striker(state: State, contact: Contact) -> None:
 
 @kernel
 def release_voice(state: State, contact: Contact) -> None:
-    """Leave a contact's voice to itself."""
+    """Leave a contact's voice to itself: no force is to come, and another may take the row of those that came."""
     if contact.voice >= 0:
-        state.voices[contact.voice].contact = -1
+        state.voices[contact.voice].contact = state.voices[contact.voice].roll = -1
         contact.voice = -1
 
 

@@ -24,6 +24,7 @@ def _pascals(item):
     return item["truth"]["full_scale"] * item["samples"]
 
 
+@pytest.mark.slow
 def test_a_shard_holds_sounds_truths_and_forces(small):
     recipe, found = small
     assert [item["key"] for item in found] == ["000000000", "000000001"]

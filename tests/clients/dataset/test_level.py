@@ -65,6 +65,7 @@ def test_a_split_keeps_what_is_alike_together(tmp_path):
     assert sorted(map(sorted, sides.values())) == [["test"], ["train"], ["train"], ["train"]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "keys",
     [

@@ -82,6 +82,7 @@ def test_a_blow_off_the_strike_path_is_refused_by_name(tmp_path):
         missed(recipe_of(tmp_path, text), 0)
 
 
+@pytest.mark.slow
 def test_a_swarm_is_refused_by_name(tmp_path):
     """Most of its blows are no contacts of their own."""
     text = 'count = 1\nseconds = 0.05\n[object]\npreset = "glockenspiel-bar"\n[rain]\nrate = 500\n'

@@ -72,6 +72,7 @@ def test_a_scene_in_which_something_stands_or_senses_is_not_kept(tmp_path, kept)
     assert not kept
 
 
+@pytest.mark.slow
 def test_where_others_are_asked_for_all_are_let_go(monkeypatch, kept):
     monkeypatch.setattr(scenes, "_MOST", 1)
     monkeypatch.setattr(scenes, "_MOST_MISSED", 4)
@@ -151,6 +152,7 @@ def test_a_blow_is_the_same_command_on_an_object_of_another_size(preset):
     assert told(other) == told(large)
 
 
+@pytest.mark.slow
 def test_blows_are_repeated_on_objects_of_other_sizes_alone(monkeypatch):
     """Clips are those without; what else is drawn of the object may change its blows."""
     recipe = {

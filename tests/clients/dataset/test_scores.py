@@ -53,6 +53,7 @@ def placed(folder, recipe=RECIPE, **scores):
     return written(folder, recipe)
 
 
+@pytest.mark.slow
 def test_an_item_is_its_score_with_its_values(tmp_path):
     """An item sounds as the score that has its values written out, to the bit, on an engine as quiet as its own."""
     recipe = read(placed(tmp_path))

@@ -35,6 +35,7 @@ def test_a_sensor_has_a_channel_of_what_is_exported_and_a_plug_in_has_none():
         write_plugin([Scene(baked, strikers, "x", {})], Path("never"))
 
 
+@pytest.mark.slow
 def test_a_scene_takes_no_memory_for_plates_that_it_lacks():
     """The tables of plates that stretch end an engine's memory, before those of swarms."""
     engine = Engine(48_000.0, 1)

@@ -150,6 +150,40 @@ def test_a_message_is_refused_whole(folder: Path) -> None:
     library.carom_close(scene)
 
 
+class Report(ctypes.Structure):
+    _fields_ = [
+        ("load", ctypes.c_double), ("frames", ctypes.c_longlong),
+        *((name, ctypes.c_long) for name in ("contacts", "sounding", "waiting", "dropped", "late", "refused")),
+    ]  # fmt: skip
+
+
+def test_commands_for_which_the_engine_has_no_room_are_counted(folder: Path) -> None:
+    """A batch of more commands than the ring takes: those beyond are left out, and told."""
+    library = ctypes.CDLL(str(folder / "libcarom.so"))
+    library.carom_open.restype = ctypes.c_void_p
+    baked, rules = (folder / "scene.carom").read_bytes(), rules_of(folder)
+    size, ring = rules["command"]["size"], rules["state"]["ring"]
+    length = int.from_bytes(baked[40:48], "little")
+    said, data = json.loads(baked[48 : 48 + length]), baked[48 + length :]
+    command, fields = bytearray(size), rules["command"]["fields"]
+    struct.pack_into("<q", command, fields["kind"][0], rules["kinds"]["GAIN"])
+    struct.pack_into("<d", command, fields["value"][0], 0.5)
+    data += bytes(-len(data) % 8)
+    at, runs, *_ = said["batches"][-1]
+    said["batches"].append([at + 1_024, runs, len(data), ring + 7])
+    data += (ring + 7) * bytes(command)
+    text = json.dumps(said).encode()
+    text += b" " * (-len(text) % 8)
+    baked = summed(b"carom 2\n" + bytes(32) + len(text).to_bytes(8, "little") + text + data)
+    scene = ctypes.c_void_p(library.carom_open(baked, ctypes.c_size_t(len(baked)), 0))
+    report, sound = Report(), (ctypes.c_float * (2 * 4_096))()
+    for _ in range(said["frames"] // 4_096 + 1):
+        library.carom_process(scene, sound, ctypes.c_size_t(4_096))
+    library.carom_report(scene, ctypes.byref(report))
+    library.carom_close(scene)
+    assert report.refused == 7
+
+
 def test_the_program_on_the_page_compiles(folder: Path, tmp_path: Path) -> None:
     """The page's program is C11 and C++ without a warning."""
     ((text),) = re.findall(r"```c\n(.*?)```", (SOURCES.parents[1] / "export.md").read_text(), re.DOTALL)

@@ -10,6 +10,8 @@ import pytest
 from carom.clients.cli import main
 from carom.clients.export.scene_file import SceneError, checked_map, summed
 from tests import needs
+from tests.attack import library
+from tests.attack.children import Child
 from tests.bench import mutated_scenes
 from tests.clients.export.pages import ENGINE
 
@@ -27,6 +29,10 @@ def test_a_changed_scene_is_refused_or_plays_finite_sound(tmp_path: Path) -> Non
         assert [each for each in found if each.fault] == []
         assert {each.end for each in found} == {"r", "p"}
         assert all(each.reason for each in found if each.end == "r")
+        with Child() as child:  # and whatever is called, in any order
+            whole = (tmp_path / f"{name}.carom").read_bytes()
+            refused, fine, fault = child.run(library.attempt, str(library.shared_of(tmp_path)), whole, SEED)
+            assert refused and fine and not fault
 
 
 @pytest.mark.slow

@@ -203,10 +203,13 @@ FULL = (
   };
   scene.messages.perform("/panic", []);
   const left = map.state.ring - scene.whole(map.state.written) + scene.whole(map.state.read);
-  return [left, count(["/gain", [Array(64).fill(-3), "over", 1]]), count(["/panic", []])];
+  const taken = [left, count(["/gain", [Array(64).fill(-3), "over", 1]]), count(["/panic", []])];
+  scene.push(map.batches[0][2]);
+  return [...taken, scene.refused];
 }"""
 )
-"""A script that fills the engine's ring: the room there was, the lists of 64 that it took, the commands after them."""
+"""A script that fills the engine's ring: the room there was, the lists of 64 that it took, the commands after them, and
+those of the score that found no room then."""
 
 HEAR = """() => {
   const post = MessagePort.prototype.postMessage;
@@ -344,9 +347,9 @@ def test_a_damaged_scene_is_refused_and_a_wrong_one_plays_finite_sound_at_most(p
 
 
 def test_a_list_is_taken_whole_or_not_at_all(page: Any) -> None:
-    """No point of a list is sent where there is no room for all of them."""
-    left, lists, after = page.evaluate(FULL)
-    assert left % 64 and lists == left // 64 and after == left % 64
+    """No point of a list is sent where there is no room for all of them; what the score has no room for is counted."""
+    left, lists, after, refused = page.evaluate(FULL)
+    assert left % 64 and lists == left // 64 and after == left % 64 and refused == 1
 
 
 def test_a_finger_on_the_page_is_heard(page: Any) -> None:

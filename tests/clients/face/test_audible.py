@@ -132,6 +132,7 @@ def test_slides_take_the_room_of_those_that_are_fainter_by_far():
     assert sorted(heard.values()) == ["b", "d", "f"]
 
 
+@pytest.mark.slow
 def test_slides_that_took_the_room_of_others_all_end_and_sound_as_the_score():
     sounds = []
     for keep in (False, True):

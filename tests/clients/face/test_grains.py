@@ -101,6 +101,7 @@ def test_grains_are_as_loud_as_their_blows_one_by_one(pairs, spread):
     assert loud[1] == pytest.approx(loud[0], abs=3.0) and loud[0] > -80
 
 
+@pytest.mark.slow
 def test_a_kept_world_renders_to_the_bits_that_were_heard_as_it_was_stepped():
     kept, straight = world(True, keep=True), world(True)
     sounds = [shower(each, 0.3, pairs=0.3)[0] for each in (kept, straight)]
@@ -141,6 +142,7 @@ def test_what_grains_do_beside_blows_is_not_heard():
     assert made.counts.gestures == made.counts.rests == 0
 
 
+@pytest.mark.slow
 def test_a_particle_engine_tells_counts_and_flow():
     """Rice at a rate that does not divide the steps, by its speed, its impulse and its energy."""
     found = []

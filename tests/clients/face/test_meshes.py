@@ -260,7 +260,7 @@ def test_the_meshes_of_a_model_are_made_ahead(tmp_path, capsys, own_cache):
     assert main(["mesh", str(tmp_path / "scene.xml"), str(tmp_path / "mine"), "--material", "steel"]) == 0
     said = capsys.readouterr()
     name = said.out.split()[-1]
-    assert said.out == f"bar steel {name}\n" and "bar: no material is said: steel" in said.err
+    assert said.out == f"bar steel {name}\n" and "bar: no material is given: steel" in said.err
     assert [each.name for each in sorted((tmp_path / "mine" / "objects").iterdir())] == [f"{name}.npz", f"{name}.toml"]
     for each in (own_cache / "objects").iterdir():
         each.unlink()
@@ -280,7 +280,7 @@ def test_a_mesh_without_a_volume_rings_as_a_box_and_a_warning_says_so():
         bridge = carom.mujoco.Bridge(model, data)
     said = [str(each.message) for each in told]
     assert any("body leaf: " in text and "the box of its inertia rings for it" in text for text in said)
-    assert any(text.startswith("no material is said of bar, leaf: wood; materials={'bar'") for text in said)
+    assert any(text.startswith("no material is given for bar, leaf: wood; materials={'bar'") for text in said)
     assert all(Path(each.filename).name == "test_meshes.py" for each in told)
     assert [body.surfaced for body in bridge.world.simulation.bodies] == [True, False, False]
     bridge.world.close()

@@ -68,7 +68,7 @@ def test_help_lists_every_public_name():
 
 
 def test_methods_list_their_keys_from_the_registry():
-    assert "friction: 0 to 10" in pydoc.plain(pydoc.render_doc(carom.Scene.roll))
+    assert "friction : 0 to 10, default 0" in pydoc.plain(pydoc.render_doc(carom.Scene.roll))
 
 
 def test_python_m_carom_is_the_command(carom):

@@ -52,6 +52,7 @@ def blow_at_100(n):
     return lying() + ([struck()] if n == 100 else [])
 
 
+@pytest.mark.slow
 def test_what_lies_on_rubber_rings_shorter():
     with furnished(material="rubber") as lies, furnished(rests=0, material="rubber") as hangs:
         muted, free = (told(each, 330, blow_at_100) for each in (lies, hangs))

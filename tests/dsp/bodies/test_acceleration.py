@@ -75,6 +75,7 @@ def test_a_sphere_is_that_of_koss_and_alfredson():
     np.testing.assert_allclose(mass * response(click, x * C / radius / (2 * np.pi)), dipole, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_disc_is_the_exact_one_within_2_db():
     K = np.geomspace(0.03, 25, 50)
     exact = RHO * C * np.array([disc_resistance(k, 14 + int(k)) for k in K])
@@ -179,6 +180,7 @@ def test_a_square_plate_is_about_a_disc():
     assert np.abs(decibels(square, frequency, response(acceleration.disc(1.0, 1.0), frequency))).max() < 0.8
 
 
+@pytest.mark.slow
 def test_free_bodies_click_and_held_ones_do_not():
     steel = MATERIALS.material("steel")
     box = {"length": 0.3, "width": 0.2, "thickness": 0.01}

@@ -47,6 +47,7 @@ def test_a_bar_bends_as_the_solid_body(sides):
         assert np.abs(solid / frequency - 1).min() < 0.0035
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("poisson_ratio", [0.2, 0.4])
 @pytest.mark.parametrize("sides", [(0.24, 0.03, 0.004), (0.3, 0.06, 0.004)])
 def test_a_wide_thin_bar_bends_as_the_solid_body(sides, poisson_ratio):
@@ -114,6 +115,7 @@ def test_a_thick_free_bar_solves_timoshenkos_frequency_equation():
         assert frequency == pytest.approx(exact, rel=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("blow", [STRAIGHT, {"across": 1.0, "tilt": 30.0}])
 def test_the_ritz_series_of_a_bar_has_converged(monkeypatch, blow):
     arguments = {"length": 0.5, "width": 0.03, "thickness": 0.02, "undercut": 0.8, "top": 20000, **blow}
@@ -133,6 +135,7 @@ def test_a_bars_modes_are_the_same_beside_any_others(undercut):
     assert few.frequency == pytest.approx(many.frequency[: few.frequency.size], rel=5e-5)
 
 
+@pytest.mark.slow
 def test_a_carved_bar_of_rubber_twists():
     """A Poisson's ratio of a half keeps the volume: Lamé's first modulus has no bound."""
     rubber = Material("rubber", 1100.0, 5e6, 0.5, 0.3, 0.0, 1e-4)
@@ -191,6 +194,7 @@ def test_a_long_bar_twists_as_a_shaft(slenderness, k, ends):
     assert twisted[:3] == pytest.approx(order[:3] * speed / (2 * length), rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sides", "poisson_ratio"),
     [((0.24, 0.03, 0.01), 0.22), ((0.2, 0.04, 0.008), 0.29), ((0.3, 0.03, 0.02), 0.35), ((0.2, 0.01, 0.03), 0.29)],

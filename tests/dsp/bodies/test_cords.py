@@ -33,6 +33,7 @@ def test_cords_take_what_dashpots_take_where_the_lowest_mode_stands_still():
     assert loss[0] < 1e-6 * loss[1]
 
 
+@pytest.mark.slow
 def test_cords_resist_a_twist_by_its_mean_over_the_width():
     """A free bar's twists are cosines along it, and 12/b^2 times as large in angle as a shift of the same mass."""
     loss, free = lost(3.0, across=1.0, tilt=0.0)

@@ -44,6 +44,7 @@ def test_a_disc_as_published(edge, published):
     assert modes.frequency[:5] / plate_unit(HEAVY, 0.002, 0.2) == pytest.approx(published, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_no_root_of_the_disc_is_missed():
     # Weyl: both members of the pairs, the free edge adding its wave to the perimeter's term
     modes = bodies.disc(HEAVY, radius=0.2, thickness=0.001, split=1e-6, edge="supported", top=6000)
@@ -51,6 +52,7 @@ def test_no_root_of_the_disc_is_missed():
     assert modes.frequency.size == pytest.approx(k**2 / 4 - k / 2, rel=0.04)
 
 
+@pytest.mark.slow
 def test_membrane_by_bessel_zeros():
     """The air is left out; the film's own stiffness makes short waves faster."""
     tension, thickness = 3000e9, 2e-4

@@ -89,6 +89,7 @@ def by_ritz(rise, below):
     return found[(found > 1) & (found < below)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rise", [0.001, RISE, 0.06])
 def test_a_cap_as_by_ritz_with_displacements_in_its_surface(rise):
     made = bodies.disc(HEAVY, radius=RADIUS, thickness=THICKNESS, dome=rise, top=4000)

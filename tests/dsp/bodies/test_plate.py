@@ -118,6 +118,7 @@ def test_mode_count_is_weyls():
     assert modes.frequency.size == pytest.approx(weyl, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_huge_plate_keeps_the_lowest_modes_only():
     modes = bodies.plate(HEAVY, length=2, width=1.5, thickness=0.001, edges=("supported",) * 4, top=20000)
     m, n = np.meshgrid(np.arange(1, 90), np.arange(1, 90))

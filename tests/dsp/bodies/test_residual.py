@@ -20,6 +20,7 @@ def yields(modes, position=0.6):
     return each[:-1].sum(), each[-1]
 
 
+@pytest.mark.slow
 def test_it_yields_as_the_modes_that_it_stands_for(monkeypatch):
     full, rest = yields(bodies.membrane(FILM, **HEAD))
     for name in ("carom.dsp.bodies.modes", "carom.dsp.bodies.disc"):

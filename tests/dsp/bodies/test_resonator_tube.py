@@ -117,6 +117,7 @@ def test_vortices_at_the_mouth_take_their_power_from_the_air_in_the_tube(flow):
     assert shedding.frequency == pytest.approx(still.frequency)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flow", [0.4, 2.0])
 def test_vortices_add_odd_multiples_of_a_sound(flow):
     """A bar and its tube, whose mouth resists by |u|^(2/3) u, integrated in time: the third and fifth multiples, over

@@ -95,6 +95,7 @@ def test_closed_forms_are_similar_to_rounding(name):
         assert getattr(sized, each) == pytest.approx(getattr(own, each), rel=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ring", "sphere", "cymbal", "bar", "marimba", "tongue"])
 def test_the_best_modes_in_a_size_are_those_of_all_to_the_bit(name):
     make, material, lengths, arguments = BODIES[name]
@@ -134,6 +135,7 @@ def test_what_has_to_do_with_more_than_the_air_has_no_table():
     assert not has_similar(bodies.string, dict(length=1.0))
 
 
+@pytest.mark.slow
 def test_a_preset_takes_a_size_that_scales_the_lengths_that_are_not_given():
     plate = Presets().object("steel-plate")
     assert plate.replace(size=2.0).geometry["thickness"] == 2 * plate.geometry["thickness"]

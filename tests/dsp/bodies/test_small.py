@@ -29,6 +29,7 @@ def give(modes):
     return heard + (felt.strike[0] ** 2 / (2 * math.pi * felt.frequency) ** 2).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "size"), STONES)
 def test_a_stone_clicks_and_yields_as_one_whose_modes_are_heard(shape, size):
     with pytest.raises(Silent, match="no mode lies between"):

@@ -101,6 +101,7 @@ def test_frequencies_are_those_of_the_equation_in_30_digits(nu):
             assert any(a * b < 0 for a, b in zip(low, high, strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nu", [0.0, 0.225, 0.49])
 def test_the_motion_at_the_pole_is_that_of_a_quadrature_along_the_radius(nu):
     made, ratio = made_of(nu)
@@ -131,6 +132,7 @@ def test_the_largest_sphere_takes_a_tenth_of_a_second(material):
     assert time.process_time() - begun < 0.5  # 0.08 s on an idle machine
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45, 0.4999])
 def test_no_mode_is_missed_however_close_two_are(nu):
     made, ratio = made_of(nu, top=25.0)

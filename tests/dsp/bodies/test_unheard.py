@@ -120,6 +120,7 @@ def test_squares_of_sines_sum_as_those_of_a_table():
     np.testing.assert_allclose(sines.shapes(which), table.shapes(which), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_bands_of_a_tail_sum_to_the_integral():
     """Modes are of equal size, with a density that is even, or falls as the root of the frequency."""
     for growth in (0.0, -0.5):

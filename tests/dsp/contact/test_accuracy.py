@@ -60,6 +60,7 @@ def test_nine_of_ten_let_through_are_as_accurate_as_asked(ringing, least):
     assert not any(let_through(case, LEVELS.index("exact")) for case in cases)
 
 
+@pytest.mark.slow
 def test_light_objects_never_pass():
     for level in range(len(LEVELS)):
         assert not passes(level, 0.3, 0.3, 0.0, 1.0)

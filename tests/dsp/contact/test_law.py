@@ -25,6 +25,7 @@ def exact_potential(u: float, w: float) -> mp.mpf:
     return (-w * (u - 1) + mp.log((1 + w * u) / (1 + w))) / w**2
 
 
+@pytest.mark.slow
 def test_release_velocity_is_exact_at_any_dissipation():
     speeds = np.geomspace(1e-12, 1e6, 600)
     computed = contact.release_velocity(speeds, 1.0)

@@ -102,6 +102,7 @@ def with_striker(scene, sound, then=(), block=4096, frames=9600):
     return np.concatenate([engine.process(min(block, frames - n)) for n in range(0, frames, block)]).astype(float)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sound", STRIKERS.values(), ids=STRIKERS)
 @pytest.mark.parametrize("scene", ["strike", "in a soft contact", "roll"])
 def test_strikers_fade_without_a_click(scene, sound):
@@ -171,15 +172,6 @@ def test_what_is_played_right_after_it_is_as_in_silence(scene):
     fresh = made("strike", [lambda _: panic(0.0), *after])
     begin = 5000 // QUANTUM * QUANTUM
     np.testing.assert_allclose(both[begin:], (faded + fresh)[begin:], atol=1e-6 * np.abs(fresh).max())
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", SCENES)
-def test_blocks_change_no_bit(scene):
-    then = [lambda _: panic(5000.0), lambda one: impact(one, BALL, 5001.5)]
-    whole = made(scene, then)
-    for block in (1, 37, 64, 9600):
-        np.testing.assert_array_equal(made(scene, then, block), whole)
 
 
 def test_panics_in_a_row_let_all_of_it_fade():

@@ -21,17 +21,21 @@ LAW = (1.0, 0.02, 1.2e7, 0.2, 1.5)  # m/s, kg, N/m^a, s/m, a
 
 
 def struck(blow: Blow, gain: np.ndarray = GAIN, seconds: float = 1.2) -> Hit:
-    """Return a recording of BODY: the velocity that a force gives its modes, by summing the answer to each impulse."""
-    t = np.arange(round(seconds * RATE)) / RATE
-    sound = 1e-5 * np.random.default_rng(1).standard_normal(len(t))
+    """Return a recording of BODY: the velocity that a force gives its modes, by summing the answer to each impulse;
+    once the last is over, each mode rings by itself."""
+    t = np.arange(round(seconds * RATE)) / RATE - 0.05
     omega = 2 * np.pi * BODY.frequency
     damped = np.sqrt(omega**2 - BODY.decay**2)
     poles = -BODY.decay + 1j * damped
-    for time, impulse in zip(blow.times + 0.05, blow.impulses, strict=True):
-        since = np.maximum(t - time, 0)
-        answer = ((1 + 1j * BODY.decay / damped) * np.exp(np.outer(since, poles))).real
-        sound += np.where(t >= time, impulse * (answer @ gain), 0)
-    return clearest(hits(sound, RATE))
+    turned = gain * (1 + 1j * BODY.decay / damped)
+    sound, over = np.zeros(len(t)), t >= blow.times.max()
+    for time, impulse in zip(blow.times, blow.impulses, strict=True):
+        acts = ~over & (t >= time)
+        sound[acts] += impulse * (np.exp(np.outer(t[acts] - time, poles)) @ turned).real
+    sound[over] = (
+        np.exp(np.outer(t[over], poles)) @ (turned * (np.exp(-np.outer(poles, blow.times)) @ blow.impulses))
+    ).real
+    return clearest(hits(sound + 1e-5 * np.random.default_rng(1).standard_normal(len(t)), RATE))
 
 
 def nearest(found: Fit) -> np.ndarray:

@@ -156,6 +156,7 @@ def test_energy_and_gradient_are_those_of_the_definition(engine_state, dome):
             assert abs((gradient * way).sum() - exact) < 2e-3 * size
 
 
+@pytest.mark.slow
 def test_a_turned_plate_stretches_alike(engine_state):
     """All modes turned about the axis by an angle: V stays, to the digits of float32."""
     rng = np.random.default_rng(2)

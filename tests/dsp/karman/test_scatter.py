@@ -100,6 +100,7 @@ def test_modes_above_get_what_they_get_where_they_are_coupled(dome):
     assert np.abs(levels[0] - levels[1]).max() < 4.0
 
 
+@pytest.mark.slow
 def test_what_is_not_coupled_has_no_part_in_it():
     """A plate whose coupling is not heard exchanges nothing: energies stay, each by itself."""
     engine = Engine(48_000)

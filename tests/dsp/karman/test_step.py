@@ -82,6 +82,7 @@ def test_a_supported_plates_period_is_the_elliptic_integrals(frequency, cents, r
     assert error < 1e-11
 
 
+@pytest.mark.slow
 def test_a_gradient_that_is_extrapolated_keeps_the_energy_and_the_period():
     period, exact, error = swung(300.0, 2.0, 96_000.0, every=2)
     assert abs(1200 * math.log2(period / exact)) < 2.0

@@ -58,7 +58,8 @@ def test_a_cylinder_twists_as_a_shaft():
     "size", [(0.1, 0.08, 0.06), (0.24, 0.03, 0.01), (0.01, 0.24, 0.03), (0.2, 0.2, 0.006), (0.12, 0.1, 0.01)]
 )
 def test_frequencies_of_boxes_are_those_of_polynomials_of_higher_degree(size):
-    degrees = tuple(int(each) for each in np.clip(np.ceil(np.array(size) / max(size) * 20), 5, 20))
+    highest = 20 if max(size) > 5 * min(size) else 14
+    degrees = tuple(int(each) for each in np.clip(np.ceil(np.array(size) / max(size) * highest), 5, highest))
     known = elastic.box(STEEL, size, degrees, 20)
     found = solve(Block(BOX, size), STEEL, 30).frequency[RIGID:]
     assert np.abs(found[:20] / known - 1).max() < 1e-3

@@ -27,6 +27,7 @@ def folded(turn, counts):
     return Surface(places.reshape(-1, 3), faces)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [60.0, 90.0, 120.0])
 def test_the_shares_are_those_of_corners_in_plane_strain(turn):
     needs.module("skfem")
@@ -56,6 +57,7 @@ def test_what_is_round_or_flat_has_no_corner():
         assert not held(surface, 0.001)[0].any()
 
 
+@pytest.mark.slow
 def test_the_bottom_of_a_can_rings_as_that_of_a_solid_one():
     """The fifth mode of a can of 66 x 115 mm and 1 mm, 2122.2 Hz by polynomials in its section (tests.bench.meshes)."""
     edge = np.array([0.001, 0.0025])

@@ -46,6 +46,7 @@ def test_polynomials_of_cells_of_all_sizes_meet_at_their_faces(degree):
     assert met > 100
 
 
+@pytest.mark.slow
 def test_cells_are_halved_at_inner_edges_alone():
     wrench = hexahedra.skin(hexahedra.wrench())
     halved = graded(grid_about(wrench, 0.01, 24), wrench, 2)[-1]
@@ -57,6 +58,7 @@ def test_cells_are_halved_at_inner_edges_alone():
     assert len(graded(grid_about(box, 0.02, 24), box, 2)) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("gap", "seed"), [(0.001, 1), (0.002, 1), (0.001, 4)])
 def test_cells_are_halved_where_a_narrow_gap_ends(gap, seed):
     turn = rotation(np.random.default_rng(seed).uniform(-3, 3, 3)).T @ TILT.T

@@ -1,6 +1,7 @@
 """Nearest points of surfaces, against a search of all triangles."""
 
 import numpy as np
+import pytest
 
 from carom.dsp.bodies.triangles import nearest, shares_of
 from carom.dsp.mesh.nearest import Nearest
@@ -18,6 +19,7 @@ def _mixed(rng: np.random.Generator) -> Surface:
     return Surface(corners.reshape(-1, 3), np.arange(len(corners) * 3).reshape(-1, 3))
 
 
+@pytest.mark.slow
 def test_the_nearest_of_triangles_of_any_size_is_found() -> None:
     """Slivers whose middles are far off are found as a search of all triangles finds them."""
     rng = np.random.default_rng(5)

@@ -71,6 +71,7 @@ def test_the_share_of_energy_is_by_how_much_a_material_raises_the_frequency():
     assert one.energy[1, 6:16].min() < 0.5 < one.energy[1, 6:16].max()
 
 
+@pytest.mark.slow
 def test_where_parts_overlap_the_first_ones_material_is():
     both = HALVES[0], forms.moved(HALVES[1], (-0.04, 0, 0))
     size = sizing.sizes(forms.together(*both), 12)
@@ -86,6 +87,7 @@ def division(*surfaces):
     return Division(of, ("blade", "grip", "knob")[: len(surfaces)], (STEEL, WOOD, STEEL)[: len(surfaces)])
 
 
+@pytest.mark.slow
 def test_parts_that_do_not_touch_are_said():
     near, far = HALVES[1], forms.moved(HALVES[1], (0.0123, 0, 0))
     parts, notes = joined(*forms.together(HALVES[0], near), division(HALVES[0], near), False)

@@ -52,6 +52,7 @@ def test_a_free_square_plate_has_leissas_frequencies():
     assert (root[:5] < [13.489, 19.789, 24.432, 35.024, 35.024]).all()
 
 
+@pytest.mark.slow
 def test_a_free_cylinder_has_rayleighs_and_loves_frequencies():
     """Inextensional modes of a thin free cylinder, n waves around: Rayleigh's move alike along it, Love's turn."""
     radius, length, wall, nu = 0.033, 0.115, 0.001, 0.3
@@ -107,6 +108,7 @@ def test_two_sizes_of_triangles_tell_the_rest():
     assert np.abs(plain / known - 1).max() > 2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "steps"), [(14, 1), (8, 2)])
 def test_triangles_modes_lead_to_those_of_their_quarters(count, steps):
     """One step leaves a thousandth where triangles are small beside the waves; where they aren't another follows."""
@@ -154,6 +156,7 @@ def test_shear_is_what_mindlins_plates_lose_by_it():
     )
 
 
+@pytest.mark.slow
 def test_sheets_that_do_not_touch_are_said():
     """Eight squares move rigidly in 48 ways: of the 20 lowest modes none bends one, and rounding is no tone."""
     one = square(2, 0.05)

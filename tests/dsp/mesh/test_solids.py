@@ -35,6 +35,7 @@ def integrals(body, side, degree=3):
     return every.sum(), (every * places[:, 0] ** 2).sum()
 
 
+@pytest.mark.slow
 def test_the_quadrature_measures_bodies():
     box = turned(forms.box(0.1, 0.06, 0.004))
     inertia = TILT @ np.diag(np.array([0.1, 0.06, 0.004]) ** 2 / 12) @ TILT.T * 0.1 * 0.06 * 0.004
@@ -58,6 +59,7 @@ def test_moments_give_the_integrals_of_products():
         assert np.allclose(integrals(of, 2, (i, j)), (slopes[i] * weights[:, None]).T @ slopes[j], atol=1e-10)
 
 
+@pytest.mark.slow
 def test_parts_that_overlap_count_once():
     half = forms.box(0.1, 0.05, 0.05)
     body = turned(forms.together(half, forms.moved(half, (0.04, 0, 0))))
@@ -127,6 +129,7 @@ def square_tube(side, wall, length):
     return Surface(points, np.array(faces))
 
 
+@pytest.mark.slow
 def test_panels_of_a_square_tube_bend_as_clamped_and_supported_plates_do():
     # The panels' centres move outward together: by symmetry no corner turns. In and out by turns: no corner holds.
     side, wall = 0.06, 0.002

@@ -160,3 +160,30 @@ def test_a_roll_has_the_same_bits_whatever_rolled_and_was_freed_before(preset, r
     plain, after = (play(Score(tuple(each), rate, 256, 2.2), begin=2.0) for each in lines)
     assert plain.any()
     np.testing.assert_array_equal(after, plain)
+
+
+RUNG_OUT = """0 /object/new gone glockenspiel-bar
+0.1 /object/gone/free 1
+0.2 /object/new a tuning-fork
+0.3 /object/a/impact 1
+0.35 /panic"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param(RUNG_OUT, id="a panic"),
+        pytest.param(
+            "0 /budget 16 8192\n0 /object/new a tuning-fork most_modes 1\n0 /object/a/impact 1",
+            id="a striker that rings on",
+        ),
+    ],
+)
+def test_what_a_contact_or_an_object_has_left_is_not_heard(text):
+    """After a panic an object fades in a place where another faded; a striker rings on as its contact has ended."""
+    score = Score(tuple(parse(text.encode(), "score")), 48_000, 256, 0.4)
+    sounds = [play(score, filler) for filler in (0, *FILLERS)]
+    assert sounds[0].any()
+    for sound in sounds[1:]:
+        np.testing.assert_array_equal(sound, sounds[0])

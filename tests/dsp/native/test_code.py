@@ -289,6 +289,7 @@ def test_who_has_neither_code_nor_a_compiler_is_told_what_helps(doubling, tmp_pa
         load(doubling)
 
 
+@pytest.mark.slow
 def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doubling, tmp_path, monkeypatch):
     packaged(doubling, tmp_path, monkeypatch, tuple(Target(system(), level) for level in LEVELS[:2]))
     assert len(list((tmp_path / "objects").rglob("*.image"))) == 2
@@ -300,6 +301,7 @@ def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doublin
     assert doubled(doubling) == (420, "compiled")
 
 
+@pytest.mark.slow
 def test_a_wheel_compiles_itself(doubling, tmp_path, monkeypatch):
     monkeypatch.setattr(setuptools, "setup", lambda **_: None)
     monkeypatch.setattr(store, "PACKAGED", tmp_path / "objects")

@@ -63,6 +63,7 @@ def test_a_wheel_is_for_these_systems():
     assert {target.processor for target in WHEEL} == {ARM, *LEVELS[1:]}
 
 
+@pytest.mark.slow
 def test_what_runs_here_runs_everything():
     before = clock_ns()
     assert everything() > before

@@ -282,12 +282,14 @@ def package(first, empty):
     return empty
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", NOTHING)
 def test_an_edit_of_no_code_translates_nothing(package, edit):
     package.edit(*NOTHING[edit])
     assert package.start()[:2] == (0, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", EDITS)
 def test_an_edit_translates_what_reads_it_and_no_more(package, edit):
     *change, translated, compiled = EDITS[edit]

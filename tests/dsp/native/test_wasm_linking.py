@@ -71,6 +71,7 @@ def run(content: bytes) -> str:
     return subprocess.run(["node", "-e", RUN, content.hex()], capture_output=True, text=True, check=True).stdout.strip()
 
 
+@pytest.mark.slow
 def test_a_linked_module_runs_with_what_it_needs_alone(made: bytes) -> None:
     """A function and data that no export needs are left out; calls and addresses are those of what stays."""
     read = wasm_object.read(made)

@@ -89,6 +89,7 @@ def test_code_that_needs_python_is_refused_whoever_makes_it(kept, where):
         make_all(kept, 2)
 
 
+@pytest.mark.slow
 def test_processes_end_where_the_work_is_given_up(kept):
     with pytest.raises(KeyboardInterrupt), Workers(kept, count=2) as workers:
         for number in range(COUNT):

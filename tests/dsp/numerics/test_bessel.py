@@ -21,6 +21,7 @@ X = np.concatenate([[1e-6, 1e-3, 0.1, 24.999, 25.001], np.random.default_rng(1).
 ORDERS = (0, 1, 2, 7, 31, 130)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", ORDERS)
 def test_by_many_digits(order):
     x = np.append(X[:8], [order / 2 + 1.0, order + 0.5])

@@ -7,6 +7,7 @@ from scipy.interpolate import PchipInterpolator
 from carom.dsp.numerics.monotone import monotone_cubic
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("points", [2, 3, 4, 9, 30])
 @pytest.mark.parametrize("digits", [0, 1, 8])
 def test_as_scipy_has_them(points, digits):

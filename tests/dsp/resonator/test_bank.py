@@ -86,6 +86,7 @@ def test_what_is_heard_of_one_side_or_from_one_point_is_that_side_or_the_middle_
     np.testing.assert_allclose(here.modes.y1, there.modes.y1, atol=1e-12 * np.abs(left).max())
 
 
+@pytest.mark.slow
 def test_ringing_does_not_depend_on_how_it_is_cut():
     def run(cuts):
         modes = Bank(np.linspace(100, 20_000, LANES), np.full(LANES, 5.0), 48_000.0)
@@ -318,6 +319,7 @@ def test_fine_moments_are_those_of_the_coarse_and_more():
     np.testing.assert_array_equal(coarse.y1, fine.y1)
 
 
+@pytest.mark.slow
 def test_modes_that_yield_less_are_modes_of_smaller_shapes():
     """All that is seen of a point and done there: displacements, velocities, answers to forces, one number a frame."""
     rate, share = 48_000.0, 0.3

@@ -54,6 +54,7 @@ def times_of(record, until, step=None):
     return np.array(found)
 
 
+@pytest.mark.slow
 def test_blows_come_at_their_rate_as_a_poisson_process_does():
     waits = np.diff(times_of(swarm(), 20.0))
     assert len(waits) == pytest.approx(20_000, abs=4 * math.sqrt(20_000))
@@ -68,6 +69,7 @@ def test_blows_are_the_same_however_they_are_asked_for():
         assert np.array_equal(times_of(swarm(excitation=0.5, memory=0.01), 2.0, step), whole)
 
 
+@pytest.mark.slow
 def test_blows_are_drawn_to_the_bit_wherever_a_batch_begins():
     keys = {"scale": 0.5, "variety": 0.3, "steepness": 3.0}
     whole = drawn(swarm(**keys), 300)

@@ -75,6 +75,7 @@ def test_a_pulse_on_the_grid_is_exact_within_60_db(pulses, exponent):
             assert 20 * np.log10(np.abs(found - spectrum).max()) < -60.0, (duration, w)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [22_050.0, 48_000.0, 192_000.0])
 def test_a_drop_on_the_grid_is_exact_within_60_db(pulses, rate):
     """Drops from half a millimetre to 6 mm, at their terminal speeds."""
@@ -97,6 +98,7 @@ def test_a_pulse_is_known_by_its_width_middle_and_momentum(pulses):
         assert known_of(table["momentum"], loss) == pytest.approx(form.momentum, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_no_pulse_has_more_power_than_the_bound_on_its_modes():
     x = np.geomspace(0.01, 50.0, 400)
     losses = 0.0, 0.2, 1.0, MOST_LOSS / (1 - MOST_LOSS)
@@ -106,6 +108,7 @@ def test_no_pulse_has_more_power_than_the_bound_on_its_modes():
         assert (power <= 1.0 / (1.0 + (ROLL_OFF * x) ** 3) + 1e-6).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [1, 2, 4])
 @pytest.mark.parametrize("frequency", [0.01, 0.1, 0.3])
 def test_the_moments_of_a_force_are_those_of_what_it_samples(every, frequency):
@@ -121,6 +124,7 @@ def test_the_moments_of_a_force_are_those_of_what_it_samples(every, frequency):
     assert np.abs(samples - np.cos(turns * (np.arange(68) - 1.0) / every) / every).max() < 2e-3 / every
 
 
+@pytest.mark.slow
 def test_the_longest_pulse_has_room_on_a_grid():
     """The steepest law's pulses are longest: of those that begin as late as any is drawn the last sample is there."""
     table = pulse_table(EXPONENT.high).record[0]

@@ -112,6 +112,7 @@ def test_a_piece_that_has_room_to_turn_lands_with_its_normal_to_any_side_alike()
     assert np.quantile(cosines, shares) == pytest.approx(shares, abs=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("restitution", [0.3, 0.6, 0.7])
 def test_pieces_come_to_rest_before_they_have_all_the_blows_that_they_may(restitution):
     """A fast corner does not wait for ever while slow ones land at the same time: 2 to 7 % of the pieces did. One in
@@ -126,6 +127,7 @@ def test_pieces_come_to_rest_before_they_have_all_the_blows_that_they_may(restit
     assert np.count_nonzero(np.array(bounced) == BOUNCES) <= 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6, 0.85])
 def test_a_piece_that_clatters_loses_what_its_blows_take_and_nothing_else(restitution):
     """A corner that lands at v takes m'/2 v^2 (1 - e^2), with the mass m' that it meets the floor with. One beside
@@ -242,6 +244,7 @@ def test_a_flat_square_slaps_as_a_rigid_one_does():
     assert corners_of(swarm, 0)[1] == pytest.approx([0.0, 6 / 7, 12 / 7, 6 / 7], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_piece_flies_as_a_square_that_is_followed_step_by_step():
     """A square at small angles, as three numbers: its height and two slopes, by short steps and with blows of its four
     corners. Its first eight blows are at the same corners, within 1 % of the speeds and 0.2 ms of the times: some

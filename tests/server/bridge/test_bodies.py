@@ -29,6 +29,7 @@ def _low(click):
     return click.strength / ((2 * np.pi * click.frequency) ** 2 + click.decay**2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", [False, True])
 @pytest.mark.parametrize("shape", ["box", "plate", "sphere", "cylinder", "capsule"])
 def test_a_body_of_any_size_can_be_made(shape, held):
@@ -50,6 +51,7 @@ def test_a_silent_body_says_why():
 HOLLOW = [("box", (0.3, 0.2, 0.1)), ("cylinder", (0.05, 0.2)), ("capsule", (0.05, 0.2))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "size"), HOLLOW)
 def test_a_hollow_body_has_the_mass_and_the_inertia_of_its_wall(shape, size):
     """The moments are sums over points of a grid; those of a capsule are taken as those of a cylinder of its volume."""

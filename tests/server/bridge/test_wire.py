@@ -104,6 +104,7 @@ TOLD = """
 """
 
 
+@pytest.mark.slow
 def test_what_is_put_off_for_a_table_of_pulses_is_told_once():
     session = Session(SoundEngine(48_000), Presets())
     lines = f"{TOLD}/object/bowl/shake 5 exponent 2.3".strip().splitlines()

@@ -59,6 +59,7 @@ def replay(tmp_path, rng, messages: Callable[[], list[Message]], rounds: int, op
     return lines
 
 
+@pytest.mark.slow
 def test_a_simulations_contacts_fall_where_the_logs_seconds_can_name_them(monkeypatch):
     """A step comes at any sample, and its contacts lie anywhere between two steps."""
     engine = Engine(44_100)

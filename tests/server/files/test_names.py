@@ -36,6 +36,7 @@ signs = st.sampled_from('aA.\\/:*?"<>|%-é\u0301e \0\x1b😀')
 names = st.text(signs | st.characters(exclude_categories=["Cs"]), max_size=64)
 
 
+@pytest.mark.slow
 @given(st.lists(names | st.sampled_from(RESERVED), unique=True, max_size=8))
 def test_all_names_are_safe_and_differ_on_every_system(asked):
     made = list(file_names(asked).values())

@@ -183,7 +183,7 @@ def test_a_system_without_descriptors_is_told_once_and_tried_again_later(net, st
         net.receive(0.01)
     assert 2 <= len(calls) <= 5
     (line,) = capfd.readouterr().err.splitlines()
-    assert line == "carom: OSC over TCP: no new client: Too many open files"
+    assert line == "carom: OSC over TCP: no new connection: Too many open files"
     is_out = False
     time.sleep(0.1)
     speaking(net, stack)

@@ -61,6 +61,22 @@ def test_however_much_a_host_sends_another_finds_room(net, stack):
     )
 
 
+def test_long_packets_of_a_host_that_is_held_wait_and_nothing_else_does(net, stack):
+    long = wire.encode("/long", "a" * 2_000)
+    ports, other = [udp(stack, "127.0.0.2") for _ in range(3)], udp(stack, "127.0.0.1")
+    net.hold("127.0.0.2")
+    for each in (*ports, other):
+        for packet in (A, long, A):
+            each.sendto(packet, net.address)
+    time.sleep(0.05)
+    got = taken(net, 0.05)
+    assert [packet for packet, source in got if source == other.getsockname()] == [A, long, A]
+    assert [packet for packet, source in got if source != other.getsockname()] == [A] * 3
+    net.release("127.0.0.2")
+    got = taken(net, 0.05)
+    assert all([packet for packet, source in got if source == each.getsockname()] == [long, A] for each in ports)
+
+
 def test_a_question_that_waited_for_too_long_is_dropped_counted_and_told_and_nothing_else_is(net, stack, monkeypatch):
     monkeypatch.setattr(network, "PATIENCE", 0.1)
     one = udp(stack, "127.0.0.1")

@@ -1,38 +1,39 @@
 """The registry of addresses: what is declared is carried out, documented, and named by its errors."""
 
-import subprocess
-import sys
-
 import pytest
 
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, Parameter, gestures_steered_by
 from carom.server.osc.addresses import VERBS, calls
 from carom.server.osc.arguments import Refused, check_number
-from carom.server.osc.tables import table
+from carom.server.osc.score import parse
+from carom.server.osc.tables import default_of, gesture_table, range_of, shared_table
 from carom.server.osc.wire import Message
 from carom.server.scene.translate import HANDLERS
+from tests.documents.addresses import EXAMPLES, addresses
 
 
 def test_every_verb_that_a_score_may_hold_is_carried_out():
     assert set(HANDLERS) == {address for address, verb in VERBS.items() if verb.scored}
 
 
-def test_the_table_names_every_address_and_argument():
-    text = table()
-    for verb in VERBS.values():
-        assert f"`{verb.address}`" in text
-        for argument in (*verb.required, *verb.optional, *verb.keys):
-            assert f"`{argument.name}`{str(argument).removeprefix(argument.name)}" in text
-    assert (
-        "| `gravity` 0.01 to 1000 m/s^2, usually 1 to 30; keys: a change's | steers a bounce (from its next flight on),"
-        " a roll or a spin (from its next contact on) |" in text
-    )
+def test_the_tables_name_every_key_of_a_gesture_with_its_range_and_default():
+    for name in GESTURES:
+        text = shared_table() + gesture_table(name)
+        for key in VERBS[f"/object/NAME/{name}"].keys:
+            assert f"| `{key.name}` | {range_of(key)} | {default_of(key)} |" in text, (name, key.name)
+    assert "| `height` | 0 to 1000 m, usually 0.02 to 2 | 0.2 | yes | Height of the fall. |" in gesture_table("pour")
 
 
-@pytest.mark.slow
-def test_the_module_prints_the_table():
-    run = subprocess.run([sys.executable, "-m", "carom.server.osc.tables"], capture_output=True, text=True)
-    assert (run.stdout, run.stderr) == (table() + "\n", "")
+def test_the_reference_has_an_example_of_every_address_that_is_no_error():
+    """What an example names need not be there; its arguments have to fit."""
+    text = addresses()
+    assert EXAMPLES.keys() == VERBS.keys()
+    for address, example in EXAMPLES.items():
+        (line,) = parse(f"0 {example}".encode(), "example")
+        (call,) = calls(line.message)
+        assert call.verb is VERBS[address]
+        call.verb.parse(line.message.args)
+        assert example in text or f"`{address}`" in text
 
 
 @pytest.mark.parametrize("name", STEERABLE)
@@ -74,9 +75,9 @@ def test_defaults_are_in_range_and_given_values_win():
     ],
 )
 def test_an_address_is_matched_once(address, found):
-    made = calls(Message(address, (1,)))
+    made = calls(Message(address, (2,)))
     assert [(call.verb.address if call.verb else None, call.target) for call in made] == found
-    assert all(call.message.args == (1,) for call in made)
+    assert all(call.message.args == (2,) for call in made)
 
 
 def test_settings_can_be_given_with_a_new_object():

@@ -283,3 +283,13 @@ def test_lines_with_and_without_signs_are_read_alike(text):
     """A line that has no quote, list or comment is split at its blanks: as if it had a comment."""
     if not set(text) & set("#[]'\""):
         assert score._words(text) == score._words(f"{text} # so")
+
+
+@pytest.mark.parametrize("mark", [wire.encode("/c_set", 0, 0), wire.encode("/none"), b"\0\0\0\0,\0\0\0"])
+def test_an_end_mark_of_SuperCollider_is_the_length(tmp_path: Path, mark: bytes) -> None:
+    strike = wire.encode("/object/a/impact", 1.0)
+    packets = [b"#bundle\0" + struct.pack(">II", second, 1 << 30) + struct.pack(">i", len(each)) + each
+               for second, each in ((0, strike), (1, mark))]  # fmt: skip
+    (tmp_path / "a.osc").write_bytes(b"".join(struct.pack(">i", len(each)) + each for each in packets))
+    lines = score.read(tmp_path / "a.osc")
+    assert [(line.time, line.message.address) for line in lines] == [(0.25, "/object/a/impact"), (1.25, "/end")]

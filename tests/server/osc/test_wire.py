@@ -192,6 +192,7 @@ def test_what_is_written_is_read(tag: int, sent: list[Message], real: str) -> No
     assert (bundle.time, repr(bundle.messages)) == (tag, repr(tuple(sent)))
 
 
+@pytest.mark.slow
 @given(messages)
 def test_python_osc_reads_what_is_written(message: Message) -> None:
     sent = wire.encode(message.address, *message.args, real="d")

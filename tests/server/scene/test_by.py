@@ -62,6 +62,7 @@ def test_the_law_is_that_of_the_presets_and_the_mass_the_object_s(scene, name):
     assert tuple(law[key] for key in LAW) == (by.mass, *board.preset.struck_by(by.preset))
 
 
+@pytest.mark.slow
 def test_given_keys_win(scene):
     plain = carried_out(scene, 1.0, "by", "steel")
     given = {"mass": 0.5, "stiffness": 1e7, "dissipation": 0.5, "exponent": 2.0}

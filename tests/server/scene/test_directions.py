@@ -16,6 +16,8 @@ from carom.server.scene.session import Session
 from carom.server.telling import mode_levels
 from tests.server.scene.support import refusal, say
 
+pytestmark = pytest.mark.slow  # to compute the mesh takes 4 s
+
 LENGTH, WIDTH, THICKNESS = 0.3, 0.02, 0.015
 END, ASIDE, TOP = LENGTH / 2, WIDTH / 4, THICKNESS / 2
 """Half its length; points lie so far off the middle line, and so high."""

@@ -92,6 +92,7 @@ def test_a_log_holds_the_steering_that_was_carried_out_and_can_be_rendered(playe
     np.testing.assert_array_equal(np.concatenate(list(blocks(lines, Engine(48_000), Presets(), options))), sound)
 
 
+@pytest.mark.slow
 def test_the_end_of_a_gesture_that_was_refused_is_not_told(played):
     """Nothing moves, so it would end at once; but the queue has no room for what came with it."""
     more = [Message("/object/cup/damp", (0.0,))] * (played.engine.room() + 1)

@@ -29,26 +29,6 @@ velocity = 1.0  # m/s
 position = 0.5  # 0..1 along the path
 """
 
-EVERYTHING = """0 /object/new a seven gain -20
-0 /object/new pane glass-plate gain -20
-0 /object/new glass wine-glass gain -20
-0.013 /object/a/bounce 0.02 striker steel irregularity 0.3 seed 1 id ball
-0.020 /object/pane/roll 0.4 0.3 striker glass-marble surface glass travel 0.5 asymmetry 0.1 gain 20
-0.031 /object/pane/bounce 0.01 0.4 by glass striker glass-marble id tumbler
-0.037 /object/a/roll 0.1 striker pencil corners 6 surface wood id pencil
-0.050 /object/glass/impact 0.02 0.1 by pane
-0.111 /object/a/press 1 striker mute id hand
-0.120 /object/pane/spin 0.2 0.7 striker coin irregularity 0.3 radius 0.004 id coin
-0.150 /gesture/pencil/speed 0.3
-0.170 /object/pane/press 2 0.6 striker hand
-0.200 /gesture/*/position 0.8
-0.210 /gesture/coin/flat 0.5
-0.250 /gesture/hand/stop
-0.260 /object/pane/roll 0
-0.300 /gesture/tumbler/stop
-0.310 /object/glass/damp 0.7
-"""
-
 
 def silent(name: str) -> str:
     """Return the file of a built-in striker that makes no sound of its own."""
@@ -135,14 +115,6 @@ def test_what_strikes_is_heard_alike_at_any_rate(render, gesture):
     assert loud.sum() > 8
     for each in bands[:-1]:
         np.testing.assert_allclose(10 * np.log10(each / bands[-1])[loud], 0.0, atol=0.6)
-
-
-@pytest.mark.slow
-def test_block_size_changes_no_bit_of_gestures(render):
-    reference = render(EVERYTHING, 0.5)
-    assert 0.01 < np.abs(reference).max() < 1.0
-    for block in (1, 37, 480):
-        np.testing.assert_array_equal(render(EVERYTHING, 0.5, block=block), reference)
 
 
 def rolled(render, *keys: object, steer: str = "") -> np.ndarray:

@@ -51,6 +51,7 @@ def test_each_triangle_has_its_shapes_in_three_rows_along_its_normals(modes):
     )
 
 
+@pytest.mark.slow
 def test_the_engine_finds_the_nearest_point_of_the_surface(modes):
     plan = planned(modes, 20_000.0, 24_000.0, True)
     rng = np.random.default_rng(3)

@@ -139,6 +139,7 @@ def ramped(rate, speed, roughness, radius):
     return sound[rate // 10 :, 0].astype(float)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [48_000, 96_000, 192_000])
 def test_a_ramp_of_the_radius_neither_moves_nor_throws_what_rolls(rate):
     """One by next to nothing is hardly heard, and none throws a ball up that falls back later."""

@@ -63,7 +63,7 @@ from tests.server.scene.support import refusal, say
         ("/object/a/impact", (0.0, "id", "a b"), "id = a b: expected 1 to 64 printable characters"),
         ("/object/a/impact", ("2",), "velocity = '2': expected a number"),
         ("/panic", ("now",), "now: one argument too many: expected /panic"),
-        ("/panic", (1,), "1: one argument too many: expected /panic"),
+        ("/panic", (2,), "2: one argument too many: expected /panic"),
         ("/object/a/free", (0.5,), "at_once = 0.5: expected a whole number"),
         ("/quality", (1.5,), "quality = 1.5: expected a whole number"),
         ("/bank", ("double",), "bank = double: expected one of float64, float32"),

@@ -154,6 +154,7 @@ def test_what_stands_nowhere_is_not_lifted():
     assert warning.args[0] == "a stands on nothing by itself; what a message laid down is lifted by /gesture/ID/stop"
 
 
+@pytest.mark.slow
 def test_a_tumbler_on_a_table_loses_what_its_foot_feeds_into_it():
     """The lowest two modes against the poles of all modes on three springs, on points of a plate that feel each
     other by J0: within 10 %; they ring under half as long as without the table."""

@@ -22,6 +22,7 @@ def shakes(exponents):
     return [Message("/object/cup/shake", (50.0, "exponent", each, "id", f"of-{each:g}")) for each in exponents]
 
 
+@pytest.mark.slow
 def test_a_bundle_has_room_for_so_many_contact_laws_and_no_more(played):
     exponents = [1.0 + 0.25 * n for n in range(PULSES + 1)]
     (refused,) = played.perform(shakes(exponents), NOW)

@@ -168,6 +168,22 @@ def test_a_page_can_not_end_the_server(server):
     run(play())
 
 
+def test_text_that_is_no_command_is_told_what_is(server):
+    async def play() -> None:
+        async with page_of(server) as page:
+            texts = ["/object/bell/impact 1", "[1]", "7", json.dumps({"COMMAND": "HELLO", "DATA": 1}), "[" * 9_000]
+            for text in texts:
+                await page.socket.send_str(text)
+            await page.send("/version")
+            await page.until("/version.reply")
+            told = [data for command, data in page.told if command == "FAIL"]
+            assert len(told) == len(texts) and max(map(len, told)) < 200
+            for text, said in zip(texts, told, strict=True):
+                assert said.startswith(text[:60]) and 'expected OSC in binary frames, or as text {"COMMAND":' in said
+
+    run(play())
+
+
 def test_oscquery_tells_what_comes_goes_and_changes(server):
     async def play() -> None:
         async with page_of(server) as page, page_of(server) as other:

@@ -56,6 +56,7 @@ def played(modes, seconds=0.6):
     return given, energies, *radiated
 
 
+@pytest.mark.slow
 def test_all_energy_given_to_a_body_that_loses_nothing_inside_is_heard():
     given, energies, before, radiated = played(plate(0.0))
     assert energies.size > 5 and given > 1e-5

@@ -117,6 +117,7 @@ def test_more_terms_and_a_finer_grid_change_little(monkeypatch):
     assert coarse.imag == pytest.approx(fine.imag, rel=0.005)
 
 
+@pytest.mark.slow
 def test_near_field_and_far_field_of_a_free_plate_agree(monkeypatch):
     """Power at the plate against what the jump of pressure, a dipole along the normal, sends far away: direct sums."""
     a, b, k, terms = 0.4, 0.3, 25.0, 16
@@ -197,6 +198,7 @@ def test_a_plates_modes_are_those_solved_each_by_itself(monkeypatch, steel_plate
     assert usual.mass[slow] == pytest.approx(exact.mass[slow], rel=0.02)
 
 
+@pytest.mark.slow
 def test_where_there_are_too_many_modes_their_mean_is_right(monkeypatch, steel_plate):
     plate, frequency = steel_plate
     few = loads_of(monkeypatch, plate, frequency, MOST_TERMS=120)

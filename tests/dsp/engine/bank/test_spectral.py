@@ -110,18 +110,6 @@ def test_a_freed_object_fades_or_rings_out_from_the_bank():
 
 
 @pytest.mark.slow
-def test_the_bits_do_not_depend_on_the_block_size():
-    def commands(handle, k):
-        return [*blows(handle, k), setting(handle, "gain", 0.5, 40_000.0 + k)]
-
-    forms = [keep("float32", 15_001.0), keep("float64", 45_000.5)]
-    usual, _ = played(range(COUNT), commands, first=forms)
-    for blocks in ((1, 63, 700), (4_096,), (97,)):
-        other, _ = played(range(COUNT), commands, blocks=blocks, first=forms)
-        np.testing.assert_array_equal(usual, other)
-
-
-@pytest.mark.slow
 def test_modes_change_between_float64_and_float32_without_a_click():
     """The modes ring and are struck meanwhile. float32 errs as it rings on; what it does at once is a rounding."""
     exact, _ = played(range(COUNT), blows)

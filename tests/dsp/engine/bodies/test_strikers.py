@@ -137,24 +137,6 @@ def test_what_rolls_clicks_as_large_as_it_is():
     np.testing.assert_allclose(heard[0], heard[1], atol=1e-6 * np.abs(heard[1]).max())
 
 
-@pytest.mark.parametrize("block", [1, 37, 480])
-def test_block_size_changes_no_bit(block):
-    def run(size):
-        engine = Engine(RATE)
-        handle = engine.add(bell(), 0.1)
-        snapping = StrikerSound(0.0027, None, 1.0, RING, Snap(1e-4, 1.86, 2.8, 3e-4))
-        for n, sound in enumerate((BALL_SOUND, snapping)):
-            values = engine.lay_out_striker(sound)
-            engine.send([gesture("bounce", handle, HARD, 50.3 + n, n + 1, velocity=0.1, seed=1.0, **values)])
-            engine.send([impact(handle, time=777.7 * n, **values)])
-            rolling = dict(speed=0.3, radius=0.01, seed=2.0, **values)
-            engine.send([gesture("roll", handle, HARD, 900.0, n + 5, **rolling)])
-        engine.send([stop(5, 3000.0), panic(5000.0)])
-        return np.concatenate([engine.process(size) for _ in range(math.ceil(6000 / size))])[:6000]
-
-    np.testing.assert_array_equal(run(block), run(64))
-
-
 def voices(engine):
     return int(engine.state["voices_active"][0])
 
@@ -223,6 +205,21 @@ def test_kinds_are_kept_by_what_they_are_and_make_room_for_others():
     assert engine.lay_out_striker(BALL_SOUND)["sound"] == laid_out[0]["sound"]
     assert np.abs(engine.process(2048)).max() < 1e-12 and engine.stats.strikers_cut == 1  # it would be another's click
     assert engine.lay_out_striker(kinds[0]) != laid_out[0]
+
+
+def test_what_rolls_keeps_its_place_however_many_other_kinds_are_asked_for():
+    engine = started()
+    rolls = engine.lay_out_striker(BALL_SOUND)
+    engine.send([gesture("roll", engine.add(bell(), 1.0), BALL, 0.0, 1, speed=0.5, radius=RADIUS, seed=3, **rolls)])
+    engine.process(QUANTUM)
+    others = [StrikerSound(1e-3 * (n + 1), acceleration.sphere(1e-3, 0.01)) for n in range(2 * STRIKERS)]
+    assert rolls["sound"] not in {engine.lay_out_striker(other)["sound"] for other in others}
+    engine.process(QUANTUM)
+    engine.send([stop(1)])
+    engine.process(24_000)
+    assert engine.stats.contacts_active == 0 and rolls["sound"] in {
+        engine.lay_out_striker(other)["sound"] for other in others
+    }
 
 
 def snap_of(velocity, snap=SNAP):

@@ -173,6 +173,7 @@ SLIDES = [
 ]
 
 
+@pytest.mark.slow
 def test_bodies_that_move_beside_each_other():
     """The answer of each one's point to the other's force moves on, too."""
     assert apart(on_the_way("-60", SLIDES), on_the_way("exact", SLIDES)) < -66
@@ -236,6 +237,7 @@ HOPPER = {"mass": 5.9e-4, "stiffness": 4.3e5, "exponent": 1.5, "dissipation": 0.
           "speed": 0.36, "roughness": 0.43, "position": 0.41, "force": 6.2, "striker": "steel"}  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [8, 17, 19, 31])
 def test_what_hops_beside_a_roll_lands_on_time(seed):
     """A sheet that both move by much within a sample."""
@@ -414,6 +416,7 @@ def test_what_is_thrown_up_lands_as_hard_as_it_may(kind, stiffness, exponent):
         assert apart(thrown(level, kind, law), right) < bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["-60", "exact"])
 @pytest.mark.parametrize(
     ("preset", "gesture", "speed", "travel"), [("steel-plate", "slide", 2.0, 0.02), ("tin-lid", "roll", 1.0, 0.01)]

@@ -114,6 +114,7 @@ def test_heavy_and_light_strikers_against_dop853(name, striker, v_in):
     assert engine.stats.impacts + engine.stats.recontacts == contacts
 
 
+@pytest.mark.slow
 def test_a_coin_rattles_on_a_tin_lid():
     """Dozens of touches in milliseconds are chaos, of which the first are like DOP853's; energy is what can be said."""
     engine = Engine(RATE)

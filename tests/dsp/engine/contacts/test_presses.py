@@ -283,6 +283,7 @@ def contact_pressed(engine):
     return max(engine.state["contacts"][0], key=lambda each: each["command"]).copy()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["-50", "-60"])
 @pytest.mark.parametrize(("name", "striker"), [("pot-lid", "felt"), ("glass-plate", "bowling-ball")])
 def test_blocks_follow_a_force_that_lasts(name, striker, level):
@@ -320,6 +321,7 @@ def press_preset(engine, name, force, striker, level="-60", time=NOW):
     session.perform([Message("/object/a/press", (force, "striker", striker))], time)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "striker", "bound"), [("tom", "hand", 1e-3), ("steel-plate", "felt", 2e-4)])
 def test_a_hand_that_moves_under_its_load_makes_no_sound_of_its_own(name, striker, bound):
     """The object bends slowly elsewhere: rms (Pa) above 60 Hz, 0.12 and 0.009 where the place goes by quanta."""

@@ -120,6 +120,7 @@ def test_a_second_message_steers_the_slide_that_goes_on():
     assert np.std(louder[12_000:]) > 1.3 * np.std(sound[12_000:])
 
 
+@pytest.mark.slow
 def test_levels_follow_speed_and_roughness():
     """Ben Abdelounis et al. 2010: as speed^.7, and as roughness^.8 to 1; a hard tip on a surface of slope 2.4, which it
     hardly ever leaves."""

@@ -104,6 +104,7 @@ def test_its_contacts_fade_and_it_ends_in_silence(law, modal_mass):
     assert np.abs(engine.process(RATE // 4)[-64:]).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_irregular_contacts_scatter_and_the_seed_says_how():
     even, strong, _ = spun()
     times, impulses, _ = spun(irregularity=0.5)

@@ -98,6 +98,7 @@ def test_an_object_and_grains_that_ring_take_no_more_than_the_blows_bring(kind, 
         assert most[1] > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("modal_mass", [1e-3, 1e-2, 10.0])
 @pytest.mark.parametrize("rings", [False, True])
 def test_a_piece_loses_the_momentum_that_it_gives(modal_mass, rings):

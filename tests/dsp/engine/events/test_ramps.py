@@ -169,22 +169,6 @@ def test_what_finds_no_room_counts_at_once():
     assert engine.stats.ramps_dropped == 1 and target(engine, "speed") == [0.9]
 
 
-@pytest.mark.parametrize("blocks", [(1,), (37, 100), (4096,)])
-def test_block_sizes_do_not_matter(blocks):
-    def sound(blocks):
-        engine, handle = rolling()
-        changes = [steer(7, "speed", 1.0, 100.3), setting(handle, "tune", 1.5, 777.0), setting(handle, "pan", 1.0)]
-        engine.send([over(change, 0.05, curve=2.0) for change in changes])
-        parts, done = [], 0
-        while done < 9_600:
-            parts.append(engine.process(min(blocks[len(parts) % len(blocks)], 9_600 - done)))
-            done += len(parts[-1])
-        return np.concatenate(parts)
-
-    assert sound((64,)).any()
-    np.testing.assert_array_equal(sound(blocks), sound((64,)))
-
-
 def steady(frequency):
     """Return a mode that hardly decays."""
     return Modes(np.array([frequency]), np.array([0.01]), np.full((4, 1), 1.0), np.full((2, 1), 1.0), 1.0)

@@ -216,18 +216,3 @@ def test_a_fade_is_no_click():
     spectrum = np.abs(np.fft.rfft(sound * np.hanning(8192)))
     frequencies = np.fft.rfftfreq(8192, 1 / RATE)
     assert spectrum[frequencies > 15_000].max() < 1e-3 * spectrum.max()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("block", [1, 37, 480])
-def test_block_size_changes_no_bit(block):
-    def run(size):
-        engine = Engine(RATE)
-        handles = [add(engine, modes=280) for _ in range(3)]
-        for n in range(12):
-            strike(engine, handles[n % 3], LAW, 300.0 * n, 0.5 + 0.1 * n)
-            (roll, bounce, press)[n // 3 % 3](engine, handles[n % 3], n + 1, 300.0 * n)
-            settle(engine, 7 * n % len(Quality), 300.0 * n + 77)
-        return np.concatenate([engine.process(size) for _ in range(-(-6000 // size))])[:6000]
-
-    np.testing.assert_array_equal(run(block), run(64))

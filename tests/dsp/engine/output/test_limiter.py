@@ -52,11 +52,6 @@ def test_the_gain_comes_down_along_a_line_ahead_of_a_peak(level):
     assert (np.diff(gain) / np.diff(heard)).min() > -1.0 / QUANTUM - 1e-6
 
 
-@pytest.mark.parametrize("block", [1, 37, 64, 1_000])
-def test_the_block_size_changes_no_bit(block):
-    np.testing.assert_array_equal(struck(True, 1e4, block=block)[1], struck(True, 1e4)[1])
-
-
 def test_a_recording_begins_with_the_sound():
     """The silence of the delay is not recorded: the frame of an event in the engine is its frame in the file."""
     engine = Engine(RATE, limited=True)

@@ -54,6 +54,7 @@ def test_a_share_is_the_sound_of_its_object_alone():
     np.testing.assert_array_equal(shares[handles[1].slot].T.astype(np.float32), alone.process(15 * QUANTUM))
 
 
+@pytest.mark.slow
 def test_an_object_that_is_gone_leaves_no_share():
     engine, (*_, freed) = scene()
     _, shares = with_shares(engine, 2 * FRAMES, QUANTUM)

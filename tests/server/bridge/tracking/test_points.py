@@ -39,6 +39,7 @@ def test_points_are_the_same_in_any_order():
     assert motions[60][:2] == pytest.approx([0.5, 0.5], rel=1e-3)  # it slips and sweeps at 0.5 m/s
 
 
+@pytest.mark.slow
 def test_a_point_comes_back_to_its_place_whichever_is_told_first():
     """Two corners far apart that touch in turns are two points, not one that jumps."""
     with carom.World(hearing=carom.Hearing(gestures=4)) as world:

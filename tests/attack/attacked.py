@@ -9,7 +9,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -24,11 +24,11 @@ MEDIAN, WORST, ANSWER = 0.05, 0.5, 0.5
 """s: bounds of a blow's way by datagram, and of an answer over TCP."""
 _MOST_MEMORY = 50.0  # MB more than before
 _HOST = "127.0.0.1"
-ENEMIES = "127.0.0.2", "127.0.0.3"
+ATTACKERS = "127.0.0.2", "127.0.0.3"
 
 
 @dataclass
-class Besieged:
+class Attacked:
     """A server, and the times (s) that a well-behaved client waited."""
 
     server: Running
@@ -48,7 +48,7 @@ class Besieged:
             sock.settimeout(5.0)
             begun = time.monotonic()
             sock.sendto(wire.encode("/object/nothing/impact", 1.0), self.address)
-            self.blows.append(_took(begun, lambda: sock.recv(2_000)))
+            self.blows.append(self._took(begun, lambda: sock.recv(2_000)))
 
     def measure_stream(self) -> None:
         """Ask over TCP."""
@@ -60,7 +60,7 @@ class Besieged:
                 if not sock.recv(2_000):
                     raise ConnectionError("no answer")
 
-        self.streams.append(_took(begun, ask))
+        self.streams.append(self._took(begun, ask))
 
     def measure_page(self) -> None:
         """Ask over HTTPS."""
@@ -72,7 +72,29 @@ class Besieged:
                 if b" 200 " not in tls.recv(2_000):
                     raise ConnectionError("no answer")
 
-        self.pages.append(_took(begun, ask))
+        self.pages.append(self._took(begun, ask))
+
+    def _took(self, begun: float, ask: Callable[[], object]) -> float:
+        """Return how long a question took, but for what the server waited for a processor that others had; 60 s where
+        it got no answer."""
+        waited = self._waits()
+        try:
+            ask()
+        except OSError as error:
+            print(f"no answer after {time.monotonic() - begun:.3f} s: {error!r}", file=sys.stderr)
+            return 60.0
+        took = time.monotonic() - begun
+        return took - min(
+            took, max((now - waited.get(thread, now) for thread, now in self._waits().items()), default=0.0)
+        )
+
+    def _waits(self) -> dict[str, float]:
+        """Return how long (s) each thread of the server has waited for a processor, where the system tells."""
+        found = {}
+        for thread in Path(f"/proc/{self.server.process.pid}/task").glob("*/schedstat"):
+            with suppress(OSError):  # it has ended
+                found[thread.parent.name] = 1e-9 * int(thread.read_text().split()[1])
+        return found
 
     @property
     def resident(self) -> float:
@@ -107,16 +129,6 @@ class Besieged:
         self.blows, self.streams, self.pages = [], [], []
 
 
-def _took(begun: float, ask: Callable[[], object]) -> float:
-    """Return how long a question took; 60 s where it got no answer."""
-    try:
-        ask()
-    except OSError as error:
-        print(f"no answer after {time.monotonic() - begun:.3f} s: {error!r}", file=sys.stderr)
-        return 60.0
-    return time.monotonic() - begun
-
-
 @cache
 def anybody() -> ssl.SSLContext:
     """Return a client's side of TLS that takes any certificate."""
@@ -126,7 +138,7 @@ def anybody() -> ssl.SSLContext:
 
 
 @contextmanager
-def besieged() -> Iterator[Besieged]:
+def attacked() -> Iterator[Attacked]:
     """Yield a server with a page over TLS and a few objects."""
     with tempfile.TemporaryDirectory() as folder:
         options = "--device", "none", "--page", "0", "--tls"
@@ -136,7 +148,7 @@ def besieged() -> Iterator[Besieged]:
             with server.client() as client:
                 for n, preset in enumerate(("gong", "church-bell", "steel-plate", "wood-block")):
                     client.ask("/object/new", f"o{n}", preset, timeout=30.0)
-            found = Besieged(server, page)
+            found = Attacked(server, page)
             for _ in range(5):
                 found.measure_blow()
                 found.measure_stream()
@@ -150,8 +162,8 @@ def besieged() -> Iterator[Besieged]:
 
 
 @contextmanager
-def enemy(kind: str, *args: object) -> Iterator[subprocess.Popen[bytes]]:
-    """Run an attack's other side in a process of its own."""
+def attacker(kind: str, *args: object) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a module that attacks in a process of its own."""
     process = subprocess.Popen([sys.executable, "-m", kind, *map(str, args)])
     try:
         yield process
