@@ -27,6 +27,8 @@ nothing moves. A striker that is pressed on has no such force: modes bend under 
 they miss of a force that lasts. Its block ends where it leaves.
 """
 
+import math
+
 from ..native.jit import kernel, noinline_kernel, simd_kernel
 from ..native.typed import Items
 from .block_choice import landing_of, swing_of
@@ -98,8 +100,8 @@ def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, size: i
     """Take all contacts of a net, of a size, through sample n of the block, with their paths laid; `moments` gets those
     of F.
 
-    False, and nothing done, where the block ends before that sample: one leaves whose block ends so, or lands harder
-    than a block follows.
+    False, and nothing done, where the block ends before that sample: one leaves whose block ends so, lands harder than
+    a block follows, or moves by no number.
     """
     if size > 1:
         weigh_all(net, size)
@@ -275,8 +277,11 @@ def _hold(contacts: Items[Member], blocks: Items[Block], net: Net, size: int) ->
 
 @kernel
 def _ends(contact: Coupled, block: Block) -> bool:
-    """True if a contact's block ends before the sample: it leaves by then, or lands harder than a block follows."""
+    """True if a contact's block ends before the sample: it leaves by then, lands harder than a block follows, or moves
+    by no number."""
     force, rate = take(block.force), take(block.rate)
+    if not math.isfinite(dot(force, rate)):
+        return True
     if block.leaves == 1 and not (contact.motion[0] + rate[0] > 0.0 and dot(force, _ENDS) > 0.0):
         return True
     speed = dot(rate, _BEGINS) / contact.period
