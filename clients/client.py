@@ -185,7 +185,7 @@ class Client(Actions, Closing):
     def ended(self) -> list[str]:
         """Return the ids of gestures that have ended since the last call, the oldest first.
 
-        The server tells those that this client gave an `id`, and after `send("/notify", 1)` all others too.
+        The server reports those that this client gave an `id`, and after `send("/notify", 1)` all others too.
         """
         return [str(reply.args[0]) for reply in self._taken("/gesture/end")]
 
@@ -199,7 +199,7 @@ class Client(Actions, Closing):
     def replies(self, seconds: float) -> Iterator[wire.Message]:
         """Return all messages from the server, as they come, for some seconds; what is read here is not kept.
 
-        A server that compiles its engine first says so every second; the time counts from there.
+        A server that compiles its engine first reports it every second; the time counts from there.
         """
         return self._connection.messages(seconds)
 

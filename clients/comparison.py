@@ -50,7 +50,7 @@ class PageError(CaromError, RuntimeError):
 
 
 def compare(a: Path, b: Path) -> tuple[Distance, list[str]]:
-    """Return the distance of two sound files, and what there is to say about how they were read.
+    """Return the distance of two sound files, and notes on how they were read.
 
     RecordingError or OSError where one cannot be read or holds no sound.
     """

@@ -51,23 +51,43 @@ class Drive:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """A contact as it was played.
+    """A contact as it was played. It ends where the two part: a blow on an object that gives way may be several
+    contacts.
 
-    object: the name of the object touched; striker: that of the object that touched it (its key `by`), else empty;
-    id: the gesture's `id`, else empty; gesture: its name, such as impact, roll or rest.
-    start: s on the scene's clock, between samples as it falls; duration: s until the force ends; both as far as this
-    sound goes: a contact that outlasts it goes on in the next one.
-    position: 0 to 1 on the object's strike path, where it began. speed: m/s at which striker and object met; of a roll
-    or a slide, along the surface. velocity: m/s of the striker then, towards the object: below 0 where it was leaving,
-    and the object caught up with it; of a roll or a slide 0. mass: kg, of the striker.
-    impulse: N s that the striker gave the object. A gesture's `gain` makes it louder, and is not in here.
-    first: the first frame of the sound that the force reaches; force: (n,) N, its mean over the sample that ends with
-    each frame from there on; drive: the force in full, as the modes get it.
-
-    A contact ends where the two part, be it for a microsecond: where they meet again, another one begins. So a blow on
-    an object that gives way may be several contacts, whose impulses add up to what the striker loses; so may a press. A
-    roll or a slide is one contact, hops and all; a roll's force is the excess over its weight, so that its sum tends to
-    0.
+    Attributes
+    ----------
+    object : str
+        Name of the object that was touched.
+    striker : str
+        Name of the object that touched it (`by`), else empty.
+    id : str
+        Id of the gesture, else empty.
+    gesture : str
+        Name of the gesture, such as "impact", "roll" or "rest".
+    start : float
+        Begin on the scene's clock, s, between samples as it falls.
+    duration : float
+        Time until the force ends, s, as far as this sound goes.
+    position : float
+        0 to 1 on the object's strike path, where it began.
+    speed : float
+        Speed at which striker and object met, or of a roll or a slide along the surface, m/s.
+    velocity : float
+        Speed of the striker towards the object, m/s; below 0 where the object caught up with it, 0 of rolls and
+        slides.
+    mass : float
+        Mass of the striker, kg.
+    impulse : float
+        Impulse that the striker gave the object, N s, without the gesture's `gain`.
+    first : int
+        First frame of the sound that the force reaches.
+    force : array (n,)
+        Mean force over the sample that ends with each frame from there on, N. Of a roll it is the excess over its
+        weight.
+    drive : Drive
+        The force in full, as the modes get it.
+    by_position : float
+        0 to 1 on the striker's strike path, if it is an object.
     """
 
     object: str
@@ -85,7 +105,6 @@ class Contact:
     force: NDArray[np.float64] = field(repr=False)
     drive: Drive = field(repr=False)
     by_position: float = 0.0
-    """0 to 1 on the striker's own strike path, if it is an object."""
 
     @property
     def peak(self) -> float:
@@ -98,8 +117,8 @@ def assemble(
 ) -> tuple[Contact, ...]:
     """Return the contacts of a trace, by start.
 
-    trace: (n,) of TRACE, of the sound that begins at the sample `start` of a scene; rate: Hz; striking: what a command
-    (by number) said.
+    trace: (n,) of TRACE, of the sound that begins at the sample `start` of a scene; rate: Hz;
+    striking: the words of a command, by its number.
     """
     if not len(trace):
         return ()

@@ -1,4 +1,4 @@
-"""The errors that a command tells in one line, and their wording."""
+"""The errors that a command prints in one line, and their wording."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The notes on a fit: what its recordings could not tell."""
+"""The notes on a fit: what its recordings leave open."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def notes(found: Fit, hits: Sequence[Hit]) -> list[str]:
 
 
 def too_loud(louder: float, mass: float | None, velocity: float) -> list[str]:
-    """Return a note if a strike in pascals is so much quieter (dB) than it was said to be."""
+    """Return a note if a strike in pascals is so much quieter (dB) than was given."""
     if louder < _HEARD:
         return []
     return [

@@ -60,7 +60,7 @@ class MadeMesh:
 def make(mesh: Path, out: Path, asked: Asked, presets: Presets | None = None, say: Say | None = None) -> MadeMesh:
     """Make an object of a mesh file and write its table and its preset into a folder of presets.
 
-    say: is told what is done now, and how much of the whole. MeshError, PresetError or OSError say what
+    say: is called with what is done now, and its share of the whole. MeshError, PresetError or OSError say what
     can't be.
     """
     if not NAME.fullmatch(asked.name):

@@ -19,7 +19,7 @@ class NoMujoco(CaromError, RuntimeError):
 
 
 class MadeBody(NamedTuple):
-    """A body of a model whose largest geom is a mesh: its name, its material, whether that is said nowhere, and its
+    """A body of a model whose largest geom is a mesh: its name, its material, whether nobody named it, and its
     object's name, or why it has none."""
 
     name: str
@@ -33,7 +33,7 @@ def make_all(path: Path, out: Path | None, default: str, presets: Presets, progr
     """Make the objects of all bodies of a model that a Bridge hears as meshes; put them into a folder of presets, too,
     if one is given.
 
-    default: the material of what none is said of. NoMujoco or MeshError say why a file is no model.
+    default: the material where none is named. NoMujoco or MeshError say why a file is no model.
     """
     try:
         import mujoco

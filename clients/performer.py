@@ -1,4 +1,4 @@
-"""A scene in this process: an engine and a session, and what is told of both. The public face and data sets use it."""
+"""A scene in this process: an engine and a session, and what both report. The public face and data sets use it."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -45,7 +45,7 @@ _compiling = Lock()  # so that threads which make the first scenes at once compi
 @dataclass(frozen=True)
 class Placed:
     """An object in the engine: where it is, its modes as they were laid out, its level (amplitude), and the position at
-    which it is struck if nothing is said."""
+    which it is struck if no position is given."""
 
     handle: Handle
     modes: Modes
@@ -71,9 +71,9 @@ class _Engine(Engine):
 
 
 class Performer:
-    """An engine and a scene of its own, and what is told of both. Errors are CommandErrors.
+    """An engine and a scene of its own, and what both report. Errors are CommandErrors.
 
-    score: which may say its channels and its full scale. stems, contacts: whether they are kept. steers_ended: as for a
+    score: which may set its channels and its full scale. stems, contacts: whether they are kept. steers_ended: as for a
     Session. amplified: factor on calibrated samples; what ends below the silence of the engine rings on with it.
     """
 
@@ -118,7 +118,7 @@ class Performer:
 
     def mark(self) -> Mark | None:
         """Return what `rewind` brings it back to, before anything is computed. None where it can't be: something rests,
-        or there were warnings, or this system does not tell what is written."""
+        or there were warnings, or this system does not report what is written."""
         try:
             return self.engine.mark() if self.is_untouched else None
         except OSError:

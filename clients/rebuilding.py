@@ -34,7 +34,7 @@ _ROWS = 4  # of shapes, between which a cubic goes
 
 
 class NotLinear(CaromError, ValueError):
-    """A clip whose truth does not say its sound, as an object of it is not linear; the text names it."""
+    """A clip whose sound does not follow from its truth, as an object of it is not linear; the text names it."""
 
 
 @explain_arguments

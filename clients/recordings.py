@@ -22,7 +22,7 @@ _ENDINGS = {f".{name.lower()}" for name in soundfile.available_formats()} | {".a
 
 @dataclass(frozen=True)
 class Recording:
-    """A recording: its file, samples (n,) of one channel, rate (Hz), and what there is to say about how it was read."""
+    """A recording: its file, samples (n,) of one channel, rate (Hz), and notes on how it was read."""
 
     path: Path
     samples: NDArray[np.float64]

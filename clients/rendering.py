@@ -134,7 +134,7 @@ def refusals(todo: Sequence[Task], options: Options, presets: Presets) -> list[R
 def render_task(
     task: Task, options: Options, presets: Presets, progress: Callable[[float], object], score: list[Line] | None = None
 ) -> list[str]:
-    """Carry out a task; return warnings. `progress` is told the seconds computed. score: if it was read already."""
+    """Carry out a task; return warnings. `progress` gets the seconds computed. score: if it was read already."""
     score = read_score(task.score) if score is None else score
     draw = plotter(task.plot, options.calibrated) if task.plot else None
     warnings: list[str] = []

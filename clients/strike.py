@@ -24,7 +24,7 @@ class StrikeError(CaromError, ValueError):
 
 
 class Strike(NamedTuple):
-    """A strike on an object of a preset; None stands for what the preset says. Velocity in m/s, position 0 to 1."""
+    """A strike on an object of a preset; None stands for the preset's value. Velocity in m/s, position 0 to 1."""
 
     preset: str
     velocity: float | None = None

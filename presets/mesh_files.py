@@ -31,9 +31,10 @@ _INDICES = ("vertex_indices", "vertex_index")
 
 def read_obj(where: str, data: bytes) -> Polygons:
     """Return the faces of an .obj file; its parts are those of an object, a group and a material."""
-    if b"\0" in data:
+    encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+    if b"\0" in data and encoding != "utf-16":
         raise MeshError(f"{where}: its bytes are no text: expected an .obj file")
-    text = data.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    text = data.decode(encoding, "replace").replace("\\\r\n", " ").replace("\\\n", " ")
     points: list[tuple[float, ...]] = []
     corners: list[int] = []
     sizes: list[int] = []
@@ -185,8 +186,8 @@ class _Rows:
             row = np.dtype([(str(number), *each) for number, each in enumerate(parts)])
             if len(self.body) - begin < row.itemsize * count:
                 return None
-            rows: Any = np.frombuffer(self.body, row, count, begin)
-            columns = [rows[name] for name in row.names or ()]
+            table: Any = np.frombuffer(self.body, row, count, begin)
+            columns = [table[name] for name in row.names or ()]
             self.at = begin + row.itemsize * count
         values = []
         for (length, _), width in zip(kinds, widths, strict=True):

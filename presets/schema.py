@@ -190,7 +190,7 @@ class Addition:
 class Shape:
     """A function that makes modes, by its name in `dsp.bodies`, and what its arguments may be.
 
-    A key of one `either` set excludes those of the other: two ways to say one thing.
+    A key of one `either` set excludes those of the other: two ways to give one thing.
     """
 
     name: str

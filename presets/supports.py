@@ -57,26 +57,26 @@ SUPPORTS = {
     "foam": SupportPreset(
         "A block of soft polyurethane foam of 4 x 4 x 2 cm, on rigid ground",
         "Young's modulus 0.1 MPa and loss factor 0.3 at 500 Hz and 1 N: estimates, within what is measured of such "
-        "foams (0.05-0.3 MPa, 0.1-0.5, as recalled)",
+        "foams (an estimate, after 0.05-0.3 MPa, 0.1-0.5)",
         stiffness=8e3, dissipation=0.75, exponent=1.0, most=10_000.0,
     ),
     "finger": SupportPreset(
         "A fingertip that touches lightly",
         "at 1 N: stiffness 1 kN/m and resistance 1.5 N s/m of the pulp (Wiertlewski and Hayward, J. Biomech. 45, 2012, "
-        "along the skin, as recalled), and 6 g behind it (Hajian and Howe, J. Biomech. Eng. 119, 1997, as recalled); "
+        "along the skin), and 6 g behind it (Hajian and Howe, J. Biomech. Eng. 119, 1997), both estimates after these; "
         "stiffening with load: an estimate",
         stiffness=2.5e5, dissipation=1.5, exponent=2.0, mass=0.006, load=1.0, most=200.0,
     ),
     "palm": SupportPreset(
         "The flat of a hand that is laid on",
-        "at 50 N: 50 kN/m and 100 N s/m, as models of the palm have it (ISO 10068, as recalled); stiffening with load "
-        "and the mass of the flesh that moves with it: estimates",
+        "at 50 N: 50 kN/m and 100 N s/m, as models of the palm have it (an estimate, after ISO 10068); stiffening with "
+        "load and the mass of the flesh that moves with it: estimates",
         stiffness=1.3e7, dissipation=2.0, exponent=2.0, mass=0.1, load=5.0, most=2_000.0,
     ),
     "table": SupportPreset(
         "A large table top of chipboard, 25 mm thick",
-        "resistance: a plate without an edge of 3 GPa, 700 kg/m^3 and Poisson's ratio 0.3 (values of chipboard, as "
-        "recalled); contact: Hertz's, of the object's material and wood, with a radius of 10 mm or `by_radius`",
+        "resistance: a plate without an edge of 3 GPa, 700 kg/m^3 and Poisson's ratio 0.3 (estimates of "
+        "chipboard); contact: Hertz's, of the object's material and wood, with a radius of 10 mm or `by_radius`",
         material="wood", resistance=plate_resistance(*_TABLE), wavelength=plate_wavelength(*_TABLE),
     ),
 }  # fmt: skip

@@ -57,7 +57,7 @@ FIELDS = {
     "bank": "setting of `/bank`",
     "budget": "setting of `/budget`: steps per sample, modes at once",
     "overruns": "",
-    "ends_lost": "ends of gestures that were not told: too many at once",
+    "ends_lost": "ends of gestures that were left out, as there were too many",
     "limiter_lowest": "lowest gain of the limiter since this client last asked; 1: it did nothing",
     "peak": "highest amplitude in the last 0.4 s, dB of full scale; -200: silence",
     "loudness": "momentary loudness (ITU-R BS.1770), LUFS",

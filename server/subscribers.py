@@ -1,9 +1,10 @@
 """The clients that asked for /notify."""
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 
-from .net.network import LONGEST_SILENCE, Network, Source
+from .net.network import LONGEST_SILENCE, Network, Source, host_of
 from .osc.arguments import Refused
 from .osc.wire import Message
 
@@ -47,16 +48,22 @@ class Subscribers:
             if not self._network.reaches(each) or (each != source and self.receiver(each) == answered):
                 self.remove(each)
         if source not in self._heard and len(self._heard) >= _MOST:
-            self._make_room()
+            self._make_room(host_of(source))
         self._heard[source] = time.monotonic()
         self._levels[source] = level
         if port:
             self._ports[source] = port
 
-    def _make_room(self) -> None:
+    def _make_room(self, host: str) -> None:
+        """Forget who has long been silent, else who was silent for longest of a host that has two places more than the
+        newcomer's: no host takes them all. Refused where there is none such."""
         silent = min(self._heard, key=self._heard.__getitem__)
         if time.monotonic() - self._heard[silent] <= LONGEST_SILENCE:
-            raise Refused(f"{_MOST} clients are notified already; expected one to send /notify 0 first")
+            hosts = Counter(map(host_of, self._heard))
+            largest = max(hosts, key=hosts.__getitem__)
+            if hosts[largest] < hosts[host] + 2:
+                raise Refused(f"{_MOST} clients are notified already; expected one to send /notify 0 first")
+            silent = min((each for each in self._heard if host_of(each) == largest), key=self._heard.__getitem__)
         text = "another client took your place: send /notify 1 to be notified again"
         self._reply(Message("/warning", (text,)), silent)
         self.remove(silent)

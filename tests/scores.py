@@ -113,7 +113,8 @@ def _law_of(chance: random.Random, declared: Gesture) -> list[str | float]:
 
 def any_score(seed: int, prefix: str = "o", edges: float = 0.05, seconds: float = 1.5) -> Score:
     """Return a score of all gestures, some of them at once, on objects that come and go: with what steers them,
-    settings, methods, accuracies, panics and frees. It says at first how is computed; at its end all is freed.
+    settings, methods, accuracies, panics and frees. It says at first how is computed; at its end all is freed,
+    the floor under what was shattered, too.
 
     prefix: of its objects' names and gestures' ids; edges: chance that a key is anywhere in its declared range.
     """
@@ -140,7 +141,7 @@ def any_score(seed: int, prefix: str = "o", edges: float = 0.05, seconds: float 
         lines.append(Line(at + 0.1, _made(chance, gone), ""))
     if chance.random() < 0.1:
         lines.append(Line(chance.uniform(0.3, 0.9) * seconds, Message("/panic", ()), ""))
-    lines += [Line(seconds - 0.1, Message(f"/object/{name}/free", (1,)), "") for name in names]
+    lines += [Line(seconds - 0.1, Message(f"/object/{name}/free", (1,)), "") for name in (*names, "floor")]
     lines.append(Line(seconds - 0.02, Message("/panic", ()), ""))
     lines.sort(key=lambda line: line.time)
     block = round(math.exp(chance.uniform(0.0, math.log(4_096.0))))

@@ -22,7 +22,7 @@ _IGNORED = [
 
 def end_within(seconds: float, command: str) -> Callable[[], object]:
     """Make a signal end this process in so many seconds, whatever its threads do; return a function with the same
-    effect. Signals that say nothing to a server are ignored; each is told of once.
+    effect. Other signals are ignored; each is reported once.
 
     Python handles signals in the main thread, which a computation may keep to itself. But the system's own handler
     writes the number of each signal to a socket at once, and a thread reads it there.

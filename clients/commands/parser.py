@@ -17,7 +17,7 @@ _NUMBER = re.compile(r"-\.?\d")  # how a negative number begins, "-3.5e-1" too, 
 class Command(NamedTuple):
     """A command: its name, its arguments as the usage shows them, a line of help, its options, and what it does.
 
-    `run` returns the exit code. Its errors are told in one line if they are Carom's own or the system's.
+    `run` returns the exit code. Its errors are printed in one line if they are Carom's own or the system's.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Recipes: TOML files that say what is drawn for each item of a data set."""
+"""Recipes: TOML files that declare what is drawn for each item of a data set."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ class Scene:
         self._blows = Repeated(performer.scene, blows) if blows is not None else None
 
     def objects(self) -> Mapping[str, Told]:
-        """Return, by name, what is told of the objects that are there: once they were heard, and found once for all
+        """Return, by name, the truth of the objects that are there: once they were heard, and found once for all
         items if it is kept."""
         if not self._objects or not self._mark:
             rate = int(self.performer.engine.rate)

@@ -53,7 +53,7 @@ _CONTACT = pa.struct(
 
 
 def schema(recipe: Recipe, about: Mapping[str, Any]) -> pa.Schema:
-    """Return the columns of a recipe's table. about: what its metadata say, as JSON under the key `carom`."""
+    """Return the columns of a recipe's table. about: its metadata, as JSON under the key `carom`."""
     paired = {"pair": pa.int64(), "differs": pa.string()} if recipe.design == "pairs" else {}
     factors = {factor.name: _kind(factor.spread.ends) for factor in recipe.factors}
     columns = {

@@ -162,7 +162,7 @@ class Told:
 
 
 def told_of(performer: Performer, rate: int, name: str) -> Told | None:
-    """Return what is told of an object as it is heard now; None where it came too late to be."""
+    """Return the truth of an object as it is heard now; None where it came too late to be."""
     heard = performer.heard(performer.placed(name))
     return None if heard is None else Told(performer, rate, name, heard)
 

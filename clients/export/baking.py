@@ -131,7 +131,7 @@ def bake(
     strikers: Iterable[StrikerSound] = (),
     warn: Callable[[str], object] = lambda text: None,
 ) -> Baked:
-    """Render a score and return all that was told to its engine; strikers: sounds that are laid out before.
+    """Render a score and return all commands to its engine; strikers: sounds that are laid out before.
 
     ScoreError names a line that is refused, or for which an engine of these sizes has no room.
     """

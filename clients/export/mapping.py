@@ -69,7 +69,7 @@ class Strikers:
         }
 
     def said_of_surfaces(self) -> dict[str, Any]:
-        """Return what is said of each surface."""
+        """Return the description of each surface."""
         found = {name: self._laws.surface(name) for name in self.surfaces}
         return {
             name: {"profile": each.profile, "dissipation": each.dissipation, "least": least_radius(each, 1.0)}
@@ -83,7 +83,7 @@ class Strikers:
 
 
 def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
-    """Return the map of a baked scene, without what `rules` say of all."""
+    """Return the map of a baked scene, without what `rules` has for all."""
     presets: list[ObjectPreset] = []
     for obj in baked.objects.values():
         if obj.preset not in presets:
@@ -106,7 +106,7 @@ def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
 
 @cache
 def rules() -> dict[str, Any]:
-    """Return what is said of all scenes of this process's engine: who plays a scene has it from the engine, not from
+    """Return the rules of all scenes of this process's engine: who plays a scene has it from the engine, not from
     the scene."""
     said = {
         "quantum": QUANTUM,
@@ -128,7 +128,7 @@ def rules() -> dict[str, Any]:
 
 
 def layout() -> str:
-    """Return a name of how this process's engine lays its memory out, and what is said of all its scenes: another
+    """Return a name of how this process's engine lays its memory out, and the rules of all its scenes: another
     engine's scenes are none of its own."""
     return str(rules()["layout"])
 

@@ -8,7 +8,7 @@
     the data    runs and commands, at multiples of 8 bytes; the map says where, from the data's beginning
 
 Tables of mode shapes along many positions are not among a page's words, but coded (`tables.py`), all of them one after
-the other. What an engine is told of all its scenes is not here (`mapping.rules`). Runs are a u32 of their number and a
+the other. What an engine has for all its scenes is not here (`mapping.rules`). Runs are a u32 of their number and a
 u32 of 0; for each the first word and the number of words, u32; then all words. All is little-endian, as WebAssembly is.
 """
 

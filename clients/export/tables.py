@@ -1,4 +1,4 @@
-"""The tables of mode shapes of a baked scene, coded by the few numbers that tell them: `tables.js` decodes them.
+"""The tables of mode shapes of a baked scene, coded by the few numbers that they follow from: `tables.js` decodes them.
 
 Of each column come a kind and a scale, then its numbers: a polynomial's coefficients, or the second differences of its
 values in steps (`dsp/runtime/series.py`), or its values' bits, where it is neither. A column that is decoded is the

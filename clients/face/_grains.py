@@ -17,12 +17,24 @@ class Grained:
     _scene: Scene | None
 
     def grains(self, name: str, bodies: str | Iterable[str] = (), *, striker: str = "") -> None:
-        """Make bodies grains, or name a striker of which a particle engine tells by `pour`.
+        """Make bodies grains, or name a striker whose blows a particle engine reports by `pour`.
 
-        Their blows are not heard one by one: their number, impulse and energy on each body make one swarm there, every
-        20 ms, and so late. Grains neither slide nor roll, nor do they rest. bodies: names, or a pattern such as
-        "stone*", of bodies that move; they sound as the first of them that rings. Call it before they touch anything.
-        striker: a preset, such as rice. WorldError for a name that is taken, or for what cannot be.
+        Every 20 ms the number, impulse and energy of their blows on each body make one shake there. Grains neither
+        slide nor roll nor rest. Call it before they touch anything.
+
+        Parameters
+        ----------
+        name : str
+            Name of the grains.
+        bodies : str or list of str, optional
+            Names, or a pattern such as "stone*", of bodies that move; they sound as the first of them that rings.
+        striker : str, optional
+            Preset of a striker, such as rice.
+
+        Raises
+        ------
+        WorldError
+            A name that is taken, or what cannot be.
         """
         if not isinstance(bodies, Iterable):
             raise WorldError(f"bodies = {bodies!r}: expected names, or a pattern")
@@ -49,9 +61,23 @@ class Grained:
     ) -> None:
         """Add blows of grains on a body, as a particle engine has counted them since the last step.
 
-        name: of grains with a striker. count: how many; it need not be whole. speed (m/s, rms), impulse (N s, of all of
-        them) or energy (J): at least one of the three; what is left out is as of a gas. position: 0 to 1 along the
-        body's strike path. WorldError for a name that is not there, or a value that cannot be.
+        Parameters
+        ----------
+        name : str
+            Name of grains with a striker.
+        on : str
+            Name of the body.
+        count : float
+            Number of blows; it need not be whole.
+        speed, impulse, energy : float, optional
+            Rms speed (m/s), impulse (N s) and energy (J) of all blows; at least one.
+        position : float, optional
+            0 to 1 on the body's strike path.
+
+        Raises
+        ------
+        WorldError
+            A name that is not there, or a value that cannot be.
         """
         number, told = self.simulation.number(on), {"speed": speed, "impulse": impulse, "energy": energy}
         self.simulation.grains.pour(name, number, count, position, **told)

@@ -25,7 +25,7 @@ Told = tuple[Message, Command, str]
 
 
 class Listening:
-    """The places of a simulation's listener and bodies, as far as they were told."""
+    """The places of a simulation's listener and bodies, as far as they are known."""
 
     def __init__(self, listener: Listener, simulation: Simulation) -> None:
         self._listener, self._simulation = listener, simulation
@@ -46,7 +46,7 @@ class Listening:
         return made
 
     def moved(self, over: float) -> Iterator[Told]:
-        """Yield what says how bodies and the listener move in a time (s), of those that do."""
+        """Yield the messages by which bodies and the listener move in a time (s), of those that do."""
         state = self._simulation.state[0]
         for number, body in enumerate(self._simulation.bodies):
             if body.rings:

@@ -38,14 +38,23 @@ Observation = dict[str, Any]
 class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordConstructorArgs):
     """An environment that hears: its observations are {"state": the environment's own, "audio": its sound}.
 
-    audio: float32 (frames, channels), in Pa, of the time that an action takes, a channel for each microphone; a longer
-    or shorter one, of the time just before the observation, by `frames`. Where a Bridge's `sensors` are given there is
-    "sensors" too, float32 (frames, sensors), in the order in which they are given, each in its own unit. info["hits"]:
-    the blows of the step, a sequence. options: those of a Bridge. The environment has MuJoCo's `model` and `data`, and
-    takes its steps by `mujoco.mj_step`, wherever in it, as those of Gymnasium and gymnasium-robotics do. WorldError for
-    any other, and for one that hears already.
+    `audio` is float32 (frames, channels), in Pa. With `sensors` there is "sensors", float32 (frames, sensors), each
+    in its unit. info["hits"] has the blows of the step. It hears blows alone, unless `hearing` allows slides, rolls
+    and rests.
 
-    It hears blows alone, as slides and rolls cost most by far, unless a `hearing` says how many of these there may be.
+    Parameters
+    ----------
+    env : Env
+        An environment that has MuJoCo's `model` and `data` and steps them by `mujoco.mj_step`.
+    frames : int, optional
+        Length of the sound. Default: the time of an action.
+    **options
+        Options of a Bridge.
+
+    Raises
+    ------
+    WorldError
+        Any other environment, or one that hears already.
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], frames: int | None = None, **options: Any) -> None:
@@ -56,7 +65,7 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
 
     @property
     def bridge(self) -> Bridge:
-        """The bridge that tells this environment's sound."""
+        """The bridge that computes this environment's sound."""
         return self._sound.bridge
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -79,14 +88,26 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
 
 @explain_all_arguments
 class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
-    """A SyncVectorEnv that hears, as with AddAudioObservation around each of its environments, at less cost.
+    """A SyncVectorEnv that hears; threads compute the sound of one environment while the next one acts.
 
-    Threads compute the sound of one environment while the next one takes its action. threads: how many; None: one for
-    each further processor. frames, options: as for AddAudioObservation, for each environment.
+    Observations are {"state": (n, ...), "audio": (n, frames, channels)}. infos["hits"] has the blows of each
+    environment's step. In an AsyncVectorEnv, wrap each environment with AddAudioObservation.
 
-    Observations: {"state": (n, ...), "audio": (n, frames, channels)}. infos["hits"]: the blows of each environment's
-    step, of its last one too where it was reset in that step. An AsyncVectorEnv takes AddAudioObservation in each of
-    its processes. WorldError for what is no SyncVectorEnv, and as AddAudioObservation has it.
+    Parameters
+    ----------
+    env : SyncVectorEnv
+        The environments.
+    frames : int, optional
+        As for AddAudioObservation.
+    threads : int, optional
+        Number of threads. Default: one for each further processor.
+    **options
+        Options of a Bridge, for each environment.
+
+    Raises
+    ------
+    WorldError
+        What is no SyncVectorEnv, and as for AddAudioObservation.
     """
 
     def __init__(
@@ -109,7 +130,7 @@ class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
 
     @property
     def bridges(self) -> list[Bridge]:
-        """The bridges that tell the sound of each environment."""
+        """The bridges that compute the sound of each environment."""
         return [sound.bridge for sound in self._sounds]
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:

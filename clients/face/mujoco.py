@@ -1,4 +1,4 @@
-"""MuJoCo's sound: a bridge that tells a World what a model's contacts and bodies do.
+"""MuJoCo's sound: a bridge that reports to a World what a model's contacts and bodies do.
 
     model = mujoco.MjModel.from_xml_path("scene.xml")
     data = mujoco.MjData(model)
@@ -59,31 +59,51 @@ def bare(given: Any, kind: type[Any]) -> Any:
 
 @explain_all_arguments
 class Bridge(Closing):
-    """Tells a World what happens in MuJoCo's `data`.
+    """Reports to a World what happens in MuJoCo's `data`. The end of a `with` closes the World, unless `world` gave it.
 
-    Each body is one of the World, with all its geoms that collide: shaped as the largest of them, or, if that is less
-    than half of all, as a solid box with their inertia. So is each geom of the world's own body. If the largest is a
-    mesh, all of them ring as one body of their own shape, touched at the points of their contacts: its modes are made
-    when it is first met, some seconds each, and kept (`carom mesh MODEL.xml` makes them ahead). Of what has none, or
-    with meshes=False, the box with its inertia rings; a warning says so, and whose material is said nowhere.
-    What does not move is held. Where a name is there already, the geom's number follows it. A plane rings as a plate of
-    2 m. Materials are presets: of a geom by `materials` (a mapping from names of geoms, bodies or MuJoCo's materials),
-    by the model's custom text `carom` ("floor wood ball glass"), or by a material of the model that is named as a
-    preset; else `default`. modes: at most, of each. settle: s, for which no blow is told as it begins: bodies that are
-    placed in each other fly apart. sensors: contact microphones and accelerometers, by name: each a mapping with
-    `site`, a site of the model, or `body`, and what else World.sensor takes. bodies: keys of World.body by name, for
-    those that need more. grains: bodies whose blows are heard together, by a name each: their names or a pattern, as
-    World.grains has them. The other options are those of a World; without any, `world` may be one that is there
-    already.
+    Each body of the model becomes one of the World, with all its geoms that collide, shaped as the largest of them,
+    or as a solid box with their inertia if that has less than half of their volume. So does each geom of the world's
+    own body. If the largest is a mesh, all of them ring as one body of their own shape; its modes are made once, in
+    some seconds, and kept. A mesh that is open or without a volume rings as a box, with a warning. Flexes are silent.
 
-    A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
-    mass is that of the whole mechanism, but for equality constraints and friction. `restitution="materials"` takes the
-    materials' instead. A body that `mocap_pos` moves is as fast as its pose changes. Flexes are silent.
+    Parameters
+    ----------
+    model, data : MjModel, MjData
+        MuJoCo's own, or as dm_control and robosuite wrap them.
+    world : World, optional
+        A World that is there already, in place of options.
+    materials : dict, optional
+        Preset of the material of geoms, bodies or MuJoCo's materials, by name. Before `default`: the model's custom
+        text `carom` ("floor wood ball glass"), and materials that are named as presets.
+    bodies : dict, optional
+        Keys of `World.body`, by the name of the body.
+    default : str, default "wood"
+        Material of all others.
+    modes : int, default 64
+        Largest number of modes of each body.
+    restitution : {"simulator", "materials"}
+        Whose restitution blows have.
+    settle : float, default 0
+        Time at the beginning in which no blow is heard, s.
+    sensors : dict, optional
+        By name a mapping with `site` (of the model) or `body`, and the keys of `World.sensor`.
+    meshes : bool, default True
+        Whether meshes ring by their own modes; else as the box with their inertia.
+    grains : dict, optional
+        By name the bodies, or their pattern, whose blows are heard together.
+    **options
+        Options of a World.
 
-    model, data: MuJoCo's own, or as dm_control and robosuite wrap them. Of a step MuJoCo knows the contacts at its
-    beginning (with `RK4` at its end): that is the time of hits, and the World's. The sound of a moment of `data.time`
-    comes `latency` (s) later. WorldError for names that the model does not have. The end of a `with` closes the World,
-    unless `world` gave it.
+    Raises
+    ------
+    WorldError
+        A name that the model does not have.
+
+    Notes
+    -----
+    Hits are by the time at which MuJoCo knows the contacts: the beginning of a step, with `RK4` its end. The sound
+    comes `latency` (s) later. The effective mass of a blow is that of the mechanism, without equality constraints and
+    friction.
     """
 
     def __init__(
@@ -302,7 +322,7 @@ class Bridge(Closing):
             self.world.close()
 
     def tell_or_restart(self) -> int:
-        """Tell a step, as `tell` does; begin anew where MuJoCo has reset, within it, what had become unstable."""
+        """Report a step, as `tell` does; begin anew where MuJoCo has reset, within it, what had become unstable."""
         try:
             return self.tell()
         except WorldError:

@@ -184,7 +184,7 @@ class Sound:
         return np.array(self.samples, dtype=dtype) if copy else np.asarray(self.samples, dtype=dtype)
 
     def save(self, path: str | PathLike[str], format: str | None = None) -> None:
-        """Write it to a WAV or FLAC file, told by the name's ending, in place of any that is there.
+        """Write it to a WAV or FLAC file, by the name's ending, in place of any that is there.
 
         format: "16", "24" or "float" (None: "float" for WAV, "24" for FLAC; FLAC has no "float"). In "16" and "24"
         samples beyond full scale are clipped to it. A calibrated sound is in pascals, and is only written as "float".

@@ -25,12 +25,20 @@ def sound_and_factors(row: Row) -> Row:
 
 
 class Items(IterableDataset[Any]):
-    """Items of a recipe, one after the other, without files.
+    """Items of a recipe, one after the other, without files. The processes of a DataLoader share the numbers.
 
-    recipe, numbers, presets: as `carom.render_many` takes them. select: of a row, what a loader shall have; a loader
-    cannot put lists of different lengths together. The processes of a DataLoader share the numbers: each of n renders
-    every n-th. Each time it is gone through it renders the same items: for others, give other numbers. PresetError
-    names what the recipe cannot have.
+    Parameters
+    ----------
+    recipe, numbers, presets
+        As for `carom.render_many`.
+    select : callable, optional
+        What a loader gets of a row. Default: number, sound and factors. A loader cannot join lists of different
+        lengths.
+
+    Raises
+    ------
+    PresetError
+        Names what the recipe cannot have.
     """
 
     def __init__(

@@ -202,12 +202,12 @@ class World(Grained, Closing):
 
     @property
     def hits(self) -> list[Hit]:
-        """The blows that the last step told, those that nobody would hear too."""
+        """The blows of the last step, those that nobody would hear, too."""
         return self.simulation.hits
 
     @property
     def counts(self) -> Counts:
-        """Counts of what was told since the beginning, and of what was left out."""
+        """Counts of what happened since the beginning, and of what was left out."""
         return self.simulation.counts
 
     def body(
@@ -437,7 +437,7 @@ class World(Grained, Closing):
         self._send(told)
 
     def teller(self, arrays: int, time: int, points: int, behind: int = 0, kept: object = None) -> Callable[[], int]:
-        """Return a function that tells a step, for bridges, and returns the number of its blows.
+        """Return a function that reports a step, for bridges, and returns the number of its blows.
 
         arrays: address of a record of `carom.server.bridge.mujoco.arrays.ARRAYS`, which says where a simulator has its
         poses and contacts. time: address of its time (s), a float64. points: address of the number of its contacts, an
@@ -480,7 +480,7 @@ class World(Grained, Closing):
     def restart(self, time: float) -> None:
         """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches.
 
-        A score that is kept does not tell of it. WorldError for a World with a client.
+        A score that is kept does not have it. WorldError for a World with a client.
         """
         if self._scene is None:
             raise WorldError("restart: expected a World without a client")
@@ -498,7 +498,15 @@ class World(Grained, Closing):
     def ring(self, seconds: float) -> Blocks:
         """Render the sound of some seconds more, in which no step is taken; steps go on after them.
 
-        Return float32 (frames, channels), Pa. WorldError below 0 s and above an hour.
+        Parameters
+        ----------
+        seconds : float
+            0 to 3600 s.
+
+        Returns
+        -------
+        array
+            float32 (frames, channels), in Pa.
         """
         require_number("seconds", seconds, Range(0.0, _LONGEST, "s"))
         until = self.time + seconds
@@ -515,10 +523,22 @@ class World(Grained, Closing):
         return self._capture.sound()
 
     def score(self, path: str | PathLike[str] | None = None) -> str:
-        """Return the messages up to now as a score.
+        """Return the messages up to now as a score; `carom.render(..., calibrated=True)` gives the same bits.
 
-        `carom.render(..., calibrated=True)` turns it into the same bits. path: a file to write it to. WorldError unless
-        the messages were kept.
+        Parameters
+        ----------
+        path : path, optional
+            File to write it to, too.
+
+        Returns
+        -------
+        str
+            The score.
+
+        Raises
+        ------
+        WorldError
+            The messages were not kept.
         """
         if self._kept is None:
             raise WorldError("score: expected a World(keep=True)")

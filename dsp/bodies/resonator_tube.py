@@ -18,7 +18,7 @@ a rectangle (another test). The air in the tube loses by viscosity and conductio
 1868), and by what the open end radiates (H. Levine and J. Schwinger 1948; N. Fletcher and T. Rossing, The Physics of
 Musical Instruments, ch. 8). Air that moves farther than the edge of the mouth is round sheds vortices there at each
 turn. At an amplitude u (m/s), an opening of radius a, a sharp edge resists by 0.6 (omega a/u)^(1/3) u/c of rho c/S
-(J. Disselhorst and L. van Wijngaarden, J. Fluid Mech. 99, 1980, as recalled). Loud blows lose more by that: modes
+(an estimate, after J. Disselhorst and L. van Wijngaarden, J. Fluid Mech. 99, 1980). Loud blows lose more by that: modes
 take what they lose at one amplitude, `flow`.
 
 That resistance goes with |u|^(2/3), so its pressure goes with |u|^(2/3) u, and holds odd multiples of a sound's

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..bodies.material import Array
 from .surface import Flags, Indices, MeshError, Surface, faces_of, size_of, volume_of
-from .winding import lone_faces
+from .winding import sides_of
 
 MOST_FACES = 2_000_000
 
@@ -202,10 +202,12 @@ def _solid(surface: Surface, notes: list[str]) -> Surface:
 
 def _without_sheets(surface: Surface, notes: list[str]) -> Surface:
     """Return the surface without faces that have air on both sides: they enclose nothing."""
-    bare, _ = lone_faces(surface)
+    bare = sides_of(surface).bare
     if not bare.any():
         return surface
     x, y, z = surface.points[surface.faces[bare]].mean(axis=(0, 1))
     _said(notes, int(bare.sum()), "triangle", f"without a thickness left out, about ({x:.3g}, {y:.3g}, {z:.3g}) m")
+    if bare.all():
+        raise MeshError("no face has the body behind it: expected a body with a thickness, or its wall (m)")
     used = np.unique(surface.faces[~bare])
     return Surface(surface.points[used], np.searchsorted(used, surface.faces[~bare]))

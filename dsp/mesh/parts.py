@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array, Material
-from .cleaning import cleaned
+from .cleaning import cleaned, parts_of
 from .forms import together
 from .nearest import Nearest
 from .points import sampled
 from .refining import divided
-from .surface import Indices, MeshError, Surface, faces_of, size_of
-from .winding import lone_faces, windings
+from .surface import Flags, Indices, MeshError, Surface, faces_of, size_of
+from .winding import sides_of, windings
 
 _TOUCH = 1e-3  # of the size: how far apart parts that touch may be
 _SAMPLES = 2000  # of a part's surface, that say whether it touches
@@ -129,12 +129,35 @@ def outside(parts: Parts, longest: float) -> tuple[Surface, Indices]:
 def exposed(surface: Surface, longest: float) -> Surface:
     """Return what of a closed surface lies between the body and the air: it is cut as finely as `longest` (m) where
     some of it lies inside of another part, or on it."""
-    if not np.logical_or(*lone_faces(surface)).any():
+    if not sides_of(surface).wrong.any():
         return surface
     cut = divided(surface, longest, _MOST_CUT)
     cut = cut if len(cut.faces) > len(surface.faces) else surface
-    own = ~np.logical_or(*lone_faces(cut))
+    sides = sides_of(surface, cut)
+    own = ~(sides.bare | sides.buried | (sides.doubled & _lying_on_another(surface, cut, sides.doubled)))
     if not own.any():
         raise MeshError("no face lies between the body and the air: expected a closed body with a thickness")
     used = np.unique(cut.faces[own])
     return Surface(cut.points[used], np.searchsorted(used, cut.faces[own]))
+
+
+def _lying_on_another(surface: Surface, cut: Surface, some: Flags) -> Flags:
+    """Return which of some faces of a surface that is cut lie on a part that comes before theirs, and look as it does:
+    one of those that lie on each other is enough."""
+    part, own = (_numbered(each.faces) for each in (surface, cut))
+    found = np.zeros(len(some), bool)
+    for number in np.unique(own[some]):
+        before, mine = part < number, some & (own == number)
+        if before.any():
+            others = Surface(surface.points, surface.faces[before])
+            there = sides_of(others, Surface(cut.points, cut.faces[mine]))
+            found[mine] = there.behind - there.before > 0.5
+    return found
+
+
+def _numbered(faces: Indices) -> Indices:
+    """Return the number of the part of each face: parts are in the order of their first points, as in all cuts."""
+    part = parts_of(faces)
+    first = np.full(int(part.max()) + 1, len(faces) * 3 + faces.max())
+    np.minimum.at(first, part, faces.min(axis=1))
+    return np.argsort(np.argsort(first))[part]

@@ -4,6 +4,8 @@ The solid angle of each near triangle is exact (A. Van Oosterom, J. Strackee, IE
 ones count together, as a dipole (G. Barill et al., ACM Trans. Graph. 37, 2018).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..bodies.material import Array
@@ -85,27 +87,54 @@ def _groups(surface: Surface) -> list[Indices]:
     return found
 
 
-def lone_faces(surface: Surface) -> tuple[Flags, Flags]:
-    """Return which faces of a closed surface (m,) have air on both sides, and which have the body on both: sheets
-    without a thickness, and what lies inside of another part or on it. Told by the middles of faces."""
-    none = np.zeros(len(surface.faces), bool)
-    step = _STEP * float(size_of(surface).max())
-    if len(surface.faces) > _FEW:
+class Sides(NamedTuple):
+    """How often a closed surface goes round places just before its faces (m,), and just behind them: 0 and 1 where the
+    body is behind and air before."""
+
+    before: Array
+    behind: Array
+
+    @property
+    def bare(self) -> Flags:
+        """Faces with air on both sides: sheets without a thickness."""
+        return (self.before < 0.5) & (self.behind < 0.5)
+
+    @property
+    def buried(self) -> Flags:
+        """Faces with the body on both sides: inside of another part, or on one that looks at it."""
+        return (self.before > 0.5) & (self.behind > 0.5)
+
+    @property
+    def doubled(self) -> Flags:
+        """Faces that lie on others which look the same way."""
+        return ~self.buried & (self.behind - self.before > 1.5)
+
+    @property
+    def wrong(self) -> Flags:
+        """Faces that are any of these."""
+        return self.bare | self.buried | self.doubled
+
+
+def sides_of(surface: Surface, cut: Surface | None = None) -> Sides:
+    """Return what a surface has on the sides of its faces, told at their middles. cut: the same surface in smaller
+    faces, of which it is told. Faces without an area count as right."""
+    cut, size = cut or surface, float(size_of(surface).max())
+    step = _STEP * size
+    right = Sides(np.zeros(len(cut.faces)), np.ones(len(cut.faces)))
+    if len(cut.faces) > _FEW and cut is surface:
         samples = sampled(surface, _SAMPLES)
-        outer, inner = _sides(surface, samples.places, samples.normals, np.full(_SAMPLES, step))
-        if not (outer | ~inner).any():
-            return none, none
-    corners = surface.points[surface.faces]
-    faces = faces_of(surface)
+        if not _about(surface, samples.places, samples.normals * step).wrong.any():
+            return right
+    corners, faces = cut.points[cut.faces], faces_of(cut)
     around = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).sum(axis=1)
     near = np.minimum(step, _OFF * 2 * faces.areas / np.maximum(around, 1e-300))
-    outer, inner = _sides(surface, corners.mean(axis=1), faces.normals, near)
-    told = faces.areas > _FLAT * step**2 / _STEP**2
-    return ~outer & ~inner & told, outer & inner & told
+    some = faces.areas > _FLAT * size**2
+    found = _about(surface, corners[some].mean(axis=1), faces.normals[some] * near[some, None])
+    right.before[some], right.behind[some] = found
+    return right
 
 
-def _sides(surface: Surface, places: Array, normals: Array, step: Array) -> tuple[Flags, Flags]:
-    """Return whether the body is at the outer side of places of a surface, and at the inner one."""
-    way = normals * step[:, None]
-    found = windings(surface, np.concatenate([places + way, places - way])) > 0.5
-    return found[: len(places)], found[len(places) :]
+def _about(surface: Surface, places: Array, way: Array) -> Sides:
+    """Return what a surface has at places that are moved by a way (n, 3), and moved back by it."""
+    found = windings(surface, np.concatenate([places + way, places - way]))
+    return Sides(found[: len(places)], found[len(places) :])

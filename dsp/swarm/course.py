@@ -1,10 +1,10 @@
 """The course of a step: how the force of a foot on the ground comes and goes, and how fast it changes.
 
 A walker's weight is on the heel, then on the ball of the foot: the force rises to 1.15 of the weight at 0.22 of the
-step, falls to 0.75 at the middle, rises to 1.1 at 0.78 and is gone at the end, as usual of walking (Nilsson and
-Thorstensson, Acta Physiologica Scandinavica 136, 1989, as recalled). Between these it goes by parabolas, so that its
-rate of change is of lines. What lies under the foot crackles as the force changes; a tenth of the crackles come evenly
-meanwhile, as it creeps (estimated).
+step, falls to 0.75 at the middle, rises to 1.1 at 0.78 and is gone at the end, as usual of walking (an estimate,
+after Nilsson and Thorstensson, Acta Physiologica Scandinavica 136, 1989). Between these it goes by parabolas, so that
+its rate of change is of lines. What lies under the foot crackles as the force changes; a tenth of the crackles come
+evenly meanwhile, as it creeps (estimated).
 """
 
 from itertools import pairwise

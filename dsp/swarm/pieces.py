@@ -1,10 +1,11 @@
 """The pieces of what breaks: their masses, which sum to its own, and their bounces until they lie still.
 
-As many pieces have a mass m as m^-b, over three decades. Of hollow bodies that hit a wall b is 1.35 (F. K. Wittel, F.
-Kun, H. J. Herrmann and B. H. Kroeplin, Phys. Rev. Lett. 93, 2004, as recalled), of flat sheets, which break out of
-their plane as well, 1.17 (R. P. Linna, J. A. Astroem and J. Timonen, Phys. Rev. E 72, 2005; 1.5 within it). What the
-whole hits takes its momentum: it stops the whole, and pieces fly apart from there, up and down alike, at up to half of
-its speed. They fall on what lies below, and clatter. Each has its numbers from (seed, piece, bounce, channel) alone.
+As many pieces have a mass m as m^-b, over three decades. Of hollow bodies that hit a wall b is 1.35 (an estimate,
+after F. K. Wittel, F. Kun, H. J. Herrmann and B. H. Kroeplin, Phys. Rev. Lett. 93, 2004), of flat sheets, which break
+out of their plane as well, 1.17 (R. P. Linna, J. A. Astroem and J. Timonen, Phys. Rev. E 72, 2005; 1.5 within it).
+What the whole hits takes its momentum: it stops the whole, and pieces fly apart from there, up and down alike, at up
+to half of its speed. They fall on what lies below, and clatter. Each has its numbers from (seed, piece, bounce,
+channel) alone.
 
 As a piece comes free it lets go of the strain that it held. Cracks branch where the stress is A/sqrt(r), a distance r
 from where they began (A: TOUGHNESS), so that r is as wide as a piece. A sheet of thickness h that is bent to that
@@ -56,12 +57,12 @@ JUNCTIONS = 3
 CRACKS = 0.25
 """Share of the energy of what hits that bends it at most (estimated); a third of it at most throws the pieces."""
 TOUGHNESS = 70.0
-"""J/m^2: A^2/E of cracks that branch (glass: A of 2.3 MPa m^(1/2), as recalled of ASTM C1678's constants)."""
+"""J/m^2: A^2/E of cracks that branch (glass: A of 2.3 MPa m^(1/2), an estimate after ASTM C1678)."""
 STRONGEST = 0.1
 """Share in the strongest crack of what all let go."""
 _ROUND = math.log(2.0 * math.pi / math.sqrt(12.0) / 1500.0)
 """ln of the rms width (s/m) of the time in which a crack runs round a piece, for its radius: at 1500 m/s, as cracks do
-in glass at most (H. Schardin, 1959, as recalled)."""
+in glass at most (an estimate, after H. Schardin, 1959)."""
 SLOWEST = 0.03
 """m/s: a slower corner stays where it lands, unheard."""
 TILT = math.sqrt(0.5)

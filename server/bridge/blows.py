@@ -17,8 +17,26 @@ from .tracking.state import BLOW
 class Hit(NamedTuple):
     """A blow between two bodies.
 
-    time: s; speed: of the approach, m/s; mass: effective, kg; impulse: of a rigid blow, N s, mass speed (1 +
-    restitution); point: m; normal: from a to b; heard: whether it was loud enough to be computed.
+    Attributes
+    ----------
+    time : float
+        In s.
+    a, b : str
+        Names of the bodies.
+    speed : float
+        Speed of the approach, m/s.
+    mass : float
+        Effective mass, kg.
+    restitution : float
+        0 to 1.
+    impulse : float
+        Impulse of a rigid blow, N s: mass speed (1 + restitution).
+    point : (x, y, z)
+        In m.
+    normal : (x, y, z)
+        From a to b.
+    heard : bool
+        Whether it was loud enough to be computed.
     """
 
     time: float
@@ -35,10 +53,25 @@ class Hit(NamedTuple):
 
 @dataclass(frozen=True)
 class Counts:
-    """Counts of what was told and what became of it. hits: blows; faint: of these, those that nobody would hear, and
-    the same of gestures; over_budget: those left out as too many came at once, and the same of gestures, of which some
-    had begun; gestures: slides and rolls that began; crowded: points of contact that found no room; rests: of bodies on
-    others, that began; grains: of the blows, those that are told together."""
+    """Counts of what happened, and what became of it.
+
+    Attributes
+    ----------
+    hits : int
+        Blows.
+    faint : int
+        Blows, slides and rolls that nobody would hear.
+    over_budget : int
+        Blows, slides and rolls left out, as too many came at once.
+    gestures : int
+        Slides and rolls that began.
+    crowded : int
+        Points of contact for which there was no room.
+    rests : int
+        Rests that began.
+    grains : int
+        Blows of grains, which are heard together.
+    """
 
     hits: int = 0
     faint: int = 0

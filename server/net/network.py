@@ -18,8 +18,8 @@ from .places import PAUSE, Complaint, NoDescriptorError, Places, accepted, most_
 from .remote import Doorway, Remote
 from .reply_budget import Allowance, Nets
 from .rotation import Rotation
-from .tcp import Connection, listen, turn_away
-from .udp import Caller, Intake, dropped_by_system
+from .tcp import Connection, turn_away
+from .udp import Caller, Intake, bound, dropped_by_system
 
 MOST_CONNECTIONS = 64
 MOST_OF_HOST = 32
@@ -32,15 +32,11 @@ LONGEST_SILENCE = 45.0
 PATIENCE = 2.0
 """s after which a question that came by datagram is dropped: whoever asked has given up, or asks for too much."""
 
-RECEIVE_BUFFER = 1 << 22
-"""Bytes asked of the system for datagrams that the reading thread has not taken yet; the system may give less."""
-
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
 _LOOK = 0.1  # s between looks at who has long been silent
 _OUTDATED = 256  # questions that are dropped at once: some 2 ms
 _MOST_CALLERS = 4_096  # addresses that datagrams wait from; a host may have as many as are left
-_TRIES = 16  # ports that may be free for UDP and not for TCP
 
 Source = tuple[str, int] | Connection | Remote
 """Source of a packet, to which replies go: a UDP address, a TCP client or a web socket's client."""
@@ -86,7 +82,7 @@ class Network:
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._unended: set[Connection] = set()  # a first packet of theirs has not ended yet
         self._allowance = Allowance(trusted)
-        self._udp, self._listener = _bound(host, port)
+        self._udp, self._listener = bound(host, port)
         self.doorway = Doorway()
         self._intake = Intake(self._udp)
         self._selector = selectors.DefaultSelector()
@@ -346,7 +342,7 @@ class Network:
             self._leave(connection)
         for connection in [each for each in self._unended if each.patience_ends < now]:
             self._unended.discard(connection)
-            if connection in self._connections and connection.is_unframed():
+            if connection.is_unframed():
                 connection.arrived.append(None)
                 self._queue(connection)
         if self._accepts_from and now >= self._accepts_from:
@@ -499,18 +495,3 @@ def _encoded(message: Message) -> bytes:
 @lru_cache(maxsize=16)  # of equal messages in a bundle each is refused with the same words
 def _encoded_texts(address: str, *texts: str) -> bytes:
     return encode(address, *texts)
-
-
-def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
-    """Return A UDP socket and a TCP listener on the same port."""
-    for attempt in range(_TRIES):
-        udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        try:
-            udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-            udp.bind((host, port))
-            return udp, listen(host, udp.getsockname()[1])
-        except OSError:
-            udp.close()
-            if port or attempt == _TRIES - 1:
-                raise
-    raise AssertionError

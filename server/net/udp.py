@@ -21,11 +21,16 @@ import numpy as np
 from ...dsp.native.atomics import confirm, fence, load_acquire, observe, publish, store_release
 from ...dsp.native.jit import c_function, carray, external, kernel
 from ...dsp.native.typed import Record, View, dtype_of, i32
+from .tcp import listen
 
 CAPACITY = 1 << 23
 """Bytes of datagrams that can wait to be carried out, each with 24 of its own. A host's may take as much as is left
 free: half of it where no other sends, some 50,000 short ones; a third where two do. So there is room for a newcomer."""
 
+RECEIVE_BUFFER = 1 << 22
+"""Bytes asked of the system for datagrams that the reading thread has not taken yet; the system may give less."""
+
+_TRIES = 16  # ports that may be free for UDP and not for TCP
 _LOOK = 0.05  # s between looks at whether to go on
 _HEAD = 3  # words before a datagram: its size, and two of the address that it came from
 _LARGEST = _HEAD + (1 << 16) // 8  # words
@@ -253,3 +258,18 @@ def dropped_by_system(udp: socket.socket) -> int:
     with suppress(OSError):
         return int.from_bytes(udp.getsockopt(socket.SOL_SOCKET, memory_info, 36)[4 * drops :], sys.byteorder)
     return 0
+
+
+def bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
+    """Return a UDP socket and a TCP listener on the same port, 0 being any free one. OSError if that fails."""
+    for attempt in range(_TRIES):
+        udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+            udp.bind((host, port))
+            return udp, listen(host, udp.getsockname()[1])
+        except OSError:
+            udp.close()
+            if port or attempt == _TRIES - 1:
+                raise
+    raise AssertionError

@@ -31,7 +31,7 @@ from .soundfont import SoundFont
 RATE, SECONDS = 48_000, 2.0
 SEEDS = range(1, 25)
 ROOM = "0 /listener 0 0 0.5\n0 /room 5 4 2.5 x -2.5 y -2 t60 0.3\n"
-"""A room to record in, 1 m from it: EBU Tech 3276 (1998, as recalled) has a T60 of 0.2 to 0.4 s."""
+"""A room to record in, 1 m from it: EBU Tech 3276 (an estimate, after 1998) has a T60 of 0.2 to 0.4 s."""
 PLACE = "0 /object/a/place 0.8 0.3 0.05\n"
 PLACES = PLACE + "0 /object/b/place 0.8 0.3 0\n"
 SCORES = {

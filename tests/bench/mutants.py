@@ -3,7 +3,7 @@ the broken engines some test notices.
 
 A line is drawn from all lines of kernels, and one thing on it is changed: an operator, a comparison, a number, or an
 assignment, which is left out. A copy of the tree with that line compiles what has changed, and runs tests until one
-fails: those of the broken module first, then those of its folder, then all that `make quick` has of the engine. What no
+fails: those of the broken module first, then the quick ones of its folder, then all quick ones of the engine. What no
 test notices is printed, to be looked at: some of it makes no difference to any sound. `--tests` names the tests, in
 words for pytest; `--only` takes some of the lines that were drawn, by their numbers. A line takes ten seconds of CPU or
 more, and two minutes if no test notices it.
@@ -27,9 +27,9 @@ from carom.dsp.runtime.engine import prepare
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("contact", "engine", "friction", "karman", "resonator", "rolling", "space", "spectral", "swarm")
-QUICK = ["tests/dsp", "tests/presets", "tests/server/scene"]
-LONGEST = 300
-"""s of CPU: a broken engine that goes on for so long has been noticed. All of these tests take a third of it."""
+QUICK = ["-m", "not slow"]
+LONGEST = 120
+"""s of CPU: a broken engine that goes on for so long has been noticed. All quick tests take a third of it."""
 NOT_COMPILED = 99
 
 RUN = f"""
@@ -130,18 +130,19 @@ def copied(folder: Path) -> None:
         shutil.copytree(ROOT / name, folder / "carom" / name, ignore=ignored)
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / "tests", folder / "tests", ignore=ignored)
-    shutil.copy(ROOT / "pyproject.toml", folder)
+    for name in ("pyproject.toml", "setup.py"):
+        shutil.copy(ROOT / name, folder)
     (folder / "cache" / "carom").mkdir(parents=True)
     with suppress(shutil.Error):  # of files that another process prunes meanwhile
         shutil.copytree(user_cache(), folder / "cache" / "carom" / "code")
 
 
 def nearest(file: Path) -> list[list[str]]:
-    """Return the tests that may notice a broken module, in words for pytest: the nearest first, then all of them."""
+    """Return the tests that may notice a broken module, in words for pytest: all of its own, then the quick ones of its
+    folder, then of all folders."""
     folder = Path("tests", file.parent)
-    own = folder / f"test_{file.stem}.py"
-    near = [str(each) for each in (own, folder) if (ROOT / each).exists()]
-    return [[each, "-m", "not slow"] for each in near] + [[*QUICK, "-m", "not slow"]]
+    own = [[str(each)] for each in (folder / f"test_{file.stem}.py",) if (ROOT / each).exists()]
+    return [*own, [str(folder), *QUICK], ["tests/dsp", "tests/server/scene", *QUICK]]
 
 
 def noticed(folder: Path, mutant: Mutant, stages: list[list[str]]) -> str | None:

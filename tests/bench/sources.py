@@ -28,8 +28,8 @@ Pair = tuple[str, str, dict[str, float]]
 The tubular bell has the partials of the recording (carom fit). A splash is as thick as 250 g on 10 inches are.
 """
 MEZZO_FORTE = 2.2
-"""m/s, of a piano's hammer: between 1 in piano and 5 in forte (Askenfelt and Jansson, J. Acoust. Soc. Am. 90, 1991, as
-recalled), as the presets say it."""
+"""m/s, of a piano's hammer: between 1 in piano and 5 in forte (an estimate, after Askenfelt and Jansson, J. Acoust.
+Soc. Am. 90, 1991), as the presets have it."""
 
 
 class Font(Protocol):

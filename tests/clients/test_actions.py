@@ -39,7 +39,7 @@ def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
     """The gain of everything, and sensors, have other names than an object and its; a simulation is told to World."""
     others = "/gesture/", "/world/", "/sensor/"
     said = {verb.action for verb in VERBS.values() if verb.scored and not verb.address.startswith(others)}
-    begin, more = {"new", "channels", "sensors", "full_scale"}, {"main_gain", "send", "steer", "stop", *SENSORS}
+    begin, more = {"new", "channels", "sensors", "full_scale", "end"}, {"main_gain", "send", "steer", "stop", *SENSORS}
     assert set(SHARED) == said - begin | more
 
 

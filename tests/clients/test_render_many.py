@@ -60,16 +60,15 @@ def test_a_terminal_gets_no_sound(tmp_path):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_many_scores_are_the_same_sounds_as_each_by_itself(carom, tmp_path, scores, jobs):
     (tmp_path / "out").mkdir()
-    carom("render", *scores, "out/{}.flac", "--plot", "out", "--jobs", jobs, check=True)
-    made = {f"s{n}.{ending}" for n in range(3) for ending in ("flac", "png")}
-    assert {path.name for path in (tmp_path / "out").iterdir()} == made
+    carom("render", *scores, "out/{}.flac", "--jobs", jobs, check=True)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {f"s{n}.flac" for n in range(3)}
     carom("render", scores[2], "alone.flac", check=True)
     assert (tmp_path / "out" / "s2.flac").read_bytes() == (tmp_path / "alone.flac").read_bytes()
 
 
 def test_a_folder_that_is_missing_is_made(carom, tmp_path, scores):
-    carom("render", *scores, "new", "--plot", "new/pictures", check=True)
-    assert len(list((tmp_path / "new").glob("*.wav"))) == len(list((tmp_path / "new" / "pictures").glob("*.png"))) == 3
+    carom("render", *scores[:2], "new", "--plot", "new/pictures", check=True)
+    assert len(list((tmp_path / "new").glob("*.wav"))) == len(list((tmp_path / "new" / "pictures").glob("*.png"))) == 2
     carom("render", scores[0], "x.wav", "--stems", "no/deeper", check=True)
     assert list((tmp_path / "no" / "deeper").iterdir())
 

@@ -32,7 +32,7 @@ def limits() -> str:
         ("values of mode shapes", capacity.SHAPE_VALUES),
         ("contacts, and gestures in progress", state.CONTACTS),
         ("of these, rolls and slides", state.ROLLS),
-        ("of these, swarms", SWARMS),
+        ("of these, rain, pours, shakes, crumples, steps and shattering", SWARMS),
         ("events that wait", state.EVENTS),
         ("length of a contact", f"{LONGEST_CONTACT:g} s"),
         ("length of a bounce", f"{LONGEST_BOUNCE:,.0f} s"),

@@ -24,7 +24,19 @@ RATE, LONGEST = 44_100, 12.0  # Hz; s of a score's sound
 OTHERS = ("CHANGELOG.md", "SECURITY.md", "clients/examples/README.md")
 _GESTURES = ("impact", "bounce", "roll", "slide", "spin", "press", "rest", "rain", "pour", "shake", "crumple", "step",
              "shatter")  # fmt: skip
-_THEORY = ("simulators", "rests", "swarms", "breaking", "space", "fits", "meshes", "compiled")
+_THEORY = (
+    "friction",
+    "plates",
+    "radiation",
+    "rests",
+    "swarms",
+    "breaking",
+    "space",
+    "simulators",
+    "fits",
+    "meshes",
+    "compiled",
+)
 NAVIGATION = {
     "Play": ("clients/tutorial", "server/gestures", *(f"server/gestures/{each}" for each in _GESTURES), "server/space",
              "server/midi", "server/sensors", "clients/index", "server/unattended"),
@@ -46,7 +58,7 @@ _SCORE = re.compile(r"^```score\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 
 def audio(source: str) -> str:
     """Return a player."""
-    return f'<audio controls preload="none" src="{source}"></audio>'
+    return f'<audio controls preload="none" src="{source}" style="height:2em;vertical-align:middle"></audio>'
 
 
 def sound_of(score: str) -> Path:

@@ -1,7 +1,7 @@
 """Piano hammers beside Stulov's law of felt, on a string without an end on one side and with its near one on the other.
 
 A. Stulov, J. Acoust. Soc. Am. 97, 1995: f = Q (x^p + alpha d(x^p)/dt), never negative. Of key n of 88 (J. O. Smith,
-Physical Audio Signal Processing; alpha as recalled): Q = 183 exp(0.045 n) N/mm^p, p = 3.7 + 0.015 n, a mass of 11.074 -
+Physical Audio Signal Processing; alpha an estimate): Q = 183 exp(0.045 n) N/mm^p, p = 3.7 + 0.015 n, a mass of 11.074 -
 0.074 n + 0.0001 n^2 g, alpha = 248 + 1.83 n - 0.055 n^2 µs.
 """
 

@@ -10,7 +10,7 @@ import pytest
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.cleaning import cleaned, openings
 from carom.dsp.mesh.surface import MeshError, Surface, volume_of
-from carom.dsp.mesh.winding import lone_faces
+from carom.dsp.mesh.winding import sides_of
 from carom.presets.mesh_files import read_obj, read_ply, read_stl
 from carom.presets.meshes import read_mesh, read_parts
 from carom.presets.polygons import Polygons, triangulated
@@ -71,7 +71,7 @@ def require_body(read, volume):
     """Assert that triangles enclose a volume, with no face that has air on both sides, and no hole."""
     surface, notes = cleaned(read.points, read.faces)
     assert volume_of(surface) == pytest.approx(volume, rel=1e-9)
-    assert not openings(surface) and not np.logical_or(*lone_faces(surface)).any() and notes == ()
+    assert not openings(surface) and not sides_of(surface).wrong.any() and notes == ()
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -9,7 +9,8 @@ import pytest
 
 from carom.clients.client import Client
 from carom.dsp.engine.memory import state
-from carom.server.net.network import RECEIVE_BUFFER, Network
+from carom.server.net.network import Network
+from carom.server.net.udp import RECEIVE_BUFFER
 from carom.server.osc import wire
 from carom.server.osc.wire import Message
 from tests import needs

@@ -21,14 +21,28 @@ def test_a_client_that_has_long_been_silent_makes_room(monkeypatch):
     now = 0.0
     monkeypatch.setattr(subscribers.time, "monotonic", lambda: now)
     for n in range(32):
-        clients.add(("host", n))
+        clients.add(("new" if n < 15 else "host", n))
     with pytest.raises(Refused, match="32 clients"):
-        clients.add(("new", 1))
+        clients.add(("host", 99))
     now = subscribers.LONGEST_SILENCE + 1.0
-    clients.hear(("host", 0))
-    clients.add(("new", 1))
-    assert told == [("host", 1)] and ("new", 1) in clients and ("host", 0) in clients
-    clients.remove(("host", 1))
+    clients.hear(("new", 0))
+    clients.add(("host", 99))
+    assert told == [("new", 1)] and ("host", 99) in clients and ("new", 0) in clients
+    clients.remove(("new", 1))
+    assert len(list(clients)) == 32
+
+
+def test_no_host_takes_all_places():
+    """A newcomer's host gets as many as the one that has the most, but for one; it loses who was silent for longest."""
+    clients = Subscribers(Everywhere(), lambda message, source: None)
+    for n in range(32):
+        clients.add(("host", n))
+    for n in range(16):
+        clients.add(("new", n))
+    assert list(clients) == [*(("host", n) for n in range(16, 32)), *(("new", n) for n in range(16))]
+    with pytest.raises(Refused, match="32 clients"):
+        clients.add(("new", 16))
+    clients.add(("third", 0))
     assert len(list(clients)) == 32
 
 

@@ -288,6 +288,15 @@ static int parts_of(const char *address, const char *group, char *target, const 
     return 1;
 }
 
+/* The argument of a button, at an address without arguments: 1 as it is pressed, 0 as it is let go; -1: it is none. */
+static int button_of(const call *told) {
+    int bare = !is_true(told->verb, "changes") && item(told->verb, "required")->kind != LIST &&
+               item(told->verb, "optional")->kind != LIST && item(told->verb, "keys")->kind != LIST;
+    if (!bare || told->count != 1 || told->words[0].kind != A_NUMBER) return -1;
+    double number = told->words[0].number;
+    return number == 0.0 || number == 1.0 ? number == 1.0 : -1;
+}
+
 static void perform(carom *scene, const char *address, const message *from, const word *words, int count, double time) {
     char target[LONGEST_NAME] = "";
     call told = {address, target, "", NULL, from, words, count, time};
@@ -298,6 +307,9 @@ static void perform(carom *scene, const char *address, const message *from, cons
                 : on_gesture ? item_of(verbs, "/gesture/ID/", told.action)
                              : item(verbs, address);
     if (told.verb->kind != MAP) refuse_all(scene, "address in an exported scene", address, verbs->first);
+    int button = button_of(&told);
+    if (!button) return;
+    if (button > 0) told.count = 0;
     if (on_object)
         of_object(scene, &told);
     else if (on_gesture)

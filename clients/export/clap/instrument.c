@@ -83,13 +83,22 @@ static body *body_of(instrument *of, int note, bool *is_new) {
 static void finish(body *each, note_ended ended, void *context) {
     if (!each->ended && ended) ended(context, each);
     each->ended = true;
-    each->held = false;
+    each->held = each->let_go = false;
 }
 
-/* The bend of a channel of MIDI, with that of its zone. */
+static double own_bend(const instrument *of, int channel) { return of->channels[channel].bend * of->channels[channel].range; }
+
+/* The bend of a channel of MIDI in semitones, with that of its zone. */
 static double bend_of(const instrument *of, int channel) {
     int manager = of->channels[channel].manager;
-    return of->channels[channel].bend + (manager < 0 ? 0.0 : of->channels[manager].bend);
+    return own_bend(of, channel) + (manager < 0 ? 0.0 : own_bend(of, manager));
+}
+
+/* Whether the pedal of a channel of MIDI is down, or that of its zone. */
+static bool is_sustained(const instrument *of, int channel) {
+    if (channel < 0 || channel >= CHANNELS_OF_MIDI) return false;
+    int manager = of->channels[channel].manager;
+    return of->channels[channel].pedal || (manager >= 0 && of->channels[manager].pedal);
 }
 
 /* Send the message that strikes a body. */
@@ -118,7 +127,7 @@ void instrument_strike(instrument *of, address key, double velocity, note_ended 
         each->expressions[PRESSURE] = of->channels[key.channel].pressure;
     }
     each->held = true;
-    each->choked = false;
+    each->choked = each->let_go = false;
     if (!is_new) settle(of, each);
     int is_struck = blow(of, each, velocity);
     if (!is_struck && is_new && of->body_count) { /* no room for another: one that is there takes its place */
@@ -150,8 +159,9 @@ void instrument_release(instrument *of, address key) {
     for (int n = 0; n < of->body_count; n++) {
         body *each = &of->bodies[n];
         if (!each->held || !is_meant(each, key)) continue;
-        each->held = false;
-        settle(of, each);
+        each->let_go = is_sustained(of, each->channel);
+        each->held = each->let_go;
+        if (!each->held) settle(of, each);
     }
 }
 
@@ -199,23 +209,66 @@ static void zone(instrument *of, int manager, int members) {
     }
 }
 
-static void bend(instrument *of, int16_t port, int channel, double share) {
-    of->channels[channel].bend = of->channels[channel].range * share;
+/* Tell the notes of a channel of MIDI, and of those that it manages, their bend. */
+static void bend(instrument *of, int16_t port, int channel) {
     for (int n = 0; n < CHANNELS_OF_MIDI; n++) {
         const address all = {-1, port, (int16_t)n, -1};
         if (n == channel || of->channels[n].manager == channel) instrument_express(of, all, BEND, bend_of(of, n));
     }
 }
 
+/* A keyboard for MPE may not say so. It sets a channel up before each note (MPE 1.0, 2.2.5), or plays two other than the
+   first at once. */
+static void look_for_zone(instrument *of, int channel) {
+    bool is_alone = true;
+    for (int n = 0; n < of->body_count; n++) {
+        const body *each = &of->bodies[n];
+        if (each->held && each->channel > 0 && each->channel < CHANNELS_OF_MIDI && each->channel != channel) is_alone = false;
+    }
+    if (channel > 0 && !of->zoned && (of->channels[channel].set_up || !is_alone)) {
+        of->zoned = true;
+        zone(of, 0, CHANNELS_OF_MIDI - 1);
+        for (int n = 1; n < CHANNELS_OF_MIDI; n++) bend(of, -1, n);
+    }
+    of->channels[channel].set_up = false;
+}
+
+/* The range of bends of a channel: of all members of a zone, if it is one of them. */
+static void set_range(instrument *of, int16_t port, int channel, double semitones) {
+    int manager = of->channels[channel].manager;
+    of->zoned = true;
+    for (int n = 0; n < CHANNELS_OF_MIDI; n++) {
+        if (n != channel && (manager < 0 || of->channels[n].manager != manager)) continue;
+        of->channels[n].range = semitones;
+        bend(of, port, n);
+    }
+}
+
+/* Move the pedal: as it comes up, what it held is let go. */
+static void move_pedal(instrument *of, int channel, bool is_down) {
+    of->channels[channel].pedal = is_down;
+    for (int n = 0; n < of->body_count && !is_down; n++) {
+        body *each = &of->bodies[n];
+        if (!each->let_go || is_sustained(of, each->channel)) continue;
+        each->held = each->let_go = false;
+        settle(of, each);
+    }
+}
+
 static void control(instrument *of, int16_t port, int channel, int number, int value, note_ended ended, void *context) {
     int *parameter = &of->channels[channel].parameter;
     const address all = {-1, port, (int16_t)channel, -1};
+    if (number == 64) move_pedal(of, channel, value >= 64);
     if (number == 74) of->channels[channel].position = value / 127.0;
+    if (number == 74) of->channels[channel].set_up = true;
     if (number == 101) *parameter = (*parameter & 0x7F) | value << 7;
     if (number == 100) *parameter = (*parameter & 0x3F80) | value;
     if (number == 98 || number == 99) *parameter = NO_PARAMETER;
-    if (number == 6 && *parameter == BEND_RANGE) of->channels[channel].range = value;
-    if (number == 6 && *parameter == MPE_ZONE && channel % 15 == 0) zone(of, channel, value);
+    if (number == 6 && *parameter == BEND_RANGE) set_range(of, port, channel, value);
+    if (number == 6 && *parameter == MPE_ZONE && channel % 15 == 0) {
+        of->zoned = true;
+        zone(of, channel, value);
+    }
     if (number == 120) instrument_choke(of, all, ended, context);
     if (number == 123) instrument_release(of, all);
 }
@@ -226,6 +279,7 @@ void instrument_midi(instrument *of, int16_t port, const uint8_t *bytes, note_en
     switch (bytes[0] >> 4) {
     case 9:
         if (second) {
+            look_for_zone(of, channel);
             instrument_strike(of, key, second, ended, context);
             break;
         } /* else as 8 */
@@ -235,9 +289,14 @@ void instrument_midi(instrument *of, int16_t port, const uint8_t *bytes, note_en
     case 11: control(of, port, channel, first, second, ended, context); break;
     case 13:
         of->channels[channel].pressure = first / 127.0;
+        of->channels[channel].set_up = true;
         instrument_express(of, all, PRESSURE, first / 127.0);
         break;
-    case 14: bend(of, port, channel, ((second << 7 | first) - 8192) / 8192.0); break;
+    case 14:
+        of->channels[channel].bend = ((second << 7 | first) - 8192) / 8192.0;
+        of->channels[channel].set_up = true;
+        bend(of, port, channel);
+        break;
     }
 }
 
@@ -246,12 +305,14 @@ void instrument_midi(instrument *of, int16_t port, const uint8_t *bytes, note_en
 void instrument_begin(instrument *of) {
     of->body_count = 0;
     of->blows = 0;
+    of->zoned = false;
     for (int n = 0; n < CHANNELS_OF_MIDI; n++) {
         of->channels[n].bend = of->channels[n].pressure = 0.0;
         of->channels[n].position = NAN;
         of->channels[n].range = USUAL_RANGE;
         of->channels[n].manager = -1;
         of->channels[n].parameter = NO_PARAMETER;
+        of->channels[n].pedal = of->channels[n].set_up = false;
     }
     carom_load(of->scene, 1);
 }

@@ -44,6 +44,7 @@ typedef struct {
     int32_t id;                     /* of the note that was played last; -1: it has none */
     int16_t port, channel, key;
     bool held, choked, ended;       /* ended: the host knows that the note has */
+    bool let_go;                    /* and held by a pedal alone */
     int64_t struck;                 /* the number of the blow */
     double expressions[EXPRESSIONS];
     double sent[SETTINGS];
@@ -64,10 +65,13 @@ typedef struct {
     body bodies[KEYS];
     int body_count;
     int64_t blows;
+    bool zoned; /* a message has laid out zones of MPE, or bends */
     struct {
-        double bend, range, pressure, position; /* semitones, semitones, 0 to 1, NAN before it is told */
+        double bend, range, pressure, position; /* -1 to 1, semitones, 0 to 1, NAN before it is told */
         int manager;                            /* of the zone of MPE that it is a member of; -1: of none */
         int parameter;                          /* that is registered, and changed by the next data */
+        bool pedal;                             /* is down: what is let go is held */
+        bool set_up;                            /* by a bend, pressure or controller 74, for its next note */
     } channels[CHANNELS_OF_MIDI];
 } instrument;
 

@@ -53,3 +53,6 @@ export class Carom extends EventTarget {
   /** Begin anew, with the score (`live: false`) or with its objects alone. */
   load(options: { live: boolean }): void;
 }
+
+/** Why a page can't play here, as a sentence; "" where it can. */
+export function missing(): string;

@@ -7,25 +7,43 @@ import { joined } from "./wasm.js";
 const STORE = "carom"; // of decoded files, in browsers
 const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma", worklet: "worklet.js.lzma" };
 
+/** The browser's store and what it has of a file: nothing where it has none, or does not let a page have it. */
+async function stored(url) {
+  try {
+    const store = await caches.open(STORE);
+    return [store, await store.match(url)];
+  } catch {
+    return [];
+  }
+}
+
+/** Why a page can't play here, as a sentence; "" where it can. */
+export function missing() {
+  if (location.protocol === "file:") return "A page that is opened as a file can't play: serve its folder, as by `python3 -m http.server`, and open it from there.";
+  if (!globalThis.isSecureContext) return `A browser lets a page play over https, or from localhost: expected https in place of ${location.origin}.`;
+  const parts = ["AudioContext", "AudioWorkletNode", "WebAssembly"].filter((name) => !(name in globalThis));
+  return parts.length ? `This browser has no ${parts.join(", no ")}: expected a newer one, or one that is not locked down.` : "";
+}
+
 /** The content of a file that was compressed as LZMA, which the browser keeps when it is decoded; last: what is done then. */
 async function fetched(url, last = (content) => content) {
   const reply = await fetch(url);
   if (!reply.ok) throw new Error(`${url}: ${reply.status} ${reply.statusText}`);
   const made = ["ETag", "Last-Modified", "Content-Length"].map((name) => reply.headers.get(name) ?? "-").join(" ");
-  const store = await globalThis.caches?.open(STORE).catch(() => null); // some windows have none
-  const kept = await store?.match(url);
+  const [store, kept] = await stored(url);
   if (kept?.headers.get("Made-Of") === made) {
-    reply.body.cancel();
+    reply.body?.cancel();
     return kept.arrayBuffer();
   }
   const { buffer } = last(plain(new Uint8Array(await reply.arrayBuffer())));
-  store?.put(url, new Response(buffer, { headers: { "Made-Of": made } })).catch(() => {}); // there may be no room
+  store?.put(url, new Response(buffer, { headers: { "Made-Of": made } })).catch(() => {}); // there may be no room for it
   return buffer;
 }
 
 export class Carom extends EventTarget {
   /** The files of a scene, fetched and compiled: as early as the page likes, before anybody has touched it. */
   static async fetch(folder = new URL(".", import.meta.url)) {
+    if (!globalThis.WebAssembly) throw new Error(missing());
     const at = (name) => new URL(name, new URL(folder, document.baseURI));
     const [module, scene, script] = await Promise.all([
       fetched(at(FILES.engine), joined).then(WebAssembly.compile),
@@ -42,6 +60,7 @@ export class Carom extends EventTarget {
     const found = files ?? (await Carom.fetch(folder));
     const { module, map, data, worklet } = found;
     expectOwn(rulesOf(module), map);
+    if (missing()) throw new Error(missing());
     if (context.sampleRate !== map.rate) {
       throw new Error(`sampleRate = ${context.sampleRate}: expected ${map.rate}: new AudioContext({ sampleRate: ${map.rate} })`);
     }

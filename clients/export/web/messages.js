@@ -92,6 +92,13 @@ function points({ required: [number], keys }, args) {
   });
 }
 
+/** The arguments of a message, or null: at an address without any a button acts as it is pressed, and not as it is let go. */
+function asked({ changes, required, optional, keys }, args) {
+  if (changes || required || optional || keys || args.length !== 1) return args;
+  if ([0, false].includes(args[0])) return null;
+  return [1, true, null].includes(args[0]) ? [] : args;
+}
+
 export class Messages {
   constructor(scene) {
     this.scene = scene;
@@ -134,6 +141,8 @@ export class Messages {
     const [, group, target, action] = parts;
     const template = parts.length === 4 ? `/${group}/${group === "object" ? "NAME" : "ID"}/${action}` : address;
     const verb = under(this.map.verbs, template) ?? refuse(`${address}: not in an exported scene; expected one of ${Object.keys(this.map.verbs).join(", ")}`);
+    args = asked(verb, args);
+    if (args === null) return undefined;
     if (group === "gesture") return this.steer(verb, target, action, args, time);
     if (group !== "object") return this.engine(verb, address, args, time);
     const object = under(this.objects, target) ?? refuse(`${target}: no such object; there are ${Object.keys(this.objects).join(", ")}`);

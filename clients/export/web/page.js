@@ -1,6 +1,7 @@
 // The page of a scene: its objects as they lie on their table, played by touch, keyboard and MIDI.
 
-import { Carom } from "./carom.js";
+import { Carom, missing } from "./carom.js";
+import { Keyboard } from "./keyboard.js";
 
 const PIANO = "awsedftgyhujkolp";
 const HOLD = 380; // ms until a touch is a hold
@@ -9,7 +10,7 @@ const FLASH = 60; // ms
 const WIDE = 2; // times as wide as high is an object
 const METRES = 0.5; // that an object is wide, for the speed of a drag over it
 const [SLOWEST, FASTEST] = [0.01, 5]; // m/s
-const NOTE_ON = 0x90, CONTROL = 0xb0, WHEEL = 1, SILENCE = 120;
+const CONTROL = 0xb0, WHEEL = 1, SILENCE = 120;
 
 const $ = (selector) => document.querySelector(selector);
 const files = Carom.fetch();
@@ -17,6 +18,7 @@ let opening = null;
 let selected = null;
 let octave = 4;
 let strokes = 0;
+const keyboard = new Keyboard(send);
 
 /** The scene, from the first gesture of a hand on. */
 function scene() {
@@ -169,16 +171,17 @@ async function midi(all) {
 }
 
 function heard(all, [status, first, second]) {
-  const kind = status & 0xf0;
+  const isControl = (status & 0xf0) === CONTROL;
   const pad = selected ?? all[0];
   if (!pad) return;
-  if (kind === NOTE_ON && second > 0) note(pad, first, second);
-  else if (kind === CONTROL && first === WHEEL) send(`/object/${pad.dataset.name}/damp`, second / 127);
-  else if (kind === CONTROL && first >= SILENCE) send("/panic");
+  if (isControl && first === WHEEL) send(`/object/${pad.dataset.name}/damp`, second / 127);
+  else if (isControl && first === SILENCE) send("/panic");
+  else keyboard.hear(pad.dataset.name, [status, first, second]);
 }
 
 files.catch((error) => ($("output").textContent = error.message));
 const { map } = await files;
+$("output").textContent = missing();
 document.title = map.title;
 $("h1").textContent = map.title;
 const all = pads(map);
@@ -187,4 +190,11 @@ lay(all, map.objects);
 addEventListener("resize", () => lay(all, map.objects));
 keys(all);
 $("#midi").onclick = () => midi(all);
-$("#score").onclick = async () => (await scene()).load({ live: false });
+$("#score").onclick = async () => {
+  try {
+    (await scene()).load({ live: false });
+    keyboard.forget();
+  } catch (error) {
+    $("output").textContent = error.message;
+  }
+};

@@ -261,8 +261,8 @@ _THICKNESS, _DENSITY = 0.008, 390.0
 _ALONG, _ACROSS = 11.5e9, 0.47e9
 _RIGIDITY = math.sqrt(_ALONG * _ACROSS) * _THICKNESS**3 / 12
 _SPRUCE, _HARDWOOD = _ALONG / _ACROSS, 10.0
-"""Spruce: its thickness (m), its density (kg/m^3), its moduli along and across the grain (Pa), as recalled from Ege's
-thesis, and its rigidity (N m). Ratios of moduli; of hard woods it is 8 to 14 (Wood Handbook, as recalled)."""
+"""Spruce: its thickness (m), its density (kg/m^3), its moduli along and across the grain (Pa), estimates after Ege's
+thesis, and its rigidity (N m). Ratios of moduli; of hard woods it is 8 to 14 (an estimate, after Wood Handbook)."""
 
 PIANO = Board(
     areal=4.0, rigidity=2000.0, loss_factor=0.02, area=1.4, perimeter=5.0, lowest=60.0,
@@ -272,9 +272,9 @@ PIANO = Board(
 """8 mm of spruce with eleven ribs of 0.9 m: a conductance of 1.4e-3 s/kg, where a piano's is 1e-3 within a factor of 2
 up to the frequency from which waves stay between the ribs (Giordano, J. Acoust. Soc. Am. 103, 1998; Ege and Boutillon
 2010), and 7e-3 s/kg above, beside the bridge; on it, where the strings are, 0.9 to 0.5e-3. The bridge: 32 mm wide, 30
-to 34 high (D. Fandrich, pianotech, 24 March 2009), of sugar maple (Wood Handbook, as recalled: 12.6 GPa, in shear 0.063
-and 0.111 of that). Without it the board took more from a string above 1.5 kHz than strings are measured to lose.
-Losses: of 1 to 3 % (Ege, Boutillon, Rebillat, J. Sound Vib. 332, 2013)."""
+to 34 high (D. Fandrich, pianotech, 24 March 2009), of sugar maple (12.6 GPa, in shear 0.063
+and 0.111 of that, an estimate after Wood Handbook). Without it the board took more from a string above 1.5 kHz than
+strings are measured to lose. Losses: of 1 to 3 % (Ege, Boutillon, Rebillat, J. Sound Vib. 332, 2013)."""
 
 BOX = Board(
     areal=7.0, rigidity=350.0, loss_factor=0.02, area=0.02, perimeter=0.6, lowest=150.0, grain=_HARDWOOD,
@@ -294,9 +294,9 @@ CELLO = Board(
     single=(Resonance(100.0, 30.0, 3.0), Resonance(180.0, 30.0, 0.4), Resonance(220.0, 35.0, 0.6)),
 )  # fmt: skip
 """The top of a cello: 4.5 mm of spruce, 0.75 m long, with what its bass bar adds, estimated. Its air resonance and two
-modes of its corpus, near where they lie in most cellos (Bynum and Rossing 1997, as recalled); qualities and masses
-estimated. The bridge: sizes, masses and stiffnesses as a cello's are in IRCAM's Modalys by default; its loss factor
-estimated, as of maple across its grain."""
+modes of its corpus, near where they lie in most cellos (an estimate, after Bynum and Rossing 1997); qualities and
+masses estimated. The bridge: sizes, masses and stiffnesses as a cello's are in IRCAM's Modalys by default; its loss
+factor estimated, as of maple across its grain."""
 
 GUITAR = Board(
     areal=1.3, rigidity=10.0, loss_factor=0.02, area=0.14, perimeter=1.5, lowest=350.0,
@@ -310,9 +310,9 @@ GUITAR = Board(
 """The top of a classical guitar: 2.5 mm of spruce with its struts, estimated: seven of 0.25 m along the grain, 45 mm
 apart, and two of 0.3 m across it; half a wave fits between two of them, across the grain, at 600 Hz. Its bridge:
 Indian rosewood of 830 kg/m^3 and 11.5 GPa (dealers' data), 28 x 8 mm under the saddle, as is usual. Its coupled
-modes of air and top near 100 and 195 Hz, where an effective mass of 0.1 kg is usual (Christensen and Vistisen, J.
-Acoust. Soc. Am. 68, 1980, as recalled), and one more. The quality of that near 195 Hz is as it rings in seven notes
-of three recorded guitars, a T60 of 0.20 s in their median (FluidR3, freepats, A320U); the other qualities and masses
-estimated."""
+modes of air and top near 100 and 195 Hz, where an effective mass of 0.1 kg is usual (an estimate, after Christensen
+and Vistisen, J. Acoust. Soc. Am. 68, 1980), and one more. The quality of that near 195 Hz is as it rings in seven
+notes of three recorded guitars, a T60 of 0.20 s in their median (FluidR3, freepats, A320U); the other qualities and
+masses estimated."""
 
 BOARDS = dict(zip(choices.BOARDS, (PIANO, BOX, CELLO, GUITAR), strict=True))

@@ -157,9 +157,12 @@ def _lasts(state: State, obj: Object) -> bool:
 
 @kernel
 def _gather(state: State, net: Net, slot: int, frame: int, goes_on: bool) -> bool:
-    """List the contacts that act on an object, and on those that share contacts with it, from a frame on, in the order
-    of their places; false if one can't be solved in blocks, or another one acts soon. goes_on: their block has begun
-    before, so they can."""
+    """List the contacts that act on an object, and on those that share contacts with it, from a frame on; false if one
+    can't be solved in blocks, or another one acts soon. goes_on: their block has begun before, so they can.
+
+    Those that began last come first. Their places would not do: who has which depends on what was freed before, and
+    sums are rounded in this order.
+    """
     net.size = net.lasts = net.moves = net.rubs = net.objects = 0
     net.stop = QUANTUM
     if state.choices.method.method > 0:
@@ -209,7 +212,7 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
             if net.size == TOGETHER or not (goes_on or _can_be(state, contact)):
                 return False
             i = net.size
-            while i > 0 and net.contact[i - 1] > index:
+            while i > 0 and state.contacts[net.contact[i - 1]].number < contact.number:
                 net.contact[i], net.block[i] = net.contact[i - 1], net.block[i - 1]
                 i -= 1
             net.contact[i], net.block[i] = index, contact.roll

@@ -145,6 +145,44 @@ def test_channels_of_mpe_bend_far_and_follow_their_manager(made: Path) -> None:
     assert np.array_equal(played(made, ranged).sound, played(made, tuned % 6).sound)
 
 
+def controls(sample: int, channel: int, *pairs: tuple[int, int]) -> str:
+    return "".join(f"{sample} midi {176 + channel} {number} {value}\n" for number, value in pairs)
+
+
+ZONE = controls(0, 0, (101, 0), (100, 6), (6, 15))
+
+
+def test_a_keyboard_for_mpe_that_does_not_say_so_bends_far(made: Path) -> None:
+    """It sets a channel up before its note, or plays two channels besides the first at once; one alone does neither."""
+    first, second, bent = "10 midi 145 60 90\n", "12 midi 146 64 90\n", "50 midi 225 0 96\n"
+    for set_up in ("5 midi 225 0 64\n", "5 midi 209 0\n", controls(5, 1, (74, 64))):
+        assert np.array_equal(
+            played(made, set_up + first + bent).sound, played(made, ZONE + set_up + first + bent).sound
+        )
+    both = first + second + bent
+    assert np.array_equal(played(made, both).sound, played(made, ZONE + both).sound)
+    assert not np.array_equal(played(made, first + bent).sound, played(made, ZONE + first + bent).sound)
+
+
+def test_a_range_of_bends_on_a_member_is_that_of_its_zone(made: Path) -> None:
+    notes = "10 midi 145 60 90\n10 midi 146 64 90\n50 midi 225 0 96\n50 midi 226 0 96\n"
+    ranged = ZONE + controls(0, 3, (101, 0), (100, 0), (6, 12)) + notes
+    wanted = "10 midi 145 60 90\n10 midi 146 64 90\n50 express 2 6 60 -1 1\n50 express 2 6 64 -1 2\n"
+    assert np.array_equal(played(made, ranged).sound, played(made, wanted).sound)
+
+
+@pytest.mark.parametrize(("zone", "channel"), [("", 0), (ZONE, 1)])
+def test_a_pedal_holds_what_is_let_go(made: Path, zone: str, channel: int) -> None:
+    """A released key sounds on until the pedal of its channel, or of its zone, comes up; a held one goes on."""
+    note, off = f"0 param 5 1\n{zone}10 midi {144 + channel} 60 90\n", f"midi {128 + channel} 60 0\n"
+    held, wanted = note + controls(20, 0, (64, 127)) + f"300 {off}", note + f"900 {off}"
+    assert np.array_equal(played(made, held + controls(900, 0, (64, 0))).sound, played(made, wanted).sound)
+    assert np.array_equal(played(made, held).sound, played(made, note).sound)
+    assert not np.array_equal(played(made, wanted).sound, played(made, note).sound)
+    kept = note + controls(20, 0, (64, 127)) + controls(300, 0, (64, 0))
+    assert np.array_equal(played(made, kept).sound, played(made, note).sound)
+
+
 def test_an_object_is_a_score_of_its_own() -> None:
     """The name of an object stands for a score that makes it; a name of neither is refused."""
     name, title, content = read_scene("church-bell", Presets())

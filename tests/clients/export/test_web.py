@@ -10,6 +10,7 @@ import math
 import re
 import shutil
 from collections.abc import Iterator
+from http.server import SimpleHTTPRequestHandler
 from pathlib import Path
 from typing import Any
 
@@ -334,8 +335,7 @@ def test_a_scene_of_another_engine_is_refused(page: Any, folder: Path, tmp_path:
     with served(other) as address:
         opened = page.context.browser.new_page()
         opened.goto(f"{address}index.html")
-        opened.wait_for_function("document.querySelector('output').textContent")
-        assert opened.inner_text("output") == said
+        opened.wait_for_function("said => document.querySelector('output').textContent === said", arg=said)
         opened.close()
 
 
@@ -390,6 +390,94 @@ def test_enter_strikes_what_is_focused(page: Any) -> None:
     page.focus("main button >> nth=2")
     page.keyboard.press("Enter")
     page.wait_for_function("said.some(([address]) => address.endsWith('/impact'))")
+
+
+class _Plain(SimpleHTTPRequestHandler):
+    """A server that knows no scripts."""
+
+    def guess_type(self, path: Any) -> str:
+        """Return the type of a file."""
+        return "text/plain" if str(path).endswith(".js") else super().guess_type(path)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Say nothing."""
+
+
+NO_STORE = "Object.defineProperty(window, 'caches', { get() { throw new DOMException('none', 'SecurityError'); } })"
+
+
+def test_a_page_says_why_it_cannot_play_wherever_it_is_opened(page: Any, folder: Path) -> None:
+    """As a file, from a server that sends no scripts, over http, and where the browser lacks a part."""
+    with served(folder) as address, served(folder, _Plain) as plain:
+        elsewhere = address.replace("127.0.0.1", "phone.test")
+        words = ["--no-sandbox", "--host-resolver-rules=MAP phone.test 127.0.0.1"]
+        kind = page.context.browser.browser_type
+        browser = kind.launch(executable_path=needs.program("chromium"), args=words)
+        for opened, lacks, said in (
+            (folder.as_uri() + "/", "", "opened as a file can't play: serve its folder"),
+            (plain, "", "expected a server that sends .js files as text/javascript"),
+            (elsewhere, "", f"over https, or from localhost: expected https in place of {elsewhere[:-1]}"),
+            (address, "delete window.AudioWorkletNode", "This browser has no AudioWorkletNode"),
+            (address, "delete window.WebAssembly", "This browser has no WebAssembly"),
+        ):
+            tried = browser.new_page()
+            tried.add_init_script(lacks)
+            tried.goto(f"{opened}index.html")
+            tried.wait_for_function("said => document.querySelector('output').textContent.includes(said)", arg=said)
+            tried.close()
+        tried = browser.new_page()
+        tried.add_init_script(NO_STORE)
+        tried.goto(f"{address}index.html")
+        tried.click("main button >> nth=0")
+        tried.wait_for_timeout(300)
+        assert tried.inner_text("output") == ""
+        browser.close()
+
+
+KEYBOARD = """async (events) => {
+  const { Keyboard } = await import("./keyboard.js");
+  const said = [];
+  const keyboard = new Keyboard((...message) => said.push(message));
+  for (const event of events) keyboard.hear("bell", event);
+  return said;
+}"""
+"""A script that plays MIDI on a keyboard of its own, for the messages."""
+
+NOTE, COPY = ["/object/bell/note", 60, 90], "/object/bell.60"
+
+
+@pytest.mark.parametrize(
+    ("events", "said"),
+    [
+        ([(0x90, 60, 90), (0x80, 60, 0)], [NOTE]),
+        ([(0x90, 60, 90), (0xB0, 64, 127), (0x80, 60, 0), (0xB0, 64, 0)], [NOTE, [f"{COPY}/damp", 1]]),
+        ([(0xB0, 64, 0), (0x90, 60, 90), (0x90, 60, 0), (0x90, 60, 90)],
+         [NOTE, [f"{COPY}/damp", 1], [f"{COPY}/damp", 0], NOTE]),
+        ([(0x90, 60, 90), (0xE0, 0, 96)], [NOTE, [f"{COPY}/tune", 1]]),
+        ([(0xE1, 0, 64), (0x91, 60, 90), (0xE1, 0, 96), (0xE0, 0, 0)],
+         [NOTE, [f"{COPY}/tune", 24], [f"{COPY}/tune", 22]]),
+        ([(0xB0, 101, 0), (0xB0, 100, 6), (0xB0, 6, 15), (0xB3, 101, 0), (0xB3, 100, 0), (0xB3, 6, 12), (0x91, 60, 90),
+          (0xE1, 0, 96)], [NOTE, [f"{COPY}/tune", 6]]),
+        ([(0x91, 60, 90), (0xD1, 127)], [NOTE, [f"{COPY}/damp", 1]]),
+    ],
+)  # fmt: skip
+def test_a_keyboard_plays_as_its_players_expect(page: Any, events: list[tuple[int, ...]], said: list[Any]) -> None:
+    """Its pedal brings dampers, as the server's; MPE bends far, whether it says so or not."""
+    assert page.evaluate(KEYBOARD, events) == said
+
+
+BUTTONS = """async () => {
+  const { Carom } = await import("./carom.js");
+  const files = await Carom.fetch();
+  const carom = await Carom.open(new OfflineAudioContext(2, 480, files.map.rate), { files });
+  const tried = [["/panic", 1], ["/panic", 0], ["/panic", true], ["/gesture/none/stop", 0], ["/gesture/none/stop", 1]];
+  const told = ({ message }) => message;
+  return Promise.all(tried.map(([address, value]) => carom.send(address, value).then(() => "", told)));
+}"""
+
+
+def test_a_button_that_is_let_go_does_nothing(page: Any) -> None:
+    assert page.evaluate(BUTTONS) == ["", "", "", "", "none: no such gesture is running"]
 
 
 @pytest.mark.parametrize("size", [(390, 844), (844, 250)])

@@ -11,10 +11,14 @@ from tests import needs
 
 SCANNED = (
     carom.Scene, carom.Scene.new, carom.Scene.render, carom.Object.modes, carom.World, carom.World.body,
-    carom.World.pair, carom.World.sensor, carom.World.step, carom.Client, carom.render, carom.fit, carom.mesh,
+    carom.World.pair, carom.World.sensor, carom.World.step, carom.World.grains, carom.World.pour, carom.World.ring,
+    carom.World.score, carom.Client, carom.render, carom.fit, carom.mesh,
     carom.compare, carom.render_many, carom.rebuild,
 )  # fmt: skip
-FIELDS = (carom.Sound, carom.Report, carom.Hearing, carom.Listener, carom.Microphone, carom.Touch, carom.Pose)
+FIELDS = (
+    carom.Sound, carom.Report, carom.Hearing, carom.Listener, carom.Microphone, carom.Touch, carom.Pose, carom.Contact,
+    carom.Hit,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("named", SCANNED, ids=lambda each: each.__qualname__)

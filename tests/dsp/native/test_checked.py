@@ -162,6 +162,23 @@ def test_a_roll_has_the_same_bits_whatever_rolled_and_was_freed_before(preset, r
     np.testing.assert_array_equal(after, plain)
 
 
+STOOD = """0 /object/new z goblet
+0.05 /object/z/free 1
+1 /object/new b goblet
+1.05 /object/b/slide 0.2 surface wood seed 5"""
+
+
+@pytest.mark.slow
+def test_what_stands_and_is_rubbed_has_the_same_bits_whatever_stood_and_was_freed_before():
+    """Its feet have each other's places then: their forces are summed in the order in which they began."""
+    after, plain = (
+        play(Score(tuple(parse("\n".join(STOOD.splitlines()[first:]).encode(), "score")), 48_000, 256, 1.1), begin=1.0)
+        for first in (0, 2)
+    )
+    assert plain.any()
+    np.testing.assert_array_equal(after, plain)
+
+
 RUNG_OUT = """0 /object/new gone glockenspiel-bar
 0.1 /object/gone/free 1
 0.2 /object/new a tuning-fork

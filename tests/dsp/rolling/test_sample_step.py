@@ -108,6 +108,7 @@ def _energies(body, h, energies):
         body.y, body.w = state[0], state[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mu", "mobility"), [(0.0, 0.0), (15.0, 0.0), (0.0, 1e-5), (15.0, 1e-5)])
 @pytest.mark.parametrize("a", [1.0, 1.5, 2.5])
 @pytest.mark.parametrize("height", [0.5, 30.0, 1000.0])

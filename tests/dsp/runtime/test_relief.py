@@ -30,7 +30,7 @@ def response(omega: np.ndarray) -> np.ndarray:
 
 def test_a_steady_force_is_silent_and_a_slow_one_grows_as_its_frequency():
     alone, with_relief = np.abs(response(2 * np.pi * np.array([0.0, 10.0, 20.0, 100.0])))
-    assert with_relief[0] < 1e-12 * alone[0]
+    assert with_relief[0] < 1e-7 * alone[0]  # shapes are of single precision
     assert with_relief[2] / with_relief[1] == pytest.approx(2, rel=0.01)
     assert with_relief[3] < 0.05 * alone[3]
 

@@ -8,8 +8,7 @@ import time
 import pytest
 
 from carom.dsp.native.atomics import publish
-from carom.server.net.network import RECEIVE_BUFFER
-from carom.server.net.udp import CAPACITY
+from carom.server.net.udp import CAPACITY, RECEIVE_BUFFER
 from tests import needs
 from tests.server.net.sockets import A, send_in_time, taken, udp
 
