@@ -24,8 +24,8 @@ RESIDUAL = np.array([7e-3, 7e-4, 4e-4, 3e-5, 0.0])
 TOLERANCE = np.array([1e-1, 1e-1, 1e-1, 1e-2, 1e-7])
 """Tolerances of the coupled solver for it, on objects that outweigh the striker: sum r_i below LIGHT."""
 
-PARTS = np.array([1, 1, 2, 0, 0])
-"""Parts of a sample that lasting contacts are solved by in blocks (block.py), at least; 0: they are not."""
+IN_BLOCKS = np.array([True, True, True, False, False])
+"""Whether lasting contacts are solved in blocks (block.py)."""
 
 LIGHT = 1.0
 """sum r_i from which on the object swings back and is touched again and again, by which errors grow."""

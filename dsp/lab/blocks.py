@@ -8,9 +8,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..contact.block import begin_block, end_block, step_blocks
-from ..contact.block_parts import stiffness_at_rest
-from ..contact.block_records import ROWS, Block, Net, moments_of
-from ..contact.block_sizes import MOMENTS_AHEAD
+from ..contact.block_choice import is_eased
+from ..contact.block_records import TERMS, Block, Net
 from ..contact.block_tables import feel, settle_tables, take_answers, take_rows
 from ..contact.coupled import ContactLaw, begin_coupled, respond_with
 from ..contact.coupled_records import COUPLED_GROUP, Coupled
@@ -30,43 +29,42 @@ _TOLERANCE = 1e-3  # of samples that no block follows
 
 
 @kernel
-def lay(block: Block, modes: Modes, point: Point, room: Room) -> float:
+def lay(modes: Modes, point: Point, room: Room) -> float:
     """Lay out the free motion of a point over AHEAD samples, one row after the other; return where it is now (m)."""
     flat = room[1]
     for i in range(len(flat)):
         flat[i] = 0.0
-    return lay_motion(block.parts, AHEAD, modes, point, Work(room[0], room[2], False), flat)
+    return lay_motion(AHEAD, modes, point, Work(room[0], room[2], False), flat)
 
 
 @kernel
-def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: Room) -> None:
+def find_tables(block: Block, contact: Coupled, bank: Bank, room: Room) -> None:
     """Find what the force of one contact does to its own point."""
     modes, work, moments = bank.modes, bank.work, bank.moments
-    block.parts = parts
-    settle_tables(block.tables[0], contact.answer, parts, stiffness_at_rest(contact))
+    settle_tables(block.tables[0], contact.answer, is_eased(contact))
     n = len(modes.y1)
     struck = Modes(work[:n], work[n : 2 * n], modes.a1, modes.a2, modes.balance, modes.response)
-    for j in range(moments_of(block)):
+    for j in range(TERMS):
         for i in range(2 * n):
             work[i] = 0.0
         for k in range(KEPT):
             moments[k] = 1.0 if k == j else 0.0
         inject_kept(struck, bank.point, moments)
         ring_on(struck)
-        lay(block, struck, bank.point, room)
-        take_answers(block, block.tables[0], j, room[1], AHEAD, 0)
+        lay(struck, bank.point, room)
+        take_answers(block.tables[0], j, room[1], AHEAD, 0)
 
 
 @kernel
 def begin_alone(block: Block, contact: Coupled, bank: Bank, room: Room) -> None:
     """Begin a block of one contact with the modes as they are."""
-    place = lay(block, bank.modes, bank.point, room)
+    place = lay(bank.modes, bank.point, room)
     take_rows(block, room[1], 1.0, AHEAD)
-    begin_block(block, contact, place, contact.rest_force > 0.0)
+    begin_block(block, contact, place)
 
 
 @njit(error_model="numpy")
-def _simulate(solved, bank, room, case, parts, samples, times, out):
+def _simulate(solved, bank, room, case, samples, times, out):
     contacts, group, blocks, net = solved
     modes, point = bank.modes, bank.point
     contact, block = contacts[0].coupled, blocks[0]
@@ -78,7 +76,7 @@ def _simulate(solved, bank, room, case, parts, samples, times, out):
         receptance(modes, point, bank.work, bank.seen)
         respond_with(contact, bank.seen)
         block.gained = block.scale = 0.0
-        find_tables(block, contact, bank, parts, room)
+        find_tables(block, contact, bank, room)
         within, first = False, 0
         for t in range(samples):
             if not within or t - first == AHEAD:
@@ -88,7 +86,7 @@ def _simulate(solved, bank, room, case, parts, samples, times, out):
             if within:
                 feel(blocks, net, 1, t - first)
                 for j in range(KEPT):
-                    bank.moments[j] = block.moments[j] if j < MOMENTS_AHEAD else 0.0
+                    bank.moments[j] = block.moments[j]
                 inject_kept(modes, point, bank.moments)
             else:
                 end_block(block, contact)
@@ -100,29 +98,29 @@ def _simulate(solved, bank, room, case, parts, samples, times, out):
                 keep_sample(out[t], bank, contact)
 
 
-def _simulation(case: Case, parts: int) -> tuple[NDArray[np.void], Callable[..., None]]:
+def _simulation(case: Case) -> tuple[NDArray[np.void], Callable[..., None]]:
     contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
     blocks, net = np.zeros(1, dtype_of(Block)), np.zeros(1, dtype_of(Net))[0]
     net["size"], net["gain"], net["share"], net["stop"] = 1, 1.0, 1.0, AHEAD
-    room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * ROWS), np.zeros(ROOM_FOR_FACTORS)
+    room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * TERMS), np.zeros(ROOM_FOR_FACTORS)
     law = tuple(map(float, (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.rate)))
-    return contacts, partial(_simulate, (contacts, group, blocks, net), bank_of(case), room, law, parts)
+    return contacts, partial(_simulate, (contacts, group, blocks, net), bank_of(case), room, law)
 
 
-def simulate_blocks(case: Case, parts: int) -> Run:
-    """Simulate a case that begins on a sample in blocks, with the force in so many parts of a sample.
+def simulate_blocks(case: Case) -> Run:
+    """Simulate a case that begins on a sample in blocks.
 
     Return a Run: velocities (m/s), compression (m), energy (J) and contacts begun, float64 (samples,) each.
     """
-    contacts, simulation = _simulation(case, parts)
+    contacts, simulation = _simulation(case)
     out = np.empty((case.samples, 5))
     simulation(case.samples, 1, out)
     contact = contacts[0]["coupled"]
     return Run.of(out, int(contact["steps"]), int(contact["held"]))
 
 
-def blocks_loop(case: Case, samples: int, parts: int) -> Callable[[int], None]:
+def blocks_loop(case: Case, samples: int) -> Callable[[int], None]:
     """Return a function that simulates so many samples of a case the given number of times and keeps none, for
     `cost_of`."""
-    simulation = _simulation(case, parts)[1]
+    simulation = _simulation(case)[1]
     return lambda times: simulation(samples, times, NOT_KEPT)

@@ -12,7 +12,6 @@ from functools import partial
 import numpy as np
 
 from ..contact.accuracy import LEVELS, TOLERANCE
-from ..contact.block_sizes import MOST_PARTS
 from ..contact.coupled_step import HELD
 from ..contact.sampled import METHODS
 from ..numerics.checks import Array
@@ -35,7 +34,7 @@ _DEVIATION, _WRONG, _GROWTH, _STEPS, _NS = range(5)
 class Score:
     """Accuracy and cost of a solver on the contacts of a band.
 
-    setting: oversampling of a sampled method, tolerance of the coupled solver, parts of a sample in blocks, or dB asked
+    setting: oversampling of a sampled method, tolerance of the coupled solver, or dB asked
     of the engine. median,
     ninety: the median and the ninth decile of errors of the object's velocity (dB). wrong_counts: share of contacts
     that are counted wrongly. growth: worst growth of the energy. steps, ns: medians of the steps, and of the cost from
@@ -69,15 +68,12 @@ def _solvers(oversamplings: tuple[int, ...]) -> list[_Solver]:
         run = partial(simulate, tolerance=tolerance)
         return _Solver("coupled", tolerance, run, partial(simulation_loop, tolerance=tolerance))
 
-    def in_blocks(parts: int) -> _Solver:
-        return _Solver("blocks", parts, partial(simulate_blocks, parts=parts), partial(blocks_loop, parts=parts))
-
     tolerances = (HELD, *sorted(set(TOLERANCE.tolist()), reverse=True))
     return [
         *(sampled(method, n) for method in METHODS for n in oversamplings),
         _Solver("closed", 1, strike, striking_loop),
         *map(coupled, tolerances),
-        *map(in_blocks, range(1, MOST_PARTS + 1)),
+        _Solver("blocks", 1, simulate_blocks, blocks_loop),
     ]
 
 

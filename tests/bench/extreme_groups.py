@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from carom.dsp.bodies import Modes, listed
-from carom.dsp.contact.accuracy import LEVELS, PARTS
+from carom.dsp.contact.accuracy import IN_BLOCKS, LEVELS
 from carom.dsp.contact.collocation import elastic
 from carom.dsp.engine.memory.commands import Command, Handle, Kind
 from carom.dsp.engine.memory.state import QUANTUM, Solver
@@ -145,7 +145,7 @@ def main(count: int) -> int:
                 worst = max(worst, (rise, f"{rate:g} Hz, {len(case.modes.frequency)} modes, {case.strikers}"))
             infinite += engine.stats.faults
         print(f"{name}: growth {worst[0]:.2g}, {uncoupled} not coupled, {infinite} infinite; the worst {worst[1]}")
-        bad += worst[0] > (GROWTH_IN_BLOCKS if PARTS[level] > 0 else GROWTH.bound) or infinite > 0
+        bad += worst[0] > (GROWTH_IN_BLOCKS if IN_BLOCKS[level] else GROWTH.bound) or infinite > 0
     return bad
 
 

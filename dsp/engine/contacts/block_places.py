@@ -8,17 +8,9 @@ its own.
 
 import math
 
-from ...contact.block_parts import stiffness_at_rest
-from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of
-from ...contact.block_tables import (
-    AT_BEGIN,
-    AT_END,
-    go_on_from_end,
-    mix_tables,
-    settle_tables,
-    take_answers,
-    take_missed,
-)
+from ...contact.block_choice import is_eased
+from ...contact.block_records import AT_BEGIN, AT_END, TERMS, TOGETHER, Net, Tables
+from ...contact.block_tables import go_on_from_end, mix_tables, settle_tables, take_answers, take_missed
 from ...contact.coupled import answer_of
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import FINE
@@ -54,12 +46,12 @@ def put_amid(state: State, net: Net, contact: Contact) -> None:
 
 
 @noinline_kernel
-def settle_net(state: State, net: Net, parts: int) -> None:
-    """Find the tables of all contacts of a net whose block begins, for so many parts of a sample."""
+def settle_net(state: State, net: Net) -> None:
+    """Find the tables of all contacts of a net whose block begins."""
     for i in range(net.size):
         contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
-        if block.settled != contact.settled or block.parts != parts:
-            block.settled, block.parts = contact.settled, parts
+        if block.settled != contact.settled:
+            block.settled = contact.settled
             for j in range(TOGETHER):
                 block.tables[j].settled = 0
         if net.between == 0:
@@ -97,8 +89,8 @@ def _settle_between(state: State, net: Net) -> None:
         for j in range(net.size):
             if _moves(state, net, i, j):
                 share = 0.5 * (net.begin + net.stop) / QUANTUM
-                stiffness = _stiffness_in_step(state.contacts[net.contact[i]]) if i == j else 0.0
-                mix_tables(block, block.tables[j], share, LINE, state.scratch.fine, stiffness)
+                eased = i == j and is_eased(state.contacts[net.contact[i]].coupled)
+                mix_tables(block.tables[j], share, LINE, state.scratch.fine, eased)
         if state.contacts[net.contact[i]].travel > 0.0:
             put_amid(state, net, state.contacts[net.contact[i]])
 
@@ -123,7 +115,7 @@ def _go_on(state: State, net: Net) -> None:
     for i in range(net.size):
         for j in range(net.size):
             if _moves(state, net, i, j):
-                go_on_from_end(state.blocks[net.block[i]], state.blocks[net.block[i]].tables[j], LINE)
+                go_on_from_end(state.blocks[net.block[i]].tables[j], LINE)
 
 
 @kernel
@@ -147,12 +139,12 @@ def _settle_at(state: State, net: Net, end: int) -> None:
 def _settle_end(state: State, net: Net, i: int, j: int, end: int) -> None:
     """Find the tables of one contact's force at another one's points where they are at an end of the quantum."""
     contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
-    block, tables = state.blocks[net.block[i]], state.blocks[net.block[i]].tables[j]
+    tables = state.blocks[net.block[i]].tables[j]
     tables.settled = other.settled
     _find_answer(state, contact, other)
     for n in range(FINE):
         tables.ends[end * FINE + n] = state.scratch.fine[n]
-    _lay_all(state, contact, other, block, tables, LINE, AT_END if end == 1 else AT_BEGIN)
+    _lay_all(state, contact, other, tables, LINE, AT_END if end == 1 else AT_BEGIN)
 
 
 @noinline_kernel
@@ -160,22 +152,14 @@ def _settle_with(state: State, net: Net, i: int, j: int, samples: int) -> None:
     """Find what the force of one contact, j, does at another one's points, or its own: within a sample and in so many
     after it."""
     contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
-    block, tables = state.blocks[net.block[i]], state.blocks[net.block[i]].tables[j]
+    tables = state.blocks[net.block[i]].tables[j]
     _find_answer(state, contact, other)
-    stiffness = _stiffness_in_step(contact) if i == j else 0.0
-    settle_tables(tables, state.scratch.fine, block.parts, stiffness)
-    _lay_all(state, contact, other, block, tables, samples, 0)
+    settle_tables(tables, state.scratch.fine, i == j and is_eased(contact.coupled))
+    _lay_all(state, contact, other, tables, samples, 0)
     if bends_under(other):
-        place = lay_answers(state, block.parts, contact, other, BENT, samples)
+        place = lay_answers(state, contact, other, BENT, samples)
         own = contact.coupled.period**2 / contact.m if i == j else 0.0
-        take_missed(block, tables, state.scratch.rows, place, own)
-
-
-@kernel
-def _stiffness_in_step(contact: Contact) -> float:
-    """Return the stiffness (N/m) for which a body that rolls or slides is kept in step. Others take more parts: between
-    bodies that swing on each other for long, the correction leaves more than it takes."""
-    return stiffness_at_rest(contact.coupled) if contact.trait.along == 1 else 0.0
+        take_missed(tables, state.scratch.rows, place, own)
 
 
 @kernel
@@ -190,13 +174,11 @@ def _find_answer(state: State, contact: Contact, other: Contact) -> None:
 
 
 @noinline_kernel
-def _lay_all(
-    state: State, contact: Contact, other: Contact, block: Block, tables: Tables, samples: int, begin: int
-) -> None:
+def _lay_all(state: State, contact: Contact, other: Contact, tables: Tables, samples: int, begin: int) -> None:
     """Take the answers to all moments of a contact's force over so many samples; begin: as `take_answers` has it."""
-    for moment in range(moments_of(block)):
-        lay_answers(state, block.parts, contact, other, moment, samples)
-        take_answers(block, tables, moment, state.scratch.rows, samples, begin)
+    for moment in range(TERMS):
+        lay_answers(state, contact, other, moment, samples)
+        take_answers(tables, moment, state.scratch.rows, samples, begin)
 
 
 @kernel

@@ -2,8 +2,8 @@
 where nothing else acts on the object, or on those that share contacts with it.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
-decided for each quantum anew: while a contact of another kind acts, or too many do, and where a contact is too stiff
-for the parts of a sample, they go on sample by sample (contact_groups.py). So does a sample that they don't follow;
+decided for each quantum anew: while a contact of another kind acts, or too many do, and where a contact is too stiff,
+or loses too much, they go on sample by sample (contact_groups.py). So does a sample in which a press leaves;
 then another block begins. A body that moves over its object feels the modes where it comes to; what its force does to
 the samples after it is known for one place in each block.
 
@@ -13,11 +13,10 @@ a time, just before: later samples of all its contacts feel friction as they fee
 
 import math
 
-from ...contact.accuracy import PARTS
+from ...contact.accuracy import IN_BLOCKS
 from ...contact.block import begin_block, end_block, forget_energy, renew_block, step_blocks
-from ...contact.block_parts import is_long, parts_for
+from ...contact.block_choice import is_followed, is_long
 from ...contact.block_records import TOGETHER, Block, Net
-from ...contact.block_sizes import MOMENTS_AHEAD
 from ...contact.block_tables import feel, take_rows
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
@@ -38,7 +37,6 @@ from .contact_force import observe_points
 from .contact_list import acts, take_place, take_room_again
 from .coupled_rolls import PASSED, passed_by
 from .flights import release_spent
-from .linear_rests import may_be_linear, note_calm, run_linear
 from .presses import press
 from .rolls import feed_of, register_roll
 from .slides import rubs
@@ -51,22 +49,17 @@ _FEWEST = 8  # frames that are worth a block
 def solve_blocks(state: State, slot: int, frame: int) -> None:
     """Solve the lasting contacts of an object, and of those that share contacts with it, from a frame to the quantum's
     end, or to where another one touches, if they can be."""
-    obj, net = state.objects[slot], state.scratch.net
-    if obj.in_lanes >= 0:
-        net.begin = 0
-        _gather(state, net, slot, 0, True)
-        net.end, obj.in_lanes, obj.resumes = obj.in_lanes, -1, QUANTUM
-        _conclude(state, net, frame, net.stop)
-    elif begin_net(state, slot, frame):
+    net = state.scratch.net
+    if _begin_net(state, slot, frame):
         _solve(state, net, frame)
 
 
 @kernel
-def begin_net(state: State, slot: int, frame: int) -> bool:
+def _begin_net(state: State, slot: int, frame: int) -> bool:
     """Begin a block of those contacts from a frame on, or go on with it; true if there is one to be solved."""
     obj, net = state.objects[slot], state.scratch.net
     obj.resumes = QUANTUM
-    if PARTS[state.choices.accuracy] == 0:
+    if not IN_BLOCKS[state.choices.accuracy]:
         return False
     goes_on = obj.laid >= 0
     net.begin = obj.laid if goes_on else frame
@@ -75,14 +68,9 @@ def begin_net(state: State, slot: int, frame: int) -> bool:
             obj.resumes = frame + _FEWEST  # what touches may have left
         return False
     if not goes_on:
-        parts = _look(state, net)
-        if parts == 0:
+        if not _look(state, net):
             return False
-        if may_be_linear(state, net, parts, frame) and run_linear(state, net):
-            _hand_on_all(state, net, frame)
-            _resume(state, net, net.end)
-            return False
-        settle_net(state, net, parts)
+        settle_net(state, net)
         for i in range(net.size):
             _begin(state, net, i, frame)
     return True
@@ -93,7 +81,7 @@ def _solve(state: State, net: Net, frame: int) -> None:
     """Solve the contacts of a net from a frame on, as far as can be, or for a sample under friction."""
     stop = frame + 1 if net.rubs == 1 else net.stop
     if net.size == 1:
-        run_alone(state, frame, stop)
+        _run_alone(state, frame, stop)
     else:
         net.end = _run(state, net, net.size, frame, stop)
     _conclude(state, net, frame, stop)
@@ -110,7 +98,6 @@ def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
             obj.laid, obj.resumes = net.begin, net.end
     else:
         _leave(state, net, net.end)
-        note_calm(state, net, net.begin)
         _resume(state, net, net.end)
     _hand_on_all(state, net, frame)
 
@@ -125,14 +112,14 @@ def _hand_on_all(state: State, net: Net, frame: int) -> None:
 
 
 @noinline_kernel
-def run_alone(state: State, frame: int, stop: int) -> None:
+def _run_alone(state: State, frame: int, stop: int) -> None:
     """Solve the contact of a net that has no other from a frame to another: by code of its own, which is faster, and
     gives the same bits."""
     state.scratch.net.end = _run(state, state.scratch.net, 1, frame, stop)
 
 
 @noinline_kernel
-def step_net(state: State, n: int) -> bool:
+def _step_net(state: State, n: int) -> bool:
     """Take all contacts of the net through sample n of their block; false if it ends before."""
     return step_blocks(state.contacts, state.blocks, state.scratch.net, state.scratch.net.size, n)
 
@@ -286,12 +273,10 @@ def _has_place(state: State, contact: Contact) -> bool:
 
 
 @kernel
-def _look(state: State, net: Net) -> int:
-    """Return the parts of a sample that follow all contacts; 0 if none do. A body that moves over its object, and has
+def _look(state: State, net: Net) -> bool:
+    """True if a block follows all contacts. A body that moves over its object, and has
     no tables between the quantum's ends, is put where it is amid the block: its force is answered as there."""
-    level = state.choices.accuracy
-    least: int = PARTS[level]
-    parts = 1
+    follows = True
     net.between = 1 if go_on_lines(state, net) else 0
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
@@ -301,13 +286,8 @@ def _look(state: State, net: Net) -> int:
         if contact.unsettled == 1:
             observe_points(state, contact)
         take_room_again(state, contact)
-        trait, coupled = contact.trait, contact.coupled
-        rolls = trait.along == 1 and trait.slips == 0
-        needed = parts_for(coupled, 1 if trait.single == 1 else least, trait.rests == 1, level > 0, rolls)
-        if needed == 0:
-            return 0
-        parts = max(parts, needed)
-    return parts
+        follows &= is_followed(contact.coupled, contact.trait.rests == 1)
+    return follows
 
 
 @noinline_kernel
@@ -318,18 +298,18 @@ def _begin(state: State, net: Net, i: int, frame: int) -> None:
         block.touch = contact.number
         forget_energy(block)
     scale, place = 1.0 / contact.now.gain, 0.0
-    clear_rows(state, block.parts)
+    clear_rows(state)
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
             if side == 0 and contact.travel > 0.0 and point.on_surface == 0:
                 modes = modes_of(state, state.objects[point.slot], 0, point.modes)
-                place += scale * lay_moving(state, contact, block.parts, frame, net.stop, modes)
+                place += scale * lay_moving(state, contact, frame, net.stop, modes)
             else:
-                place += scale * lay_contact(state, contact, side, block.parts, whole_lanes(net.stop - frame))
+                place += scale * lay_contact(state, contact, side, whole_lanes(net.stop - frame))
     take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame))
     rolls = contact.trait.along == 1
-    begin_block(block, contact.coupled, place, rolls)
+    begin_block(block, contact.coupled, place)
     if rolls:
         begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
     else:
@@ -348,12 +328,12 @@ def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
         if size == 1:
             taken = step_blocks(state.contacts, state.blocks, net, 1, n - net.begin)
         else:
-            taken = step_net(state, n - net.begin)
+            taken = _step_net(state, n - net.begin)
         if not taken:
             return n
         for i in range(size):
             feed, moments = state.feeds[net.block[i], BEHIND + n], state.blocks[net.block[i]].moments
-            for k in range(MOMENTS_AHEAD):
+            for k in range(KEPT):
                 feed[k] = moments[k] = net.share[i] * moments[k]
     return stop
 

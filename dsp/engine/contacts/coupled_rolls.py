@@ -22,9 +22,9 @@ import math
 
 import numpy as np
 
-from ...contact.accuracy import LEVELS, PARTS, STEPS_A_RADIAN
+from ...contact.accuracy import IN_BLOCKS, LEVELS, STEPS_A_RADIAN
 from ...contact.block import renew_block
-from ...contact.block_parts import parts_along, swing_of
+from ...contact.block_choice import follows, swing_of
 from ...contact.block_records import TOGETHER
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
@@ -74,8 +74,8 @@ def couple_roll(state: State, contact: Contact) -> None:
     lightness = 1.0 + mass * _mobility_here(state, contact, math.inf)
     turn, loss = omega_c * math.sqrt(lightness) / state.rate, roll.mu * gravity * lightness / state.rate
     rolls = contact.trait.slips == 0
-    follows = gives > _RIGID and parts_along(turn, loss, 1.0 / state.rate, PARTS[level], rolls) > 0
-    feels = (gives_way or follows) and not holds_steps(state)
+    fits = gives > _RIGID and IN_BLOCKS[level] and follows(turn, loss, 1.0 / state.rate)
+    feels = (gives_way or fits) and not holds_steps(state)
     if not rolls:
         slide = state.slides[contact.roll]
         slide.turned = turn * turn / _stiffens(contact, mass * gravity)
@@ -89,7 +89,7 @@ def couple_roll(state: State, contact: Contact) -> None:
             modes += state.objects[contact.point[side].slot].size
     room, steps = room_for_coupling(state), state.choices.budget.steps
     crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
-    if crowded or (steps > 0 and _needed(state, contact, turn, follows) > steps):
+    if crowded or (steps > 0 and _needed(state, contact, turn, fits) > steps):
         state.stats.over_budget += 1
         return
     roll.mobility = 0.0
@@ -103,7 +103,7 @@ def couple_roll(state: State, contact: Contact) -> None:
 
 
 @noinline_kernel
-def _needed(state: State, contact: Contact, turn: float, follows: bool) -> float:
+def _needed(state: State, contact: Contact, turn: float, fits: bool) -> float:
     """Return the steps in a sample that a contact which swings by `turn` rad in one takes.
 
     What no block follows takes them with those coupled already that share objects with it, or with another of them: as
@@ -113,7 +113,7 @@ def _needed(state: State, contact: Contact, turn: float, follows: bool) -> float
     count, together = _count_beside(state, contact), 1
     if count >= TOGETHER:
         return math.inf
-    if not follows:
+    if not fits:
         together += count
         for i in range(1, together):
             turn = max(turn, swing_of(state.contacts[state.scratch.candidates[i]].coupled))

@@ -37,7 +37,6 @@ def fill_unused(state: State) -> None:
     fill_bytes(scratch.fine, byte)
     fill_bytes(scratch.observed, byte)
     fill_bytes(scratch.net, byte)
-    fill_bytes(scratch.lanes, byte)
     fill_bytes(scratch.rows, byte)
     fill_bytes(scratch.moving, byte)
     fill_bytes(scratch.drift, byte)

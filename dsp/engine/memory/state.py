@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact.accuracy import DEFAULT
-from ...contact.block_records import ROWS, Block, Net
+from ...contact.block_records import TERMS, Block, Net
 from ...contact.coupled_records import CoupledGroup
-from ...contact.lanes_record import Lanes
 from ...contact.step_record import SERIES_COUNT
 from ...karman.layout import SHEETS, TABLE_VALUES, Sheet, Space
 from ...native import CHECKED
@@ -208,7 +207,6 @@ class Object(Record):
     resumes: int  # frame at which its rolls are to be solved ahead again; QUANTUM: none
     apart: int  # frames from the end of a block to the next one
     laid: int  # frame at which its block began that goes on, a sample at a time; -1: none
-    in_lanes: int  # frame up to which its roll was solved in lanes; -1: it was not
     rolls_head: int  # head of the list of rolls on it, 2 contact + side; -1: none
     energy: float  # sum of squares of its share of the mix
 
@@ -251,9 +249,8 @@ class Scratch(Record):
     fine: Annotated[View[float], SERIES_COUNT]  # FINE of them, and room
     observed: Annotated[View[float], FINE]
     net: Net  # rolls that are solved in blocks together
-    lanes: Lanes  # those that are alone on their objects, several together
-    rows: Annotated[View[float], AHEAD * ROWS]  # of a point's motion over a quantum
-    moving: Annotated[View[float], AHEAD * ROWS]  # of what that changes by as the point moves on
+    rows: Annotated[View[float], AHEAD * TERMS]  # of a point's motion over a quantum
+    moving: Annotated[View[float], AHEAD * TERMS]  # of what that changes by as the point moves on
     drift: Annotated[View[float], 4]  # of a point's weights
     room: Annotated[View[float], ROOM_FOR_ROWS]  # to lay them out
     receptance: Annotated[View[float], FINE]
@@ -392,7 +389,7 @@ class State(Record):
     rolls: Annotated[View[Roll], ROLLS]
     blocks: Annotated[View[Block], ROLLS]  # of those that feel all modes
     factors: Annotated[View2D[float], ROLLS + 1, ROOM_FOR_FACTORS]  # of their points' modes in rows; a spare one,
-    factors_of: Annotated[View[int], ROLLS]  # and the receptance and the parts of a sample that they are of
+    factors_of: Annotated[View[int], ROLLS]  # and the receptance that they are of
     slides: Annotated[View[Slide], ROLLS]  # what those that slide have besides
     feeds: Annotated[
         View3D[float], DRIVEN, BEHIND + QUANTUM + LEAD, KEPT
