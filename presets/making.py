@@ -38,7 +38,7 @@ def made(
     Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
     give what is computed of it other last bits.
     """
-    key = (make, top, *best, *sorted(arguments.items()))
+    key = (make, top, *best, on_disk, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
         modes = stored.read(key) if on_disk else None

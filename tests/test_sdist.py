@@ -65,7 +65,7 @@ LINES = (
     "compare a.wav a.wav",
     "fit a.wav fitted --name bell --no-report --modes 5",
     "dataset recipe.toml set --count 1",
-    "mesh box.obj meshed --name box --material steel --modes 3 --points 50 --no-report",
+    "mesh box.obj meshed --name box --scale 0.1 --material steel --modes 3 --points 50 --no-report",
     "presets church-bell",
     "doctor",
 )
