@@ -142,14 +142,14 @@ def _clicks(rows: Any) -> tuple[Click, ...]:
 def _packed_table(name: str, table: NDArray[np.float64]) -> dict[str, NDArray[Any]]:
     """Return the arrays of a table of shapes (P, n): the exponents of its columns' scales, 1 for those that polynomials
     tell, their coefficients, and the steps from row to row of all others."""
-    single = table.astype(np.float32)
-    scale = scale_of(single)
-    by_terms = told_by_terms(single) if len(single) >= LEAST_ROWS else np.zeros(scale.shape, bool)
-    others = multiples_of(single[:, ~by_terms], scale[~by_terms])
+    narrow = table.astype(np.float32)
+    scale = scale_of(narrow)
+    by_terms = told_by_terms(narrow) if len(narrow) >= LEAST_ROWS else np.zeros(scale.shape, bool)
+    others = multiples_of(narrow[:, ~by_terms], scale[~by_terms])
     return {
         f"{name}.scale": np.frexp(scale)[1].astype(np.int16),
         f"{name}.by_terms": by_terms,
-        f"{name}.terms": coefficients_of(single[:, by_terms], scale[by_terms]).astype(np.int32),
+        f"{name}.terms": coefficients_of(narrow[:, by_terms], scale[by_terms]).astype(np.int32),
         f"{name}.steps": np.diff(others, axis=0, prepend=0).astype(np.int32),
     }
 
