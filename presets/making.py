@@ -14,8 +14,7 @@ from ..dsp.bodies.modes import Modes, Unheard, read_only
 from ..dsp.bodies.small import heard_or_felt
 from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
-from . import stored
-from .settled import settle
+from . import settled, stored
 
 KEPT_BYTES = 64_000_000
 """Bytes of modes that are kept. The modes of all presets take 13 MB at 48 kHz; the largest object there can be takes
@@ -32,13 +31,13 @@ def made(
     on_disk: bool = False,
 ) -> Modes:
     """Return the modes that a shape makes of hashable arguments, up to `top` (Hz), those that are the best. spares: the
-    shape takes `best` as an argument. on_disk: they are as a preset has them: read them there, or write them for later
-    processes, with the bits that they have everywhere.
+    shape takes `best` as an argument. on_disk: read them there, or write them for later processes. Those of a built-in
+    object have the bits that they have everywhere.
 
     Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
     give what is computed of it other last bits.
     """
-    key = (make, top, *best, on_disk, *sorted(arguments.items()))
+    key = (make, top, *best, settled.taken, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
         modes = stored.read(key) if on_disk else None
@@ -48,9 +47,8 @@ def made(
                     modes = heard_or_felt(make, top, best, **arguments)
                 else:
                     modes = best.of(heard_or_felt(make, top, **arguments))
-                modes = _contiguous(modes)
+                modes = _contiguous(settled.settle(modes))
             if on_disk:
-                modes = _contiguous(settle(modes))
                 stored.write(key, modes)
         read_only(*_arrays(modes))
         _kept.put(key, modes)

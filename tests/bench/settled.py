@@ -37,7 +37,7 @@ def write_tables() -> None:
 
 
 def write_modes() -> None:
-    presets, count, index = Presets(), 0, []
+    presets, count, index, modes.taken = Presets(), 0, [], False
     with zipfile.ZipFile(modes.FILE, "w", zipfile.ZIP_LZMA) as file:
 
         def add(key: str, values: NDArray[Any]) -> None:
@@ -48,8 +48,7 @@ def write_modes() -> None:
 
         for name in presets.names("objects"):
             preset = presets.object(name)
-            # With a value given, though it is that of the file, the modes are those computed.
-            found = preset.replace(level=preset.level).modes(top_of(RATE))
+            found = preset.modes(top_of(RATE))
             index.append((found.pitch, found.frequency.size, name))
             arrays = {"frequency": np.float32(found.frequency)}
             if preset.shape in SOLVED or (found.sheet is not None and found.sheet.parts):
