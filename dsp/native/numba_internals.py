@@ -6,6 +6,7 @@ name and numba's version.
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -29,6 +30,7 @@ from numba.np import arrayobj
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from .checked import changes
+from .targets import Target
 
 __all__ = [
     "cgutils",
@@ -78,9 +80,11 @@ def register_opaque(kind: type) -> None:
     register_default(kind)(models.OpaqueModel)
 
 
+@cache
 def target_machine() -> Any:
-    """Return LLVM's maker of machine code that numba uses."""
-    return cpu_target.target_context.codegen()._tm
+    """Return the processor that kernels are translated and judged for: one for all, so that no kernel is refused, or
+    written otherwise, on another."""
+    return Target("linux", "x86-64-v2").machine()
 
 
 def pointer_of(parts: Any) -> Any:
@@ -98,7 +102,7 @@ class _OwnCode(JITCodeLibrary):
         the loop twice. A loop around a call doubles all that is called.
         """
         ll_module.data_layout = self._codegen._data_layout
-        builder = llvm.create_pass_builder(self._codegen._tm, llvm.create_pipeline_tuning_options(speed_level=1))
+        builder = llvm.create_pass_builder(target_machine(), llvm.create_pipeline_tuning_options(speed_level=1))
         passes = llvm.create_new_function_pass_manager()
         passes.add_sroa_pass()
         passes.add_simplify_cfg_pass()
