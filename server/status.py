@@ -72,7 +72,7 @@ FIELDS = {
     "dropped": "datagrams dropped by the server, for lack of room",
     "dropped_by_system": "datagrams dropped by the system, for lack of room",
     "outdated": "questions by datagram that were dropped after 2 s",
-    "replies_dropped": "replies that a client was too slow to read",
+    "replies_dropped": "replies that a client was too slow to read: by datagram as far as Linux says, on this machine",
     "connections": "TCP clients",
     "waiting": "clients whose messages wait for an object to be made, or for their turn",
     "full_scale": "pressure of full scale, of objects of level 0, Pa",

@@ -16,10 +16,11 @@ from ..osc.urgency import Urgency, urgency
 from ..osc.wire import Message, encode
 from .places import PAUSE, Complaint, NoDescriptorError, Places, accepted, most_places
 from .remote import Doorway, Remote
-from .reply_budget import Allowance, Nets
+from .reply_budget import Allowance, Nets, local
 from .rotation import Rotation
 from .tcp import Connection, turn_away
 from .udp import Caller, Intake, bound, dropped_by_system
+from .unread import Unread
 
 MOST_CONNECTIONS = 64
 MOST_OF_HOST = 32
@@ -82,6 +83,7 @@ class Network:
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._unended: set[Connection] = set()  # a first packet of theirs has not ended yet
         self._allowance = Allowance(trusted)
+        self._unread = Unread()
         self._udp, self._listener = bound(host, port)
         self.doorway = Doorway()
         self._intake = Intake(self._udp)
@@ -112,11 +114,13 @@ class Network:
         """Numbers of datagrams that found no room here or in the system's buffer, of questions that waited for too
         long, and of replies that were dropped."""
         return {
-            "dropped": self._intake.dropped + self._refused,
+            **self._received(),
             "dropped_by_system": dropped_by_system(self._udp),
-            "outdated": self._outdated,
-            "replies_dropped": self._replies_dropped,
+            "replies_dropped": self._replies_dropped + self._unread.count(),
         }
+
+    def _received(self) -> dict[str, int]:
+        return {"dropped": self._intake.dropped + self._refused, "outdated": self._outdated}
 
     def receive(self, timeout: float, aside_of: Source | None = None) -> tuple[bytes, Source] | None:
         """Receive the next packet and its source, or None if none arrives within `timeout` seconds, or before `wake`.
@@ -291,6 +295,8 @@ class Network:
             sent = to.send(packet)
         elif sent := self._allowance.take(to[0], len(packet)):
             try:
+                if local(to[0]):
+                    self._unread.send_to(to[1])
                 self._udp.sendto(packet, _NEVER_WAIT, to)
             except BlockingIOError:
                 sent = False
@@ -309,7 +315,7 @@ class Network:
 
     def losses(self) -> list[tuple[str, tuple[str, int]]]:
         """Return what was lost of datagrams since the last call, and who sent the last of them."""
-        new = Counter(self.counts) - self._told
+        new = Counter(self._received()) - self._told
         self._told += new
         lost = []
         if new["dropped"]:
