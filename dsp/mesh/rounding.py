@@ -15,6 +15,9 @@ CREASE = 0.77
 """Cosine of the angle between two faces: a sharper edge is one."""
 
 _WAY = 0.5  # to the corners' planes
+_GROWS = 1.15
+"""Times its area that a triangle has at most when it is round: one of a ball whose faces turn by a crease from each
+other, the most that is rounded, has 1.09. More is of a strip that twists, whose normals tell of no round thing."""
 
 
 def corner_normals(surface: Surface) -> Array:
@@ -71,12 +74,21 @@ def middles_of(surface: Surface) -> Array:
 
 
 def quartered(surface: Surface) -> Surface:
-    """Return a surface each triangle of which is four."""
+    """Return a surface each triangle of which is four; the edges of one that would grow too much stay straight."""
     _, number, _ = edges_of(surface.faces)
     a, b, c = surface.faces.T
     x, y, z = len(surface.points) + number.T
     faces: Indices = np.concatenate([np.stack(each, axis=1) for each in ((a, x, z), (x, b, y), (z, y, c), (x, y, z))])
-    return Surface(np.vstack([surface.points, middles_of(surface)]), faces)
+    ends = np.stack([surface.faces, np.roll(surface.faces, -1, axis=1)], axis=2)
+    chords = np.zeros((number.max() + 1, 3))
+    chords[number] = surface.points[ends].mean(axis=2)
+    middles, most = middles_of(surface), _GROWS * faces_of(surface).areas
+    while True:
+        made = Surface(np.vstack([surface.points, middles]), faces)
+        grown = number[faces_of(made).areas.reshape(4, -1).sum(axis=0) > most]
+        if (middles[grown] == chords[grown]).all():
+            return made
+        middles[grown] = chords[grown]
 
 
 def _angles(surface: Surface) -> Array:
