@@ -113,9 +113,11 @@ class Network:
     def counts(self) -> dict[str, int]:
         """Numbers of datagrams that found no room here or in the system's buffer, of questions that waited for too
         long, and of replies that were dropped."""
+        received = self._received()
         return {
-            **self._received(),
+            "dropped": received["dropped"],
             "dropped_by_system": dropped_by_system(self._udp),
+            "outdated": received["outdated"],
             "replies_dropped": self._replies_dropped + self._unread.count(),
         }
 
@@ -310,7 +312,7 @@ class Network:
         return not isinstance(source, Connection) or (source in self._connections and not source.deaf)
 
     def forgets(self, source: Source) -> bool:
-        """True if a source is told nothing more once it is silent: one that may have been forged."""
+        """True if a source gets nothing more once it is silent: one that may have been forged."""
         return isinstance(source, tuple) and not self._allowance.trusts(source[0])
 
     def losses(self) -> list[tuple[str, tuple[str, int]]]:
