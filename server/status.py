@@ -103,7 +103,7 @@ class LowestGain:
         """Return the lowest gain since this client last asked; at its first question, since any client did.
 
         The audio thread lowers the engine's value while this reads it and sets it back to 1: of one quantum in between
-        the lowest gain may be lost, or be told again at the next question.
+        the lowest gain may be lost, or be repeated at the next question.
         """
         self._collect()
         answer = self._since.pop(client, self._since_any)

@@ -51,7 +51,7 @@ class Teller:
 
     @property
     def untold(self) -> int:
-        """Contacts that were not told, as there were too many."""
+        """Contacts that were not reported, as there were too many."""
         return self._untold + (self._watch.lost if self._watch else 0)
 
     def look(self) -> dict[str, str]:

@@ -117,7 +117,7 @@ def model_of(
 ) -> Model:
     """Return the model of a mesh of points (n, 3) in m and faces (m, 3), of one material or of several.
 
-    say: is told what is done now, and how much of the whole is done, 0 to 1. MeshError says why there is none.
+    say: called with what is done now, and how much of the whole is done, 0 to 1. MeshError says why there is none.
     """
     _require(wanted)
     say = say or _silent

@@ -1,4 +1,4 @@
-"""A blow that is told again, with another velocity or position: its command is written as it was translated before."""
+"""A blow that is repeated, with another velocity or position: its command is written as it was translated before."""
 
 from collections.abc import Hashable
 from typing import NamedTuple
@@ -36,7 +36,7 @@ class Repeated:
     position."""
 
     def __init__(self, session: Session, known: dict[Hashable, Blow]) -> None:
-        """Take a session, and what is remembered of those that were told the same but for the sizes of their objects:
+        """Take a session, and what is remembered of those that were the same but for the sizes of their objects:
         no law follows from these."""
         self._session, self._ring = session, session.engine.ring
         entries, values = self._ring.entries, self._ring.entries["values"]
@@ -73,7 +73,7 @@ class Repeated:
         return True
 
     def remember(self, message: Message) -> None:
-        """Remember the blow that a message told, if it can be told again; nothing was carried out since."""
+        """Remember the blow of a message, if it can be repeated; nothing was carried out since."""
         target = calls(message)[0].target
         obj, given = self._session.objects.get(target), dict(zip(message.args[1::2], message.args[2::2], strict=False))
         n = (self._ring.sent - 1) % RING

@@ -34,7 +34,7 @@ _HEAD = struct.Struct(">qiii")
 
 
 class SocketClient(Remote):
-    """The client of a web socket. Its `listens` are the addresses whose values it wants to be told."""
+    """The client of a web socket. Its `listens` are the addresses whose values it wants to get."""
 
     def __init__(
         self, socket: web.WebSocketResponse, network: Network, host: str, stranger: bool,
