@@ -125,7 +125,7 @@ class LowestGain:
 
 
 class Status:
-    """Answers /status and /version, and tells what went wrong since the last look."""
+    """Answers /status and /version, and reports what went wrong since the last look."""
 
     def __init__(self, engine: Engine, player: Player, names: Callable[[], Mapping[int, str]]) -> None:
         """Begin to observe an engine and its player. names: of the objects, by their places in the engine."""

@@ -32,7 +32,7 @@ class Blow(NamedTuple):
 
 
 class Repeated:
-    """Blows on the objects of a session that no message changes, by all of what tells them but velocity and
+    """Blows on the objects of a session that no message changes, by all of what defines them but velocity and
     position."""
 
     def __init__(self, session: Session, known: dict[Hashable, Blow]) -> None:
@@ -47,7 +47,7 @@ class Repeated:
 
     def send(self, message: Message, time: float) -> bool:
         """Carry out a message at a time (samples), as `Session.perform` does; False, and nothing is done, where it
-        tells no blow that is remembered, or one that has to be looked at."""
+        is no blow that is remembered, or one that has to be looked at."""
         told, velocity, position = _parts(message)
         blow = self._known.get(told)
         if blow is None or not isinstance(velocity, int | float) or not isinstance(position, int | float | None):
@@ -89,7 +89,7 @@ class Repeated:
 
 
 def _parts(message: Message) -> tuple[tuple[Argument, ...], Argument, Argument]:
-    """Return all that a message tells but the velocity and the position of a blow, and these; None where it has
+    """Return all parts of a message but the velocity and the position of a blow, and these; None where it has
     none."""
     args = list(message.args)
     velocity, position = args[0] if args else None, None

@@ -96,7 +96,7 @@ class Transaction:
 
     @property
     def world(self) -> "TellsWorld":
-        """The simulation that messages tell."""
+        """The simulation that messages report."""
         return self.world_of()
 
     def add(self, command: Command, sent: Sent) -> None:
