@@ -113,16 +113,12 @@ class Network:
     def counts(self) -> dict[str, int]:
         """Numbers of datagrams that found no room here or in the system's buffer, of questions that waited for too
         long, and of replies that were dropped."""
-        received = self._received()
         return {
-            "dropped": received["dropped"],
+            "dropped": self._intake.dropped + self._refused,
             "dropped_by_system": dropped_by_system(self._udp),
-            "outdated": received["outdated"],
+            "outdated": self._outdated,
             "replies_dropped": self._replies_dropped + self._unread.count(),
         }
-
-    def _received(self) -> dict[str, int]:
-        return {"dropped": self._intake.dropped + self._refused, "outdated": self._outdated}
 
     def receive(self, timeout: float, aside_of: Source | None = None) -> tuple[bytes, Source] | None:
         """Receive the next packet and its source, or None if none arrives within `timeout` seconds, or before `wake`.
@@ -317,7 +313,7 @@ class Network:
 
     def losses(self) -> list[tuple[str, tuple[str, int]]]:
         """Return what was lost of datagrams since the last call, and who sent the last of them."""
-        new = Counter(self._received()) - self._told
+        new = Counter(self.counts) - self._told
         self._told += new
         lost = []
         if new["dropped"]:
