@@ -95,7 +95,7 @@ site: $(DEV)  ## build a web site from the pages, with sounds and the demo, in b
 attack: $(DEV)  ## try to break what SECURITY.md promises, for 15 minutes, with a seed of its own
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.bench.attack
 
-study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simulators, meshes, extreme contacts, a long evening, threads that hog, a million packets
+study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simulators, meshes, files of other packages, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.decays
 	$(BIN)/python -m tests.bench.harmonics
@@ -108,6 +108,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simu
 	$(BIN)/python -m tests.bench.datasets
 	$(BIN)/python -m tests.bench.meshes --json tests/measured/meshes.json
 	$(BIN)/python -m tests.bench.meshes --only accuracy --fine --json tests/measured/meshes.json
+	$(BIN)/python -m tests.bench.corpus --models
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.extreme_groups
 	$(BIN)/python -m tests.bench.rests

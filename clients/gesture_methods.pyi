@@ -33,6 +33,7 @@ class ImpactKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    impulse: SupportsFloat
     direction: Sequence[SupportsFloat]
     by_direction: Sequence[SupportsFloat]
 

@@ -17,6 +17,8 @@ LONGEST = 120.0
 """s, of a recording."""
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 384_000  # Hz
+_UNKNOWN = 2**63 - 1
+"""Frames of a file that does not tell how many it has."""
 _ENDINGS = {f".{name.lower()}" for name in soundfile.available_formats()} | {".aif", ".oga"}
 
 
@@ -54,14 +56,19 @@ def read(path: Path, mixed: bool = False) -> Recording:
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     try:
         info = soundfile.info(path)
-        if info.frames > LONGEST * info.samplerate:
-            raise RecordingError(
-                f"{path}: {info.frames / info.samplerate:.0f} s long: expected at most {LONGEST:g} s, cut to strikes"
-            )
-        samples, rate = soundfile.read(path, always_2d=True)
+        most = int(LONGEST * info.samplerate)
+        if most < info.frames < _UNKNOWN:
+            seconds = info.frames / info.samplerate
+            raise RecordingError(f"{path}: {seconds:.0f} s long: expected at most {LONGEST:g} s, cut to strikes")
+        samples, rate = soundfile.read(path, most + 1, always_2d=True)
+        if len(samples) > most:
+            raise RecordingError(f"{path}: longer than {LONGEST:g} s: expected less, cut to strikes")
     except soundfile.LibsndfileError as error:
         why = str(error.error_string).rstrip(".")
-        expected = f"expected a sound file; `ffmpeg -i {path.name} {path.stem}.wav` converts what it can read"
+        if why.startswith("File does not exist"):  # said of files that are empty, or too short to be any sound
+            why = "it holds no sound"
+        to = f"{path.stem}.wav" if path.suffix.lower() != ".wav" else f"{path.stem}-plain.wav"
+        expected = f"expected a sound file; `ffmpeg -i {path.name} {to}` converts what it can read"
         raise RecordingError(f"{path}: {why}: {expected}") from None
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:
         raise RecordingError(f"{path}: {rate} Hz: expected {LOWEST_RATE} to {HIGHEST_RATE} Hz")

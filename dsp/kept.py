@@ -16,13 +16,13 @@ sent."""
 
 
 def forget() -> None:
-    """Forget all that nobody has asked for lately."""
+    """Forget all that nobody has requested lately."""
     for each in tuple(_everything):
         each.forget()
 
 
 class Kept(Generic[_Key, _Value]):
-    """Values by keys, those asked for last: no more than so many bytes, none older than SECONDS once one is asked for.
+    """Values by keys, those requested last: no more than so many bytes, none older than SECONDS once one is requested.
 
     Any thread may ask.
     """
@@ -60,7 +60,7 @@ class Kept(Generic[_Key, _Value]):
                 self._forget(entry[1])
 
     def forget(self) -> None:
-        """Forget what nobody has asked for lately."""
+        """Forget what nobody has requested lately."""
         with self._lock:
             self._forget(time.monotonic())
 

@@ -25,6 +25,8 @@ class Gesture:
     help: str
     argument: Parameter
     keys: tuple[Parameter, ...] = ()
+    instead: str = ""
+    """The key that may be given in place of the argument."""
     fixed: tuple[str, ...] = ()
     """Keys that can be steered elsewhere, but not in this gesture."""
     repeats: bool = False
@@ -145,6 +147,7 @@ VELOCITY = Parameter(
     "velocity", 0.0, 1000.0, "m/s", "speed of the striker as it meets the object; 0 does nothing", useful=(0.01, 5.0),
     otherwise=_OBJECTS,
 )  # fmt: skip
+IMPULSE = Parameter("impulse", 0.0, 1e6, "N s", "impulse of the blow, in place of `velocity`", useful=(1e-4, 1.0))
 HEIGHT = Parameter("height", 0.0, 1000.0, "m", "height of the drop", useful=(0.01, 2.0), otherwise=_OBJECTS)
 THROW = Parameter(
     "velocity", -100.0, 100.0, "m/s", "speed of a throw: downwards, or upwards below 0", default=0.0, useful=(-5.0, 5.0)
@@ -180,7 +183,9 @@ TRAVEL = Parameter(
     default=0.0, useful=(0.0, 2.0),
 )  # fmt: skip
 
-IMPACT = Gesture("impact", "strikes the object once; with `by`, another object strikes it, and both ring", VELOCITY)
+IMPACT = Gesture(
+    "impact", "strikes the object once; with `by`, another object strikes it, and both ring", VELOCITY, (IMPULSE,),
+    instead="impulse")  # fmt: skip
 BOUNCE = Gesture(
     "bounce", "drops or throws the striker on the object, where it bounces until it lies still", HEIGHT,
     (
@@ -287,9 +292,8 @@ REST = Gesture(
     "rest", "lays the object on another one or on a support, until it is stopped: both ring shorter, and may buzz",
     LOAD,
     (
-        replace(
-            BY_POSITION, help="position on the strike path of the other object", steerable=True, glide=POSITION.glide
-        ),
+        replace(BY_POSITION, help="position on the strike path of the other object", steerable=True,
+            glide=POSITION.glide),
     ),
     fixed=("gain",), rests=True, what="another object, or a support: felt, foam, finger, palm or table",
 )  # fmt: skip
@@ -408,14 +412,10 @@ SHATTER = Gesture(
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),
         replace(HEIGHT, help="greatest height from which a piece falls", default=0.1),
         Parameter("steepness", 1.01, 3.0, "", "b in the distribution m^-b of the pieces' masses", default=1.35),
-        replace(
-            MASS, name="wall_mass", help="mass of all pieces as thick as the striker; 0: the object's", useful=None,
-            default=0.0, or_zero=True,
-        ),
-        replace(
-            MASS, name="thick_mass", help="mass of the thick parts, such as foot, bottom and neck; 0: none",
-            useful=None, default=0.0, or_zero=True,
-        ),
+        replace(MASS, name="wall_mass", help="mass of all pieces as thick as the striker; 0: the object's",
+            useful=None, default=0.0, or_zero=True),
+        replace(MASS, name="thick_mass", help="mass of the thick parts, such as foot, bottom and neck; 0: none",
+            useful=None, default=0.0, or_zero=True),
         Parameter("thick_ratio", 0.1, 10.0, "times", "thickness of the thick parts, in that of the striker",
             default=2.5),
         Parameter("thick_parts", 1, MOST_PIECES, "", "number of thick parts", default=1.0, whole=True),

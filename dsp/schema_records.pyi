@@ -85,6 +85,7 @@ class Values(Record):
     own_level: float
     level: float
     stage: float
+    impulse: float  # N s
     gravity: float  # m/s^2
     irregularity: float
     seed: float

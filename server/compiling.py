@@ -19,7 +19,7 @@ _OVERHEAD = 256  # bytes that a packet takes besides its own
 def wait_for_code(network: Network) -> list[tuple[bytes, Source]]:
     """Wait for the engine's code; return the packets that arrived meanwhile, to be carried out now.
 
-    Whoever sends one is told `/compiling SHARE SECONDS` at once, and every second until the code is there. The newest
+    Whoever sends one gets `/compiling SHARE SECONDS` at once, and every second until the code is there. The newest
     packets are dropped where some 10,000 short ones, or a few MB of long ones, wait.
     """
     failed: list[BaseException] = []
@@ -52,7 +52,7 @@ def _prepare(failed: list[BaseException]) -> None:
 
 
 def _tell(network: Network, told: dict[Any, float]) -> None:
-    """Tell clients how far it is, each once in a while; `told` holds the times."""
+    """Tell clients how far it is, each once in a while; `told` holds the times of the last replies."""
     now = time.monotonic()
     for source, last in list(told.items()):
         if now - last >= _PERIOD or last == 0.0:

@@ -1,4 +1,4 @@
-"""The handling of /record, and who is told of it."""
+"""The handling of /record, and who is notified of it."""
 
 from collections.abc import Callable, Iterator
 

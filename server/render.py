@@ -70,7 +70,7 @@ class Options:
     time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). full_scale: the pressure (Pa) of a sample of 1.0,
     of an object of level 0 (None: as the score says, else FULL_SCALE_PRESSURE). budget: steps and modes, as /budget has
     them, in place of all that the score says of them. calibrated: samples are pascals, without a limiter, as floats.
-    normalize: the peak (dBFS) to which the whole is brought; without a limiter, unless one is asked for.
+    normalize: the peak (dBFS) to which the whole is brought; without a limiter, unless one is requested.
     """
 
     rate: int = 48_000
@@ -335,8 +335,9 @@ def blocks(
     engine: `options.engine(score)`. session: of the engine, if it has one already.
     Without `seconds` the sound ends where the score's last /end stands, or else with the quantum in which the last
     object falls silent. If all that goes on would go on for ever (a press, a roll without friction) it ends
-    LONGEST_TAIL after the last event, and in any case LONGEST_REST after it; `warn` is told of either, of lines that
-    have no effect, and of a sound that took more time of a processor than it lasts. The block size does not matter.
+    LONGEST_TAIL after the last event, and in any case LONGEST_REST after it; `warn` gets a sentence of either, of lines
+    that have no effect, and of a sound that took more time of a processor than it lasts. The block size does not
+    matter.
     look: is called after each PIECE frames at the latest.
     """
     lines = options.lines_of(score)
@@ -394,9 +395,9 @@ def render(
     warn: Callable[[str], object] = lambda text: None,
     stems: Path | None = None,
 ) -> Rendered:
-    """Render a score to a WAV or FLAC file, told by its ending.
+    """Render a score to a WAV or FLAC file, chosen by its ending.
 
-    The file appears under its name once it is whole. `progress` is told the seconds computed, `warn` that the sound
+    The file appears under its name once it is whole. `progress` gets the seconds computed, `warn` that the sound
     ends early, as in `blocks`. stems: a folder, made if missing, for a file of the same kind for each object, with its
     part of the sound before the limiter. RenderError, ScoreError or OSError say what went wrong.
     """

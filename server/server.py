@@ -142,7 +142,7 @@ class Server:
             raise ServeError(": ".join(map(str, reply.args)))
 
     def run(self) -> None:
-        """Serve until told to stop."""
+        """Serve until stopped."""
         while self.early:
             self._receive(*self.early.popleft())
         due = 0.0

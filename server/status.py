@@ -72,7 +72,7 @@ FIELDS = {
     "dropped": "datagrams dropped by the server, for lack of room",
     "dropped_by_system": "datagrams dropped by the system, for lack of room",
     "outdated": "questions by datagram that were dropped after 2 s",
-    "replies_dropped": "replies that a client was too slow to read",
+    "replies_dropped": "replies that a client was too slow to read: by datagram as far as Linux says, on this machine",
     "connections": "TCP clients",
     "waiting": "clients whose messages wait for an object to be made, or for their turn",
     "full_scale": "pressure of full scale, of objects of level 0, Pa",
@@ -103,7 +103,7 @@ class LowestGain:
         """Return the lowest gain since this client last asked; at its first question, since any client did.
 
         The audio thread lowers the engine's value while this reads it and sets it back to 1: of one quantum in between
-        the lowest gain may be lost, or be told again at the next question.
+        the lowest gain may be lost, or be repeated at the next question.
         """
         self._collect()
         answer = self._since.pop(client, self._since_any)
@@ -125,7 +125,7 @@ class LowestGain:
 
 
 class Status:
-    """Answers /status and /version, and tells what went wrong since the last look."""
+    """Answers /status and /version, and reports what went wrong since the last look."""
 
     def __init__(self, engine: Engine, player: Player, names: Callable[[], Mapping[int, str]]) -> None:
         """Begin to observe an engine and its player. names: of the objects, by their places in the engine."""

@@ -1,4 +1,4 @@
-"""The clients that asked for /notify."""
+"""The clients that requested /notify."""
 
 import time
 from collections import Counter
@@ -13,7 +13,7 @@ _LONGEST_TRUST = 60.0  # s of silence after which a client of another host is to
 
 
 class Subscribers:
-    """Clients that are told of what no message caused; one that has long been silent makes room for a new one."""
+    """Clients that are notified of what no message caused; one that has long been silent makes room for a new one."""
 
     def __init__(self, network: Network, reply: Callable[[Message, Source], object]) -> None:
         self._network = network
@@ -26,7 +26,7 @@ class Subscribers:
         return iter(tuple(self._heard))
 
     def of(self, level: int) -> list[Source]:
-        """Return those that asked for a level or a higher one."""
+        """Return those that requested a level or a higher one."""
         return [source for source in self if self._levels[source] >= level]
 
     def receiver(self, source: Source) -> Source:

@@ -27,7 +27,7 @@ _PERIOD = 0.04  # s between levels
 
 
 class Teller:
-    """Looks at an engine and tells those that asked. `look` often."""
+    """Looks at an engine and notifies subscribers. `look` often."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class Teller:
         reply: Callable[[Message, Source], object],
         lowest_gain: Callable[[], float],
     ) -> None:
-        """Begin with nothing to tell. lowest_gain: returns the limiter's lowest gain since the last call."""
+        """Begin with nothing to report. lowest_gain: returns the limiter's lowest gain since the last call."""
         self._engine = engine
         self._lowest_gain = lowest_gain
         self._metered = 0  # samples up to which peaks were told
@@ -51,7 +51,7 @@ class Teller:
 
     @property
     def untold(self) -> int:
-        """Contacts that were not told, as there were too many."""
+        """Contacts that were not reported, as there were too many."""
         return self._untold + (self._watch.lost if self._watch else 0)
 
     def look(self) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """Packets that wait for objects, bodies or tables to be made, while others are carried out.
 
 The packets of a client are carried out in their order: later ones wait, in the network's queues, behind one that makes
-an object. So do packets of others that name such an object, or tell the simulation of which a body is made: each
+an object. So do packets of others that name such an object, or report the simulation of which a body is made: each
 message of a shell script comes from a client of its own.
 """
 
@@ -209,7 +209,7 @@ def _given_names(calls: Iterable[Call]) -> frozenset[str]:
 
 
 def _world(call: Call) -> tuple[str, ...]:
-    """Return the name of the simulation, if a call tells of it: no object's name begins so."""
+    """Return the name of the simulation, if a call is about it: no object's name begins so."""
     return (_WORLD,) if call.message.address.startswith(_WORLD) else ()
 
 

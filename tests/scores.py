@@ -73,7 +73,11 @@ def gesture(
     if declared.what:
         args[0] = chance.choice([*SUPPORTS, *(each for each in others if each != target)])
     args.append(chance.random())
-    keys = [key for key in _keys_of(declared) if key.name not in ("seed", "position", "gain", "dissipation")]
+    if declared.instead and chance.random() < 0.2:
+        instead = next(key for key in declared.keys if key.name == declared.instead)
+        args = [instead.name, number(chance, instead)]
+    left = ("seed", "position", "gain", "dissipation", declared.instead)
+    keys = [key for key in _keys_of(declared) if key.name not in left]
     for key in keys:
         if chance.random() < 0.15:
             args += [key.name, number(chance, key, edges, part)]

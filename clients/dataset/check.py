@@ -39,7 +39,7 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
             for values in _tried(table, FILE):
                 require_performable(filled(drawn[str(values[FILE])], values, 0), presets)
             continue
-        kind = _kind(section)
+        kind = _kind(section, table)
         if kind and kind not in table:
             _require_near(where, section, table, kind)
             raise PresetError(f"{where}{kind} is missing: expected {_wanted(section)}")
@@ -65,13 +65,16 @@ def _require_near(where: str, section: str, table: Mapping[str, Value | Spread],
             raise PresetError(f"{where}{key} = {shown(table[key])}: did you mean {kind}?")
 
 
-def _kind(section: str) -> str:
+def _kind(section: str, table: Mapping[str, Value | Spread]) -> str:
     """Return the key that a section cannot be without."""
     if section == SENSOR:
         return ""
     if section in OBJECTS:
         return "preset"
-    return "what" if GESTURES[section].what else GESTURES[section].argument.name
+    gesture = GESTURES[section]
+    if gesture.instead in table:
+        return gesture.instead
+    return "what" if gesture.what else gesture.argument.name
 
 
 def _wanted(section: str) -> str:

@@ -59,7 +59,8 @@ def gesture_message(gesture: str, values: Mapping[str, Value], seed: int, has_by
         given = {"seed": seed, **given}
     if has_by and not GESTURES[gesture].what:
         given["by"] = BY
-    return Message(f"/object/{OBJECT}/{gesture}", (values[argument], *_pairs({**given, "id": gesture})))
+    first = (values[argument],) if argument in values else ()  # else it is known by an impulse
+    return Message(f"/object/{OBJECT}/{gesture}", (*first, *_pairs({**given, "id": gesture})))
 
 
 def number(values: Mapping[str, Value], key: str, default: float = 0.0) -> float:

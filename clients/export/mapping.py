@@ -22,7 +22,7 @@ from ...dsp.engine.memory.capacity import MOST_CHANNELS, SHAPE_VALUES
 from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
 from ...dsp.engine.memory.state import ENDED, EVENTS, QUANTUM, RING, STATE, End
 from ...dsp.runtime.engine import Engine
-from ...dsp.schema import DROPS, FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NAMES, Parameter
+from ...dsp.schema import DROPS, FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NAMES, VELOCITY, Parameter
 from ...dsp.swarm.record import PULSES as MOST_PULSES
 from ...presets import Presets
 from ...presets.kinds import DRY, ObjectPreset
@@ -201,6 +201,8 @@ def _gesture(name: str) -> dict[str, Any]:
     return {
         "number": NUMBERS[name],
         "argument": gesture.argument.name,
+        "instead": gesture.instead,
+        "most": VELOCITY.high,
         "own": [key.name for key in gesture.keys if key.name not in _SHARED],
         "steerable": gesture.steerable,
         "values": commands.DEFAULTS[name],

@@ -32,7 +32,7 @@ class Table:
     frequency (n,) in Hz, ascending; resistance (n,) in 1/s; shapes (P, 3, n) in kg^-1/2; points (P, 3) in m; normals
     (P, 3), outward; areas (P,) in m^2; curvature (P, 2) in 1/m, the larger first; faces (F, 3), numbers of points,
     between which shapes are linear; edges (F, 3): 1 where the side from a corner to the next is a sharp edge; error
-    (n,): of the frequencies as a share, NaN where it was not asked for. mass in kg, volume in m^3; density,
+    (n,): of the frequencies as a share, NaN where it was not requested. mass in kg, volume in m^3; density,
     youngs_modulus and poisson_ratio are those of its material. decay (n,) in 1/s: all that each mode loses, where it is
     known; None: as the material has it. Of a body of several materials, the main one first: materials; energy
     (materials, n), the share of each in the energy that bends the body; of (F,), the number of each face's.

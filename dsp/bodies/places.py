@@ -16,7 +16,7 @@ Place = Sequence[float]
 
 def position_of(shape: str, geometry: Geometry, point: Place) -> float | None:
     """Return the position (0 to 1) on a shape's strike path that is nearest to a point (m); None of shapes whose paths
-    are not places of their frame. ValueError tells of a point that is far from the path."""
+    are not places of their frame. ValueError names a point that is far from the path."""
     place = _PLACES.get(shape)
     return None if place is None else place(geometry, point)
 

@@ -1,7 +1,7 @@
 """Bodies so small and stiff that none of their modes is heard: stones, dice, screws.
 
 A blow still accelerates such a body as a whole, and the air hears that (acceleration.py); and it yields to the blow as
-it would, by modes that are felt alone (unheard.py). Each shape gives these once it is asked for modes up to where it
+it would, by modes that are felt alone (unheard.py). Each shape gives these once it is requested modes up to where it
 has some.
 """
 

@@ -4,7 +4,7 @@ On an object that gives way, the wall's pulse of the effective mass m* is an app
 error. With r_i = m phi_i^2, and P_i the pulse's power spectrum at mode i over that at 0, they are the residual
 sum r_i (1 - P_i), and for an object that rings already sum |phi_i z_i|/v_in, by which its velocity may change at most
 while they touch. Errors of the object's velocity, as a share of its greatest, were measured on thousands of random
-contacts with up to 40 modes; RESIDUAL is where nine of ten are below the level asked for. (Half of them are below it up
+contacts with up to 40 modes; RESIDUAL is where nine of ten are below the level requested. (Half of them are below it up
 to several times that.)
 """
 

@@ -264,7 +264,7 @@ def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
 @kernel
 def move_to_end(contact: Coupled, eta: float, at: float, ends: tuple[float, float], powers: View[float]) -> None:
     """Do what `move` does where a step goes to the sample's end: the compression there (m) and its rate (m/s) are
-    known, and nothing else of the motion is asked for."""
+    known, and nothing else of the motion is requested."""
     _carry(contact, eta)
     if _pushes(contact):
         contact.impulse[0], contact.impulse[1] = _impulse(contact, 0, eta, 1.0), _impulse(contact, 1, eta, eta)

@@ -81,7 +81,7 @@ def rubbed_glass(force: float, speed: float = 0.1, seconds: float = 2.0, rate: f
 
 
 def extreme_rub(rng: np.random.Generator, samples: int = 200) -> Rub:
-    """Return anything that can be asked for: 1 to 64 modes up to 20 kHz, 0.1 g to 10 kg, mN to 100 N, 0.1 mm/s to 10
+    """Return anything that can be requested: 1 to 64 modes up to 20 kHz, 0.1 g to 10 kg, mN to 100 N, 0.1 mm/s to 10
     m/s."""
     modes = int(rng.choice([1, 2, 4, 8, 16, 32, 64]))
 

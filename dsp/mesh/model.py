@@ -39,6 +39,7 @@ _LEAST_ERROR = 1e-3  # of a frequency: the quadrature's
 _HELD = 0.03  # of the size: a tine that is clamped so much nearer is 6 % too high, or more
 _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
+_LEAKS = 0.05  # share of rays; with more frequencies were 10 % off those of finer cells, and radiation had no bound
 _MOST_RADIATED = 10.0  # of a piston's: bodies at their loudest reach some 2 to 3
 _MET = 0.05  # of the volume
 _PLACES = 20_000  # in the box about a body
@@ -116,7 +117,7 @@ def model_of(
 ) -> Model:
     """Return the model of a mesh of points (n, 3) in m and faces (m, 3), of one material or of several.
 
-    say: is told what is done now, and how much of the whole is done, 0 to 1. MeshError says why there is none.
+    say: called with what is done now, and how much of the whole is done, 0 to 1. MeshError says why there is none.
     """
     _require(wanted)
     say = say or _silent
@@ -263,6 +264,11 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
                 "or its wall (m), if it is a sheet"
             )
         told = [f"a solid of {len(solved.mesh.cells)} cells of {sides} mm and degree {degree}"]
+        if solved.leaks > _LEAKS:
+            raise MeshError(
+                f"{100 * solved.leaks:.2g} % of the rays that look for its inside meet a gap in the surface: expected "
+                f"{100 * _LEAKS:g} % at most; close it, or give its wall (m), if it is a sheet"
+            )
         if solved.leaks > 1e-3:
             told.append(f"{100 * solved.leaks:.2g} % of the rays met a gap in the surface, and took a neighbour's hits")
         told += [*_held_gap(solved, float(size_of(surface).max())), *_loose(solved.mesh.nodes)]

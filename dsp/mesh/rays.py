@@ -214,7 +214,7 @@ def _centres(ray: Indices, columns: int, grid: Grid, step: float, sides: tuple[i
 
 def _hits(surface: Surface, normals: Array, corner: Array, step: float, rays: tuple[int, int, Flags]) -> _Hits:
     """Return where rays along an axis meet the faces; rays: the axis, how many cross a column's side, and which columns
-    of them are asked for: others are met as far as a face goes on into one."""
+    of them are requested: others are met as far as a face goes on into one."""
     axis, each, asked = rays
     rows, columns = asked.shape[0] * each, asked.shape[1] * each
     u, v = (axis + 1) % 3, (axis + 2) % 3

@@ -15,6 +15,9 @@ CREASE = 0.77
 """Cosine of the angle between two faces: a sharper edge is one."""
 
 _WAY = 0.5  # to the corners' planes
+_GROWS = 1.15
+"""Times its area that a triangle has at most when it is round: one of a ball whose faces turn by a crease from each
+other, the most that is rounded, has 1.09. More is of a strip that twists, whose normals tell of no round thing."""
 
 
 def corner_normals(surface: Surface) -> Array:
@@ -50,7 +53,8 @@ def rounded(corners: Array, normals: Array, at: Array) -> tuple[Array, Array]:
 
 def middles_of(surface: Surface) -> Array:
     """Return the middles (e, 3) of the edges, in the order of `edges_of`. On a crease each of the two faces tells how
-    far its surface lies off the chord; the middle is on both."""
+    far its surface lies off the chord; the middle is on both. The edges of a triangle that would grow too much stay
+    straight."""
     _, number, _ = edges_of(surface.faces)
     at = np.array([[0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
     corners = surface.points[surface.faces]
@@ -67,16 +71,27 @@ def middles_of(surface: Surface) -> Array:
     both = (first - cosine * second)[:, None] * looks[one] + (second - cosine * first)[:, None] * looks[other]
     mean = (moved[one] + moved[other]) / 2
     found: Array = chords[one] + np.where((np.abs(cosine) < CREASE)[:, None], both / apart, mean)
-    return found
+    faces, most = _quarters(surface), _GROWS * faces_of(surface).areas
+    while True:
+        areas = faces_of(Surface(np.vstack([surface.points, found]), faces)).areas
+        grown = number[areas.reshape(4, -1).sum(axis=0) > most]
+        if (found[grown] == chords[one][grown]).all():
+            return found
+        found[grown] = chords[one][grown]
 
 
 def quartered(surface: Surface) -> Surface:
     """Return a surface each triangle of which is four."""
+    return Surface(np.vstack([surface.points, middles_of(surface)]), _quarters(surface))
+
+
+def _quarters(surface: Surface) -> Indices:
+    """Return the faces (4 m, 3) that a surface has once a middle of each edge follows its points."""
     _, number, _ = edges_of(surface.faces)
     a, b, c = surface.faces.T
     x, y, z = len(surface.points) + number.T
     faces: Indices = np.concatenate([np.stack(each, axis=1) for each in ((a, x, z), (x, b, y), (z, y, c), (x, y, z))])
-    return Surface(np.vstack([surface.points, middles_of(surface)]), faces)
+    return faces
 
 
 def _angles(surface: Surface) -> Array:

@@ -116,8 +116,8 @@ class Sides(NamedTuple):
 
 
 def sides_of(surface: Surface, cut: Surface | None = None) -> Sides:
-    """Return what a surface has on the sides of its faces, told at their middles. cut: the same surface in smaller
-    faces, of which it is told. Faces without an area count as right."""
+    """Return what a surface has on the sides of its faces, found at their middles. cut: the same surface in smaller
+    faces, for which it is found. Faces without an area count as right."""
     cut, size = cut or surface, float(size_of(surface).max())
     step = _STEP * size
     right = Sides(np.zeros(len(cut.faces)), np.ones(len(cut.faces)))

@@ -1,6 +1,6 @@
 """Portable code that came along with the package: one compressed file for each of the engine's sizes.
 
-Few need it, so it is unpacked into the user's cache when it is first asked for. It holds lists of modules and files of
+Few need it, so it is unpacked into the user's cache when it is first requested. It holds lists of modules and files of
 units, as a store has them (`store.py`).
 """
 

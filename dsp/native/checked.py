@@ -5,7 +5,7 @@ with the array's size; every load and store of an intrinsic, whole vectors too, 
 pointer comes from; every float that becomes an integer with what that can hold; every shift with the integer's bits. A
 fault is one line on standard error with kernel, file:line, value and size, then abort().
 
-Not seen: a wrong place within the right array, lengths that `carray` is told, raw addresses, what numpy does, races.
+Not seen: a wrong place within the right array, lengths that `carray` is given, raw addresses, what numpy does, races.
 It is for Linux and macOS: the teller is the C library's `dprintf`. Its bits are its own, as LLVM orders sums otherwise.
 """
 

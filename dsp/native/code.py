@@ -1,7 +1,7 @@
 """Machine code of modules with functions of C: mapped from the package or the user's cache, else compiled now.
 
 It is looked for by a hash of the module's sources. Of what came along the best is taken that this machine runs; of the
-cache, which may have code that was asked for once, or of a machine that shares it, only this machine's own level, as
+cache, which may have code that was requested once, or of a machine that shares it, only this machine's own level, as
 long as that can be compiled. Neither numba nor llvmlite is imported where code is found.
 """
 

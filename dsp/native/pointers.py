@@ -1,4 +1,4 @@
-"""Numbers at addresses that others have told, for kernels."""
+"""Numbers at addresses that others have given, for kernels."""
 
 from typing import Any
 

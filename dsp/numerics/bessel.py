@@ -33,7 +33,7 @@ _SQUARE_ROOTS = 9.0  # of x: I_n of n further up is exp(-40) of what it was
 
 
 def jn(order: Order, x: Array) -> Array:
-    """Return J_n(x) of whole orders at x >= 0, each alike, whatever others are asked for with it; arrays that
+    """Return J_n(x) of whole orders at x >= 0, each alike, whatever others are requested with it; arrays that
     broadcast."""
     order, x = np.asarray(order), np.asarray(x, np.float64)
     above = np.abs(order).astype(np.int64)

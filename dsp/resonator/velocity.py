@@ -1,7 +1,7 @@
 """The velocity of a point of the modes over the coming sample, for a contact that pushes along it: friction.
 
 It is a sum over modes of the shape times y1 and y2 with weights that stay while the mode does. So weights are kept for
-what is asked for in each sample: the velocity a third into it and at its end, its mean, and its first moment. All come
+what is requested in each sample: the velocity a third into it and at its end, its mean, and its first moment. All come
 from the Legendre series that `observe_velocity` finds in full, FINE terms of the table by which modes answer forces:
 what a force does and what it sees belong together, and no energy gets lost between them.
 """

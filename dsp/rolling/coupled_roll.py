@@ -49,7 +49,7 @@ def _weigh(roll: Roll, contact: Coupled) -> bool:
 def lead_coupled_roll(roll: Roll, contact: Coupled, begin: float) -> bool:
     """Bring a body to the coming sample, which it rolls from `begin` on, and lay its path under the contact.
 
-    True if the contact must be told the object's receptance again.
+    True if the contact needs the object's receptance again.
     """
     roll.span = (1.0 - begin) * contact.period
     steer(roll)

@@ -367,7 +367,7 @@ class Engine:
         return self._memory.lay_out(modes, level, self.top_frequency)
 
     def plan(self, modes: Modes) -> None:
-        """Plan the layout of modes, which `lay_out` takes then if it is asked for it soon. Any thread may ask; a plan
+        """Plan the layout of modes, which `lay_out` takes then if it is requested it soon. Any thread may ask; a plan
         takes up to 40 ms.
 
         EngineFull if there are more modes than an object holds.
@@ -417,7 +417,7 @@ class Engine:
         return self.pulses.lay_out(exponent, kept)
 
     def leave(self, handle: Handle) -> None:
-        """Remember that an object was told to go; its place is used again once the engine has given it up."""
+        """Remember that an object is being removed; its place is used again once the engine has given it up."""
         self._memory.leave(handle)
 
     def stay(self, handle: Handle) -> None:

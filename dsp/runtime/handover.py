@@ -1,6 +1,6 @@
 """The engine's callback as a device gets it: guarded by an atomic flag, so that it can be revoked at any moment.
 
-A device that stalls can't be told to stop, and may come back when something else runs the engine. So a device gets a
+A device that stalls can't be stopped, and may come back when something else runs the engine. So a device gets a
 callback that first turns a flag from FREE to RUNNING. Only the thread that does so runs the engine. Python turns the
 flag from FREE to TAKEN, and then knows that no call is in the engine, and that none will be. Nobody waits: a device
 that finds the flag TAKEN plays silence.

@@ -109,7 +109,7 @@ class Memory:
         return table
 
     def leave(self, handle: Handle) -> None:
-        """Remember that an object was told to go; its place is used again once the engine has given it up."""
+        """Remember that an object is being removed; its place is used again once the engine has given it up."""
         self._leaving.append(handle)
 
     def stay(self, handle: Handle) -> None:

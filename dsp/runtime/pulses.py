@@ -27,10 +27,10 @@ class _Place(NamedTuple):
 
 
 class PulseTables:
-    """The tables in a record of STATE. Each is made when it is first asked for, within a second.
+    """The tables in a record of STATE. Each is made when it is first requested, within a second.
 
     A table is needed by each command of a swarm from when it is sent until the engine says that the swarm has ended, or
-    never begins. Where there is no room for another, those that none needs make room, those that were asked for least
+    never begins. Where there is no room for another, those that none needs make room, those that were requested least
     recently first.
     """
 
@@ -83,7 +83,7 @@ class PulseTables:
         return bool(self._free) or self._idle(kept) is not None
 
     def _idle(self, kept: Collection[float]) -> float | None:
-        """Return the exponent whose table no swarm needs, that was asked for least recently; None if there is none."""
+        """Return the exponent whose table no swarm needs, that was requested least recently; None if there is none."""
         for exponent, place in self._places.items():
             left = observe(self._record["left"][place.number : place.number + 1])
             if exponent not in kept and left == self._sent[place.number]:

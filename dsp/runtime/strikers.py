@@ -16,7 +16,7 @@ from ..resonator.sizes import CLICK_MODES
 class Strikers:
     """The places of strikers that sound in a record of STATE.
 
-    Where all are taken one that moves in no gesture makes room: the one that was asked for least recently; where all
+    Where all are taken one that moves in no gesture makes room: the one that was requested least recently; where all
     move, it is that of all. Its gestures are then silent strikers; those that still wait for their time are counted.
     """
 

@@ -47,7 +47,7 @@ class Output(Protocol):
         """True if the device is there, even if it has stalled."""
 
     def calls(self) -> int:
-        """Return how many times it has asked for sound."""
+        """Return how many times it has requested sound."""
 
     def close(self) -> bool:
         """End it, at rest or not, within a few seconds; return False if it does not end."""

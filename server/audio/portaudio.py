@@ -51,7 +51,7 @@ def _leave_portaudio() -> None:
     """Load a fresh copy of PortAudio, and never touch the present one again.
 
     When PortAudio 19.6 or 19.7 stops a stream whose JACK server has gone, it waits ten minutes for its thread, and then
-    an assertion ends the process. Another assertion does so when PortAudio is told to end
+    an assertion ends the process. Another assertion does so when PortAudio is ended
     (https://github.com/PortAudio/portaudio/issues/820).
     """
     sd = portaudio()

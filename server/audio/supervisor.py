@@ -130,7 +130,7 @@ class Player:
         return True
 
     def _try(self, act: Callable[[], bool]) -> bool:
-        """Act; return False if that fails, and tells the reason once."""
+        """Act; return False if that fails, and report the reason once."""
         try:
             return act()
         except Exception as error:  # the system's, or PortAudio's own where there is no device at all

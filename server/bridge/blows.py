@@ -94,7 +94,7 @@ def hits_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Hit]:
 
 
 class Hits(Sequence[Hit]):
-    """The blows of some steps, made when they are asked for, from the bytes of the tracker's records, (n,) for each."""
+    """The blows of some steps, made when they are requested, from the bytes of the tracker's records, (n,) for each."""
 
     def __init__(self, steps: Sequence[NDArray[np.void]], bodies: Sequence[Body]) -> None:
         self._steps, self._bodies = steps, bodies

@@ -1,4 +1,4 @@
-"""Checks of what is told of a simulation, and the error that they raise."""
+"""Checks of what is reported of a simulation, and the error that they raise."""
 
 import reprlib
 from numbers import Real

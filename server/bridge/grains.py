@@ -170,8 +170,9 @@ class Grains:
         return take_back
 
     def pour(self, name: str, on: int, count: float, place: float | None, **told: float | None) -> None:
-        """Add to what is told next: so many blows of a kind that is a striker on a body, of the speed (m/s, rms), the
-        impulse (N s) or the energy (J) that is told. WorldError says what cannot be."""
+        """Add blows of grains on a body to the next report, of a speed (m/s, rms), an impulse (N s) or an energy (J).
+
+        WorldError names what cannot be."""
         where = f"grains {shown(name)}"
         if not self._kinds.get(name):
             known = [each for each, striker in self._kinds.items() if striker]
@@ -196,7 +197,7 @@ class Grains:
         self._state["until"][on] = max(self._state["until"][on], until)
 
     def _flow(self, name: str, body: Body, count: float, told: dict[str, float]) -> tuple[Flow, float]:
-        """Return a flow of which some is told, and the restitution; what is not told is as of a gas."""
+        """Return a flow of which some is reported, and the restitution; what is not reported is as of a gas."""
         preset = self._presets.striker(self._kinds[name])
         mass, _, dissipation, _ = preset.contact(body.material)
         left, speed = 1.0, told.get("speed") or math.sqrt(2.0 * told.get("energy", 0.0) / (count * mass))

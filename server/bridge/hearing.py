@@ -82,7 +82,7 @@ class Listener(NamedTuple):
 
     @property
     def channels(self) -> int:
-        """Number of channels that tell the directions."""
+        """Number of channels that carry the directions."""
         return (self.order + 1) ** 2 if self.layout == "ambisonics" else 2
 
 

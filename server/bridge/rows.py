@@ -13,7 +13,7 @@ from .tracking.state import BODIES, POINTS, State
 RANGES = {
     "approach": Range(-1e5, 1e5, "m/s"), "slip": Range(0.0, 1e5, "m/s"), "depth": Range(-1e5, 1e5, "m"),
     "force": Range(-1e12, 1e12, "N"), "mass": Range(1e-15, 1e9, "kg"), "restitution": Range(0.0, 1.0),
-    "friction": Range(0.0, 1e6),
+    "friction": Range(0.0, 1e6), "impulse": Range(0.0, 1e6, "N s"),
 }  # fmt: skip
 """The range of each quantity of a touch that a simulator may tell, in their order in a row. A body may be lighter or
 heavier than what a gesture's striker may be: a blow has the nearest mass that it may have."""
@@ -62,12 +62,12 @@ def take_rows(state: State, rows: Rows) -> bool:
 
 @kernel
 def _can_be(row: View[float]) -> bool:
-    """True for a touch that can be: what is not told of it is NaN."""
+    """True for a touch that can be: what is not reported of it is NaN."""
     fits = _is_near(row, _POINT, _TOLD) and _has_length(row, _NORMAL, _TOLD)
     for k in range(len(_LEAST)):
         value = row[_TOLD + k]
         fits = fits and (value != value or _LEAST[k] <= value <= _MOST[k])
-    return fits
+    return fits and (row[_TOLD] != row[_TOLD] or row[_TOLD + 7] != row[_TOLD + 7])  # approach or impulse
 
 
 @kernel
@@ -102,7 +102,7 @@ def _take_touch(state: State, n: int, row: View[float]) -> None:
         state.point[n, k], state.normal[n, k] = row[_POINT + k], row[_NORMAL + k]
     state.approach[n], state.slip[n], state.depth[n] = row[_TOLD], row[_TOLD + 1], row[_TOLD + 2]
     state.force[n], state.mass[n] = row[_TOLD + 3], row[_TOLD + 4]
-    state.restitution[n], state.friction[n] = row[_TOLD + 5], row[_TOLD + 6]
+    state.restitution[n], state.friction[n], state.impulse[n] = row[_TOLD + 5], row[_TOLD + 6], row[_TOLD + 7]
 
 
 @kernel

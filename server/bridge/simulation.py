@@ -1,4 +1,4 @@
-"""A simulation as it is told step by step, and what is to be heard of it."""
+"""A simulation as it is reported step by step, and what is to be heard of it."""
 
 import math
 from collections.abc import Sequence
@@ -107,7 +107,7 @@ class Simulation:
         self._own_at = self._own.ctypes.data
 
     def telling(self, arrays: int, time: int, points: int, behind: int = 0, rows: int = 0) -> NDArray[np.void]:
-        """Return a record of TELLING, by which steps are told that are at addresses: of a record of ARRAYS, 0 for the
+        """Return a record of TELLING, by which steps are reported, by addresses: of a record of ARRAYS, 0 for the
         columns of `state` or rows; of the time (s), a float64; of the number of contacts, an int32; of how far these
         lie before the time (s), a float64, 0 if they do not; of a record of ROWS, 0 for none. It is kept as long as
         this is."""
@@ -118,7 +118,7 @@ class Simulation:
 
     def link(self, engine: NDArray[np.void], latency: float) -> None:
         """Send steering of slides and gains of bodies straight to an engine, (1,) of its STATE, a latency (s) after the
-        step; call it before anything is told."""
+        step; call it before anything is reported."""
         for each in (self._telling, self._own):
             each["start"], each["latency"] = self.start.ctypes.data, latency
             link_engine(each, engine)
@@ -183,7 +183,7 @@ class Simulation:
 
     @property
     def counts(self) -> Counts:
-        """Counts of what was told since the beginning, and what became of it."""
+        """Counts of what was reported since the beginning, and what became of it."""
         names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out", "lain", "grains")
         hits, faint, over, unheard, begun, crowded, lain, grains = (int(self.state[name][0]) for name in names)
         return Counts(hits, faint, over + unheard, begun, crowded, lain, grains)
@@ -298,7 +298,7 @@ class Simulation:
         self.settle(self._settle)
 
     def begin(self, time: float) -> None:
-        """Begin its sound at a time (s), before anything was told."""
+        """Begin its sound at a time (s), before anything was reported."""
         self._began.value = time
         self.wait(time)
 
@@ -309,7 +309,7 @@ class Simulation:
         self.state["settles"] = self.time + seconds if seconds else -math.inf
 
     def wait(self, time: float) -> None:
-        """Pass the time up to another (s), in which nothing is told."""
+        """Pass the time up to another (s), in which nothing is reported."""
         self._now.value = time
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Request]:
@@ -352,7 +352,7 @@ class Simulation:
         return self.told(self._own, self._tell(self._own_at))
 
     def told(self, telling: NDArray[np.void], found: int) -> list[Request]:
-        """Return the requests of a step that was told, of which `tell` said what it found."""
+        """Return the requests of a step that was reported, of which `tell` said what it found."""
         if found >= 0 and not found & LOOK:
             return []
         before = float(telling["before"][0])

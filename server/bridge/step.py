@@ -42,6 +42,8 @@ class Touch(NamedTuple):
         0 to 1. Default: the materials'.
     friction : float, optional
         Coefficient of friction in the simulator.
+    impulse : float, optional
+        Impulse of the normal force in the step, N s, in place of `approach`: as physics engines report it.
     """
 
     a: str
@@ -55,6 +57,7 @@ class Touch(NamedTuple):
     mass: float = math.nan
     restitution: float = math.nan
     friction: float = math.nan
+    impulse: float = math.nan
 
 
 @explain_all_arguments
@@ -116,7 +119,7 @@ _HEAD, _TOUCH, _POSE = struct.Struct("=d3q"), struct.Struct(f"={TOUCH_ROW}d"), s
 
 
 class Layer:
-    """Rows of touches and poses, into which a step is laid that is told as most are."""
+    """Rows of touches and poses, into which a step is laid that is reported as most are."""
 
     def __init__(self) -> None:
         rows = np.zeros(1, ROWS)
@@ -141,9 +144,8 @@ class Layer:
             return False
         put, to, at = _TOUCH.pack_into, self._bytes, self._touches
         try:
-            for a, b, (x, y, z), (u, v, w), approach, slip, depth, force, mass, restitution, friction in contacts:
-                put(to, at, numbers[a], numbers[b], x, y, z, u, v, w,
-                    approach, slip, depth, force, mass, restitution, friction)  # fmt: skip
+            for a, b, (x, y, z), (u, v, w), *told in contacts:
+                put(to, at, numbers[a], numbers[b], x, y, z, u, v, w, *told)
                 at += _TOUCH.size
             at = self._moved
             for name, ((x, y, z), (w, u, v, t), (p, q, r), (k, m, n)) in moved.items():
@@ -212,7 +214,7 @@ def _check_pairs(pairs: NDArray[np.float64], names: Sequence[str], where: str) -
 
 
 def _check_contacts(state: NDArray[np.void], count: int, names: Sequence[str], where: str) -> None:
-    """Raise WorldError for the first contact of which something is told that cannot be."""
+    """Raise WorldError for the first contact of which something is reported that cannot be."""
     told = {name: state[name][0, :count] for name in _ROWS}
     lengths = np.linalg.norm(told["normal"], axis=1)
     wrong = {
@@ -222,7 +224,8 @@ def _check_contacts(state: NDArray[np.void], count: int, names: Sequence[str], w
     for name, within in RANGES.items():
         values = told[name]
         wrong[name] = ~(np.isnan(values) | ((values >= within.low) & (values <= within.high))), within.expected
-    for name, (places, words) in wrong.items():
+    both = ~(np.isnan(told["impulse"]) | np.isnan(told["approach"])), "one of approach and impulse"
+    for name, (places, words) in (*wrong.items(), ("impulse", both)):
         for n in np.flatnonzero(places):
             a, b = (names[body] for body in told["pair"][n])
             raise WorldError(f"{where}: bodies {a}, {b}: {name} = {told[name][n].tolist()}: expected {words}")
@@ -276,7 +279,7 @@ def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Ev
     found = []
     for (kind, a, b, side, *numbered), row in zip(whole[:, :8].tolist(), numbers[:, 8:].tolist(), strict=True):
         contact, slide, gesture, seed = numbered
-        time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, *moving = row
+        time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, _, *moving = row
         *motion, stiffness, exponent, radius, patch, by_place = moving
         local = (ax, ay, az), (bx, by, bz)
         found.append(

@@ -33,7 +33,7 @@ from .tracking.state import BODIES, CHANGING, DONE, LIE, MOVE, POSITION, REST, S
 
 
 class Telling(Record):
-    """Addresses of a step that is told, and of the engine that hears it."""
+    """Addresses of a step that is reported, and of the engine that hears it."""
 
     state: int  # address of the tracker's STATE
     microphones: int  # of MICROPHONE_STATE

@@ -1,4 +1,4 @@
-"""A simulation that is told over OSC: `/world/...`, message by message, and a step at a time."""
+"""A simulation that is reported over OSC: `/world/...`, message by message, and a step at a time."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ Undo: TypeAlias = Callable[[], object]
 
 
 class TellsWorld:
-    """The simulation that messages tell: its bodies, and what was told since the last step."""
+    """The simulation that messages report: its bodies, and what was reported since the last step."""
 
     def __init__(self, presets: Presets, top: float, channels: int) -> None:
         self._presets, self._top = presets, top
@@ -85,7 +85,7 @@ class TellsWorld:
         return simulation.grains.declare(name, numbers, striker)
 
     def pour(self, name: str, on: str, told: dict[str, float]) -> Undo:
-        """Add blows of grains on a body to what the next step tells."""
+        """Add blows of grains on a body to what the next step reports."""
         keys = {key: told.get(key) for key in ("speed", "impulse", "energy")}
         simulation = self.of(on)
         undo = simulation.grains.poured()

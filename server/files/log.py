@@ -118,7 +118,7 @@ class Log:
         return message
 
     def _struck(self, sent: Sent) -> tuple[Argument, ...]:
-        """Return the arguments that name the other object as the log does. Where that was told to go before, a
+        """Return the arguments that name the other object as the log does. Where that was removed before, a
         striking object is its mass alone."""
         args = sent.message.args
         verb = calls(sent.message)[0].verb

@@ -70,7 +70,7 @@ class Takes:
         return Take(path.name, part.first, part.end)
 
     def stop(self) -> Take:
-        """End the take now; `look` tells once it is whole. Refused if there is none."""
+        """End the take now; `look` reports once it is whole. Refused if there is none."""
         if not self._part or self._stopped:
             raise Refused("nothing is being recorded: expected /record 1 first")
         self._stopped = True

@@ -25,7 +25,7 @@ class RenderError(CaromError, ValueError):
 def writing(
     out: Path, rate: int, channels: int, format: str | None = None, comment: str = ""
 ) -> Iterator[Callable[[NDArray[np.float32]], None]]:
-    """Open a WAV or FLAC file, told by its ending, at a rate in Hz; yield a function that appends float32 (frames,
+    """Open a WAV or FLAC file, chosen by its ending, at a rate in Hz; yield a function that appends float32 (frames,
     channels).
 
     format: 16, 24 or float (None: 24 for FLAC, else float). comment: in the file's metadata. The file appears under its

@@ -98,6 +98,6 @@ class Controls:
         return [each for each in self._by_address.values() if each.hears(controller, channel)]
 
     def listed(self) -> Iterator[tuple[Argument, ...]]:
-        """Yield each as /midi/controls tells it."""
+        """Yield each as /midi/controls lists it."""
         for each in self._by_address.values():
             yield each.controller, each.channel, each.address, each.low, each.high

@@ -16,10 +16,11 @@ from ..osc.urgency import Urgency, urgency
 from ..osc.wire import Message, encode
 from .places import PAUSE, Complaint, NoDescriptorError, Places, accepted, most_places
 from .remote import Doorway, Remote
-from .reply_budget import Allowance, Nets
+from .reply_budget import Allowance, Nets, local
 from .rotation import Rotation
 from .tcp import Connection, turn_away
 from .udp import Caller, Intake, bound, dropped_by_system
+from .unread import Unread
 
 MOST_CONNECTIONS = 64
 MOST_OF_HOST = 32
@@ -82,6 +83,7 @@ class Network:
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._unended: set[Connection] = set()  # a first packet of theirs has not ended yet
         self._allowance = Allowance(trusted)
+        self._unread = Unread()
         self._udp, self._listener = bound(host, port)
         self.doorway = Doorway()
         self._intake = Intake(self._udp)
@@ -115,7 +117,7 @@ class Network:
             "dropped": self._intake.dropped + self._refused,
             "dropped_by_system": dropped_by_system(self._udp),
             "outdated": self._outdated,
-            "replies_dropped": self._replies_dropped,
+            "replies_dropped": self._replies_dropped + self._unread.count(),
         }
 
     def receive(self, timeout: float, aside_of: Source | None = None) -> tuple[bytes, Source] | None:
@@ -291,6 +293,8 @@ class Network:
             sent = to.send(packet)
         elif sent := self._allowance.take(to[0], len(packet)):
             try:
+                if local(to[0]):
+                    self._unread.send_to(to[1])
                 self._udp.sendto(packet, _NEVER_WAIT, to)
             except BlockingIOError:
                 sent = False
@@ -304,7 +308,7 @@ class Network:
         return not isinstance(source, Connection) or (source in self._connections and not source.deaf)
 
     def forgets(self, source: Source) -> bool:
-        """True if a source is told nothing more once it is silent: one that may have been forged."""
+        """True if a source gets nothing more once it is silent: one that may have been forged."""
         return isinstance(source, tuple) and not self._allowance.trusts(source[0])
 
     def losses(self) -> list[tuple[str, tuple[str, int]]]:

@@ -203,7 +203,7 @@ class Intake:
     def take(self) -> list[tuple[bytes, tuple[str, int], int]]:
         """Return the datagrams that have arrived, but no more than 1,024: each with its sender's address and its group.
 
-        They take room until `end` is told of each.
+        They take room until `end` is called for each.
         """
         taken: list[tuple[bytes, tuple[str, int], int]] = []
         read = int(self._read[0])

@@ -37,6 +37,7 @@ TOUCHED = (
     _number("mass", "effective mass along the normal", "kg", 1e-9, 1e6),
     RESTITUTION,
     _number("friction", "coefficient of friction", "", 0.0, 100.0),
+    _number("impulse", "impulse of the normal force in the step, in place of the approach", "N s", 0.0, 1e6),
 )
 """Quantities that may be reported of a point of contact."""
 

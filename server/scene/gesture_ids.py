@@ -88,7 +88,7 @@ class GestureIds:
         return id
 
     def nameless(self) -> int:
-        """Return a number for a gesture without an id: nobody is told of its end."""
+        """Return a number for a gesture without an id: nobody is notified of its end."""
         self._last += 1
         return self._last
 

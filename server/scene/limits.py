@@ -6,7 +6,9 @@ from typing import NamedTuple
 from ...dsp.bodies.material import Material
 from ...dsp.bodies.striker import StrikerSound
 from ...dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
+from ...dsp.contact.law import speed_of_impulse
 from ...dsp.rolling.lattice import CREST
+from ...dsp.schema import VELOCITY
 from ...presets import Presets, SurfacePreset
 from ..osc.arguments import Refused
 
@@ -41,7 +43,7 @@ LAW = ("mass", "stiffness", "dissipation", "exponent")
 
 
 class ContactLaws:
-    """The contact laws of strikers on materials. A striker's file is read when it is first asked for."""
+    """The contact laws of strikers on materials. A striker's file is read when it is first requested."""
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
@@ -108,6 +110,16 @@ def require_short(velocity: float, contact: Contact) -> None:
     duration = longest(velocity, contact)
     if duration > LONGEST_CONTACT:
         raise Refused(f"{contact}: the contact would last {duration:.3g} s; expected under {LONGEST_CONTACT:g} s")
+
+
+def speed_by(impulse: float, contact: Contact) -> float:
+    """Return the speed (m/s) of a striker whose blow on a rigid wall has an impulse (N s); Refused if it is too fast
+    for a blow: it takes half of J/m, and with a great dissipation all of it."""
+    mass, _, dissipation, _, restitution = contact
+    most = VELOCITY.high * mass
+    if impulse > most:
+        raise Refused(f"impulse = {impulse:g}: expected at most {most:g} N s of a striker of {mass:g} kg")
+    return float(speed_of_impulse.py_func(impulse, mass, dissipation, restitution))
 
 
 def fall(height: float, velocity: float, gravity: float) -> tuple[float, float]:

@@ -14,7 +14,7 @@ _SLOWEST, _FASTEST = 0.05, 5.0  # m/s of the velocities 1 and 127
 
 
 def tuned(modes: Modes, values: Values) -> float:
-    """Return the tuning (semitones) of an object: `tune`, from the note or the pitch that is asked for if one is.
+    """Return the tuning (semitones) of an object: `tune`, from the note or the pitch that is requested if one is.
 
     Refused where both are given, the tuning goes too far, or it has no mode.
     """

@@ -110,7 +110,7 @@ class ObjectCall:
         return started.number
 
     def end_at_once(self) -> None:
-        """End at once, as nothing moves: whoever gave an id is told that its gesture is over."""
+        """End at once, as nothing moves: whoever gave an id is notified that its gesture is over."""
         if "id" in self.values.words:
             id = self.values.words["id"]
             require_name("id", id)

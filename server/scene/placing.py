@@ -56,7 +56,7 @@ def _product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 def listening(
     layout: str, channels: int, rate: float, head: float, air: float, temperature: float, humidity: float
 ) -> tuple[float, ...]:
-    """Return the values of a listener. Refused for a layout that the channels cannot tell."""
+    """Return the values of a listener. Refused for a layout that the channels cannot carry."""
     if layout == "binaural" and channels != 2:
         raise Refused(f"layout = binaural: expected 2 channels, and there are {channels}")
     if layout == "ambisonics" and channels not in ORDERS:

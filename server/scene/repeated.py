@@ -1,4 +1,4 @@
-"""A blow that is told again, with another velocity or position: its command is written as it was translated before."""
+"""A blow that is repeated, with another velocity or position: its command is written as it was translated before."""
 
 from collections.abc import Hashable
 from typing import NamedTuple
@@ -32,11 +32,11 @@ class Blow(NamedTuple):
 
 
 class Repeated:
-    """Blows on the objects of a session that no message changes, by all of what tells them but velocity and
+    """Blows on the objects of a session that no message changes, by all of what defines them but velocity and
     position."""
 
     def __init__(self, session: Session, known: dict[Hashable, Blow]) -> None:
-        """Take a session, and what is remembered of those that were told the same but for the sizes of their objects:
+        """Take a session, and what is remembered of those that were the same but for the sizes of their objects:
         no law follows from these."""
         self._session, self._ring = session, session.engine.ring
         entries, values = self._ring.entries, self._ring.entries["values"]
@@ -47,7 +47,7 @@ class Repeated:
 
     def send(self, message: Message, time: float) -> bool:
         """Carry out a message at a time (samples), as `Session.perform` does; False, and nothing is done, where it
-        tells no blow that is remembered, or one that has to be looked at."""
+        is no blow that is remembered, or one that has to be looked at."""
         told, velocity, position = _parts(message)
         blow = self._known.get(told)
         if blow is None or not isinstance(velocity, int | float) or not isinstance(position, int | float | None):
@@ -73,7 +73,7 @@ class Repeated:
         return True
 
     def remember(self, message: Message) -> None:
-        """Remember the blow that a message told, if it can be told again; nothing was carried out since."""
+        """Remember the blow of a message, if it can be repeated; nothing was carried out since."""
         target = calls(message)[0].target
         obj, given = self._session.objects.get(target), dict(zip(message.args[1::2], message.args[2::2], strict=False))
         n = (self._ring.sent - 1) % RING
@@ -89,7 +89,7 @@ class Repeated:
 
 
 def _parts(message: Message) -> tuple[tuple[Argument, ...], Argument, Argument]:
-    """Return all that a message tells but the velocity and the position of a blow, and these; None where it has
+    """Return all parts of a message but the velocity and the position of a blow, and these; None where it has
     none."""
     args = list(message.args)
     velocity, position = args[0] if args else None, None

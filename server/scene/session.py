@@ -56,7 +56,7 @@ class Session:
             self.objects[name].warned_of_stand_in = False
 
     def _told_world(self) -> "TellsWorld":
-        """Return the simulation that messages tell, which few sessions have."""
+        """Return the simulation that messages report, which few sessions have."""
         if self._world is None:
             from ..bridge.wire import TellsWorld  # slow to load
 

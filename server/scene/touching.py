@@ -43,7 +43,7 @@ def place_values(to: ObjectCall, by: PlayedObject | None) -> dict[str, float]:
 
 
 def feet_values(to: ObjectCall, by: PlayedObject | None) -> list[dict[str, float]]:
-    """Return the same for each place on which an object rests: the one that is told, or those of its preset."""
+    """Return the same for each place on which an object rests: the one that is given, or those of its preset."""
     values, standing = place_values(to, by), to.obj.preset.standing
     if standing is None or "position" in to.values.numbers or "point" in to.values.vectors:
         return [values]

@@ -96,7 +96,7 @@ class Transaction:
 
     @property
     def world(self) -> "TellsWorld":
-        """The simulation that messages tell."""
+        """The simulation that messages report."""
         return self.world_of()
 
     def add(self, command: Command, sent: Sent) -> None:
@@ -143,7 +143,7 @@ class Transaction:
         return str(error) if not isinstance(error, NoPreset) or self.explains() else error.text
 
     def on_undo(self, action: Callable[[], object]) -> None:
-        """Do an action if what was asked for so far is not carried out; the latest comes first."""
+        """Do an action if what was requested so far is not carried out; the latest comes first."""
         self._undo.append(action)
 
     def keep(self) -> None:

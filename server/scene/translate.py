@@ -12,7 +12,7 @@ from itertools import islice
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BOUNCE, DROPS, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, Gesture
+from ...dsp.schema import BOUNCE, DROPS, GAIN, GESTURES, IMPULSE, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, Gesture
 from ...dsp.wording import MOST_COMPARED, there_are
 from ...presets.kinds import DRY
 from ..new_object import NEW, NewObject, new_object
@@ -23,7 +23,7 @@ from ..osc.space_verbs import PLACE
 from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
-from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed
+from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed, speed_by
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
 from .objects import PlayedObject
@@ -142,14 +142,16 @@ def _free(to: ObjectCall) -> None:
 def _begin(gesture: Gesture, to: ObjectCall) -> None:
     """Begin a gesture by its argument and keys; one of 0 does nothing, unless a hand holds the striker."""
     values, argument = to.values, gesture.argument.name
-    if values.number(argument) == 0.0 and not gesture.lasts:
+    impulse = values.numbers.get(IMPULSE.name, 0.0)
+    if values.number(argument) == impulse == 0.0 and not gesture.lasts:
         to.end_at_once()
         return
     if gesture.swarms and "by" in to.values.words:
         raise Refused(f"by = {to.values.words['by']}: many small ones hit {to.name}; expected a striker")
     by = to.striking_object()
     law = law_of(to, by)
-    require_short(_FASTEST.get(gesture.name, _velocity)(values) or _APPROACH, law)
+    fastest = speed_by(impulse, law) if impulse else _FASTEST.get(gesture.name, _velocity)(values)
+    require_short(fastest or _APPROACH, law)
     is_named = not gesture.single or "id" in values.words
     number = to.start(to.id(to.transaction.gestures.made_for)) if is_named else 0
     motion = {**_own_values(to, gesture), argument: values.number(argument)}

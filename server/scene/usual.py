@@ -15,8 +15,12 @@ def completed(values: Values, verb: Verb | None, preset: ObjectPreset) -> Values
     """
     if verb is None or verb.action not in GESTURES or GESTURES[verb.action].what:
         return values
-    usual, argument = preset.gestures.get(verb.action), GESTURES[verb.action].argument.name
-    words, defaults = values.words, values.defaults
+    usual, gesture = preset.gestures.get(verb.action), GESTURES[verb.action]
+    argument, words, defaults = gesture.argument.name, values.words, values.defaults
+    instead = values.numbers.get(gesture.instead)
+    if instead is not None and argument in values.numbers:
+        both = f"{argument} = {values.numbers[argument]:g}, {gesture.instead} = {instead:g}"
+        raise Refused(f"{both}: expected one of the two")
     if not usual and argument == VELOCITY.name:
         defaults = {**defaults, argument: preset.velocity}
     if usual:
@@ -24,6 +28,8 @@ def completed(values: Values, verb: Verb | None, preset: ObjectPreset) -> Values
         named = {"surface": usual.surface} if usual.surface else {}
         words = {**named, **({} if strikes else {"striker": usual.striker}), **words}
         defaults = {**defaults, **({argument: usual.numbers[argument]} if strikes else usual.numbers)}
-    if argument not in values.numbers and argument not in defaults:
+    if instead is not None:
+        defaults = {**defaults, argument: 0.0}
+    elif argument not in values.numbers and argument not in defaults:
         raise Refused(f"{argument} is missing, and {preset.name} has none: expected {verb.usage()}")
     return replace(values, words=words, defaults=defaults)

@@ -1,4 +1,4 @@
-"""The handlers of `/world/...`: a simulation is told, and the gestures that follow from it are carried out."""
+"""The handlers of `/world/...`: a simulation is reported, and the gestures that follow from it are carried out."""
 
 from collections.abc import Callable
 from functools import partial

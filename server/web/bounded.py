@@ -185,7 +185,7 @@ class BoundedServer(web.Server):
                 gc.collect()
 
     async def end(self) -> None:
-        """Listen no more, and let those go that have not asked for anything."""
+        """Listen no more, and let those go that have not requested anything."""
         if self._watching:
             self._watching.cancel()
         if self._listener:

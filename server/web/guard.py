@@ -48,7 +48,7 @@ class Guard:
     def _is_ours(self, host: str) -> bool:
         """True if a Host is this server: an address, localhost, or this machine's name, alone or in `.local`.
 
-        A page of another site that makes its own name lead here (DNS rebinding) is told nothing.
+        A page of another site that makes its own name lead here (DNS rebinding) gets no answer.
         """
         name = ""
         with suppress(ValueError):

@@ -105,7 +105,7 @@ class WebServer:
 
 
 def _fault(told: dict[str, Any]) -> str:
-    """Return what asyncio tells of a fault, in a line."""
+    """Return what asyncio reports of a fault, in a line."""
     return " ".join(f"{told.get('message', '')} {told.get('exception', '')!r}".split())
 
 

@@ -39,7 +39,7 @@ _SAFE = {
 
 
 class Known(Protocol):
-    """The facts that the site tells of the server; any thread may ask."""
+    """The facts of the server that the site serves; any thread may ask."""
 
     def names(self) -> Names: ...
 

@@ -34,7 +34,7 @@ _HEAD = struct.Struct(">qiii")
 
 
 class SocketClient(Remote):
-    """The client of a web socket. Its `listens` are the addresses whose values it wants to be told."""
+    """The client of a web socket. Its `listens` are the addresses whose values it wants to get."""
 
     def __init__(
         self, socket: web.WebSocketResponse, network: Network, host: str, stranger: bool,
@@ -119,7 +119,7 @@ class SocketClient(Remote):
             await asyncio.sleep(0.01)
 
     def _command(self, text: str) -> None:
-        """Carry out a command of OSCQuery's; of what is none a FAIL tells what was expected."""
+        """Carry out a command of OSCQuery's; of what is none a FAIL names what was expected."""
         try:
             given = json.loads(text)
             command, path = given["COMMAND"], given["DATA"]

@@ -120,12 +120,12 @@ BESIDE = {
 TOPS = {"rain": 8_000.0, "dice": 8_000.0}
 """Hz: up to where the slope is told, where a recording ends sooner."""
 MADE = {
-    "rain": "of two nothing but the city is told; one is in a garden",
-    "gravel": "not told; steps on gravel are outdoors, mostly",
-    "can": "not told",
-    "broken in rooms": "not told; two of the four share all but their beginning, and one ends at 12 kHz",
-    "broken nearly dry": "not told",
-    "dice": "not told",
+    "rain": "of two only the city is known; one is in a garden",
+    "gravel": "unknown; steps on gravel are outdoors, mostly",
+    "can": "unknown",
+    "broken in rooms": "unknown; two of the four share all but their beginning, and one ends at 12 kHz",
+    "broken nearly dry": "unknown",
+    "dice": "unknown",
     "rice": "a studio's samples, cut to one stroke",
 }
 """Places of recordings, as far as their sources or they themselves tell."""

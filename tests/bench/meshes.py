@@ -426,7 +426,7 @@ def of_folder(folder: Path, finer: int) -> None:
     for file in sorted(each for each in folder.rglob("*") if each.suffix.lower() in FORMATS):
         begun = time.process_time()
         try:
-            points, faces = _read(file)
+            points, faces = read_scaled(file)
         except MeshError as error:
             unread += 1
             print(f"{file.name}: {error}", flush=True)
@@ -444,7 +444,7 @@ def of_folder(folder: Path, finer: int) -> None:
     print(f"{unread} files that were not read, each with a sentence", flush=True)
 
 
-def _read(file: Path) -> tuple[np.ndarray, np.ndarray]:
+def read_scaled(file: Path) -> tuple[np.ndarray, np.ndarray]:
     """Return points (n, 3) in m and faces (m, 3) of a file in m, or in mm where that can't be."""
     try:
         return read_mesh(file)

@@ -49,6 +49,7 @@ def folder(tmp_path_factory):
     soundfile.write(folder / "long.wav", np.zeros(130 * 8000, np.int16), 8000)
     soundfile.write(folder / "empty.wav", np.zeros(0), RATE)
     (folder / "text.wav").write_text("no sound")
+    (folder / "none.mp3").touch()
     (folder / "notes").mkdir()
     (folder / "notes" / "a.txt").write_text("no sound")
     return folder
@@ -64,7 +65,8 @@ REFUSED = [
     ("reversed.wav out --name a", "reversed.wav: ", "expected"),
     ("click.wav out --name a", "click.wav: a click", "expected the sound of a strike"),
     ("long.wav out --name a", "long.wav: 130 s long", "expected at most 120 s"),
-    ("text.wav out --name a", "text.wav: ", "expected a sound file"),
+    ("text.wav out --name a", "text.wav: ", "expected a sound file; `ffmpeg -i text.wav text-plain.wav`"),
+    ("none.mp3 out --name a", "none.mp3: it holds no sound", "expected a sound file; `ffmpeg -i none.mp3 none.wav`"),
     ("notes out --name a", "notes: a folder of 1 files", "expected .wav"),
     ("rng.wav out --name a", "rng.wav: No such file", "did you mean ring.wav?"),
     ("ring.wav out --name a/b", "name = 'a/b'", "expected a name of up to 64"),

@@ -13,6 +13,10 @@ from tests.documents.pages import PAGES, PARTS, ROOT, parts, written
 from tests.support import serving
 
 OTHERS = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "clients/examples/README.md")
+NAMES = set(re.findall(r"\w+", "".join(
+    each.read_text(encoding="utf-8") for folder in ("clients", "dsp", "presets", "server", "tests")
+    for ending in ("py", "c", "js", "toml") for each in (ROOT / folder).rglob(f"*.{ending}")
+)))  # fmt: skip
 TEXTS = {page: (ROOT / page).read_text(encoding="utf-8") for page in (*PAGES, *OTHERS)}
 
 
@@ -48,6 +52,27 @@ def test_every_page_is_linked_to():
 def test_the_side_bar_of_the_site_has_each_page_once():
     listed = [name for names in site.NAVIGATION.values() for name in names]
     assert sorted([*listed, "index"]) == sorted(site.staged(page).removesuffix(".md") for page in TEXTS)
+
+
+FOR_DEVELOPERS = ("CONTRIBUTING.md", "SECURITY.md", *(page for page in PAGES if page.startswith(("dsp/", "tests/"))))
+_PATH = re.compile(r"`((?:[a-z_]+/)+[a-zA-Z_]*(?:\.[a-z]+)*)(?:::(\w+))?`|`(\w+)`")
+
+
+@pytest.mark.parametrize("page", FOR_DEVELOPERS)
+def test_what_it_names_in_the_code_is_there(page):
+    """Files, tests in them, functions of a module (`rolling/body.fill_roll`), and names of two words (`ring_on`)."""
+    prose = re.sub(r"```.*?```", "", TEXTS[page], flags=re.DOTALL)
+    for path, test, name in _PATH.findall(prose):
+        if name:
+            assert "_" not in name.strip("_") or name in NAMES, name
+            continue
+        file, module, function = path, f"{path.rpartition('.')[0]}.py", path.rpartition(".")[2]
+        beside = ROOT, (ROOT / page).parent, ROOT / "dsp" / "engine"
+        within = [place for place in beside if (place / file).exists()]
+        if not within:
+            found = [place / module for place in beside if (place / module).exists()]
+            assert found and f"def {function}(" in found[0].read_text(encoding="utf-8"), path
+        assert not test or f"def {test}(" in (within[0] / file).read_text(encoding="utf-8"), test
 
 
 @pytest.mark.parametrize("page", TEXTS)

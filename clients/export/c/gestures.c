@@ -31,6 +31,9 @@ static int is_given(const begun *to, const char *name) {
 static void complete(carom *scene, const call *told, begun *to) {
     parse(scene, told->address, told->verb, told->words, told->count, &to->given, &to->defaults);
     const char *argument = text_of(to->gesture, "argument");
+    const char *instead = text_of(to->gesture, "instead");
+    if (is_given(to, instead) && is_given(to, argument))
+        refuse(scene, "%s, %s: expected one of the two", argument, instead);
     const value *usual = item(item(to->preset, "usual"), told->action);
     int strikes = is_given(to, "striker") || is_given(to, "by") || (is_given(to, "mass") && is_given(to, "stiffness"));
     if (usual->kind == MAP) {
@@ -42,6 +45,7 @@ static void complete(carom *scene, const call *told, begun *to) {
     } else if (!strcmp(argument, "velocity")) {
         put(scene, &to->defaults, "velocity", number_of(to->preset, "velocity"));
     }
+    if (is_given(to, instead)) put(scene, &to->defaults, argument, 0.0);
     if (!is_given(to, argument) && !entry(&to->defaults, argument))
         refuse(scene, "%s is missing, and %s has none", argument, text_of(to->preset, "name"));
 }
@@ -214,7 +218,9 @@ void gesture(carom *scene, const call *told, const object *of) {
     find_law(scene, &to, touching);
     find_motion(scene, &to);
     const char *moving = is_true(to.gesture, "falls") ? "velocity" : text_of(to.gesture, "argument");
-    int moves = entry(&to.motion, moving)->number > 0.0;
+    double instead = given_or(&to, text_of(to.gesture, "instead"), 0.0), most = number_of(to.gesture, "most") * to.mass;
+    if (instead > most) refuse(scene, "impulse = %g: expected at most %g N s of a striker of %g kg", instead, most, to.mass);
+    int moves = entry(&to.motion, moving)->number > 0.0 || instead > 0.0;
     if (!moves && !is_true(to.gesture, "lasts")) return;
     if (is_true(to.gesture, "swarms")) find_pulses(scene, &to);
 

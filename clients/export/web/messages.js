@@ -199,7 +199,8 @@ export class Messages {
   completed(verb, object, gesture, action, args) {
     const { given, defaults } = parsed(action, verb, args);
     const preset = this.map.presets[object.preset];
-    const { argument } = this.map.gestures[action];
+    const { argument, instead } = this.map.gestures[action];
+    if (argument in given && instead in given) refuse(`${argument}, ${instead}: expected one of the two`);
     const usual = preset.usual[action];
     const strikes = "striker" in given || "by" in given || ("mass" in given && "stiffness" in given);
     if (usual) {
@@ -207,6 +208,7 @@ export class Messages {
       if (!strikes) given.striker = usual.striker;
       Object.assign(defaults, strikes ? { [argument]: usual.numbers[argument] } : usual.numbers);
     } else if (argument === "velocity") defaults.velocity = preset.velocity;
+    if (instead in given) defaults[argument] = 0;
     if (!(argument in given) && !(argument in defaults)) refuse(`${argument} is missing, and ${preset.name} has none`);
     return { given, defaults, preset, value: (name) => given[name] ?? defaults[name] };
   }
@@ -228,7 +230,10 @@ export class Messages {
     if (!gesture.falls) motion[gesture.argument] = value(gesture.argument);
     if (gesture.held) motion.velocity = APPROACH;
     if (gesture.falls) this.fall(motion, value);
-    const moves = motion[gesture.falls ? "velocity" : gesture.argument] > 0;
+    const instead = given[gesture.instead] ?? 0;
+    const most = gesture.most * law.mass;
+    if (instead > most) refuse(`impulse = ${instead}: expected at most ${most} N s of a striker of ${law.mass} kg`);
+    const moves = motion[gesture.falls ? "velocity" : gesture.argument] > 0 || instead > 0;
     if (!moves && !gesture.lasts) return undefined;
     if (gesture.swarms) motion.pulses = this.pulses(gesture, law, given);
     const id = given.id ?? (gesture.along ? target : gesture.single ? undefined : `${target}-${++this.made}`);

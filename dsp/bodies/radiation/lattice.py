@@ -2,7 +2,7 @@
 
 A body's size, thickness and density say where its modes lie, but not how a mode of that shape radiates at an x. So it
 is solved at the places of a lattice, which are the same for all bodies, kept, and interpolated between them. A value
-depends on its place and its group of modes alone, and not on what was asked for before, to the bit.
+depends on its place and its group of modes alone, and not on what was requested before, to the bit.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,7 @@ Solve = Callable[[int, Array], Complex]
 
 
 class Curves:
-    """The impedances of groups of modes, as far as they were asked for. Any thread may ask."""
+    """The impedances of groups of modes, as far as they were requested. Any thread may ask."""
 
     def __init__(self, groups: int, solve: Solve) -> None:
         self._solve = solve

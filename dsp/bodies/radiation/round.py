@@ -22,7 +22,7 @@ _ALL_ORDERS, _DENSE, _MANY = 12, 6, 600
 class Every:
     """All waves that round surfaces with one edge have, up to a root: orders, roots and c as in `disc.Waves`, (k,).
 
-    And the impedances of those that were asked for, for a radius and a scale of 1: free, and in a wall on one side.
+    And the impedances of those that were requested, for a radius and a scale of 1: free, and in a wall on one side.
     """
 
     def __init__(self, order: Array, root: Array, growing: Array) -> None:

@@ -168,7 +168,7 @@ def rows_coupled(state: State, obj: Object) -> int:
 
 @kernel
 def _renew(state: State, obj: Object, sheet: Sheet) -> None:
-    """Bring a plate's coupling to its modes' coefficients, to its gain and tune, and to the quality asked for."""
+    """Bring a plate's coupling to its modes' coefficients, to its gain and tune, and to the quality requested."""
     level = 1 if couples_half(state) else 0
     if level != sheet.level:
         sheet.level, sheet.turn, sheet.looked = level, 0, 0

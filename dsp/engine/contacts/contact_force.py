@@ -27,7 +27,7 @@ from ..memory.state import COUPLING, SAMPLING, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
 from .coupled_rolls import put_on_line
-from .solver_choice import choose_solver, soften_pulse, tolerance_of
+from .solver_choice import choose_solver, find_speed, soften_pulse, tolerance_of
 from .trace import trace_blow, trace_snap, trace_touches
 
 _FIRST = 0.05  # of a pulse: the first step after it is coupled
@@ -41,6 +41,8 @@ def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
     """Begin to touch; where `pushed`, the striker's push acts meanwhile. False if there is no room for it."""
     touch(state, contact)
     tighten(state, contact)
+    if contact.impulse > 0.0:
+        find_speed(state, contact)
     if contact.w > 0.0:
         contact.mu = contact.w / max(contact.v_in, _resting_speed(contact))
     solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact)
@@ -258,7 +260,7 @@ def _moments_of(moments: View[float]) -> int:
 
 @kernel
 def observe_points(state: State, contact: Contact) -> None:
-    """Find how the points that are touched would move without the contact; tell it their receptance where that is new.
+    """Find how the points that are touched would move without the contact; give it their receptance where that is new.
 
     A contact with a gain sees a motion that is as large as if it had none.
     """

@@ -138,7 +138,7 @@ def _go_on(state: State, index: int) -> bool:
 
 @kernel
 def _wait_longer(state: State, contact: Contact) -> bool:
-    """Halt a gesture's time for a quantum; return True if it has been told to end."""
+    """Halt a gesture's time for a quantum; return True if it is to end."""
     contact.forces[:] = 0.0
     if contact.trait.held == 1 or contact.trait.rests == 1:
         _lift(state, contact, QUANTUM)

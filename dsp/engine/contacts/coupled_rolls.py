@@ -6,7 +6,7 @@ are held, where `/budget` has no room or too few steps, and under a bow the obje
 any number of modes (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is
 off by -15 to -40 dB.
 It is one, too, under a slide whose friction comes too late for the swings on its contact; friction or force that is
-steered chooses anew, by the greater of the force that is asked for and that which it has come to. And it is one beside
+steered chooses anew, by the greater of the force that is requested and that which it has come to. And it is one beside
 as many coupled contacts as a block takes, if steps have a bound: those that are solved together by samples take more
 steps than the sum of each, and a force that is held among them gains energy.
 

@@ -92,7 +92,7 @@ def leaves_dashpot(state: State, contact: Contact) -> bool:
 
 @kernel
 def _sweep_of(contact: Contact) -> float:
-    """Return the sweep (m/s) that is asked for."""
+    """Return the sweep (m/s) that is requested."""
     return contact.target.sweep if contact.target.sweep >= 0.0 else contact.target.speed
 
 

@@ -11,6 +11,7 @@ from ...contact.closed_form import begin_pulse, find_nodes, find_power
 from ...contact.coupled_step import HELD
 from ...contact.pulse_record import Pulse
 from ...native.jit import kernel
+from ...schema import VELOCITY
 from ..bodies.objects import is_felt, pitch_of, reach_of, shape_at
 from ..memory.quality import holds_steps
 from ..memory.records import Contact, ContactPoint
@@ -22,12 +23,15 @@ _BURST_OF_ALL = 1024  # the same of all coupled contacts, in a quantum
 _CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
 _FINER_AT_REST = 0.1  # share of the tolerance: a rest feels each step of a slow blow, and errs by all of them
 _FINEST = float(LIGHT_TOLERANCE.min())
+_MIDDLE = math.sqrt(2.0)  # times m v_in: an impulse that is wrong by 3 dB at most
+_YIELDS = 0.7  # effective mass, in that of the striker, below which it is taken; of 0.3 to 0.9 the impulses fit best
+_FASTEST = VELOCITY.high
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
 
 @kernel
 def tolerance_of(state: State, contact: Contact) -> float:
-    """Return the tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
+    """Return the tolerance of coupled contacts at the accuracy requested, as far as there is time for it."""
     if holds_steps(state):
         return HELD
     tolerance: float = (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
@@ -72,7 +76,7 @@ def choose_solver(state: State, contact: Contact) -> tuple[int, float, float]:
     for that.
 
     r_i = m phi_i^2, and P_i is the wall pulse's power spectrum at mode i over that at 0. The second sum is -1 where it
-    was not needed. A contact is never coupled where a sampled method was asked for.
+    was not needed. A contact is never coupled where a sampled method was requested.
     """
     mass_ratio, ringing_ratio = _ratios(state, contact)
     contact.light = int(mass_ratio >= LIGHT)
@@ -92,6 +96,25 @@ def choose_solver(state: State, contact: Contact) -> tuple[int, float, float]:
     if sampled or closed_form_will_do(level, seen, mass_ratio, ringing_ratio, contact.pulse.restitution):
         return uncoupled, mass_ratio, seen
     return COUPLING, mass_ratio, seen
+
+
+@kernel
+def find_speed(state: State, contact: Contact) -> None:
+    """Give the striker of a blow of an impulse J that meets objects which yield the speed J/(m y).
+
+    y is 1 + E on a rigid wall, with its restitution E, where the speed that the contact has is exact. On anything it is
+    1 to 2, as the striker comes to rest at least, and loses its speed twice at most; where modes take much of it, y is
+    in the middle of that, as neither its rebounds nor what lies behind it follow from a formula.
+    """
+    mass_ratio = _ratios(state, contact)[0]
+    if mass_ratio < _LIGHT:
+        return
+    mu = contact.w / contact.v_in if contact.w > 0.0 else contact.mu
+    begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, mu, contact.a, state.rate)
+    find_nodes(contact.pulse)
+    on_wall = 1.0 + contact.pulse.restitution
+    kept = max(1.0 / (1.0 + _seen_mass_ratio(state, contact)) - _YIELDS, 0.0) / (1.0 - _YIELDS)
+    contact.v_in = min(contact.impulse / (contact.m * (_MIDDLE + (on_wall - _MIDDLE) * kept)), _FASTEST)
 
 
 @kernel
@@ -132,7 +155,7 @@ def moved_by(contact: Contact, other: Contact) -> float:
 
 @kernel
 def is_moved(state: State, contact: Contact) -> bool:
-    """True if the others that touch a contact's objects may move it by more than the accuracy asked for."""
+    """True if the others that touch a contact's objects may move it by more than the accuracy requested."""
     residual: float = RESIDUAL[0 if holds_steps(state) else state.choices.accuracy]
     moved = 0.0
     for side in range(2):

@@ -150,7 +150,7 @@ def has_run_out(contact: Contact) -> bool:
 
 @kernel
 def delay_swarm(state: State, contact: Contact) -> bool:
-    """Halt a swarm's time for a quantum; true if it has been told to end."""
+    """Halt a swarm's time for a quantum; true if it is to end."""
     if has_run_out(contact):
         contact.until += QUANTUM
     contact.gone_at += QUANTUM
@@ -159,7 +159,7 @@ def delay_swarm(state: State, contact: Contact) -> bool:
 
 @kernel
 def _add_knot(swarm: Swarm, contact: Contact, time: float) -> Knot:
-    """Give a swarm's blows from a time (s from its beginning) on the law that is asked for; return its knot."""
+    """Give a swarm's blows from a time (s from its beginning) on the law that is requested; return its knot."""
     asked, knot = contact.target, add_knot(swarm, time)
     knot.rate, knot.slope, knot.scale = _asked_of(swarm, contact, knot.time)
     knot.excitation, knot.memory = asked.excitation, max(asked.memory, _BRIEFEST)
@@ -170,14 +170,14 @@ def _add_knot(swarm: Swarm, contact: Contact, time: float) -> Knot:
 
 @kernel
 def _exponent(swarm: Swarm, asked: Steered) -> float:
-    """Return the exponent of a swarm's speeds or energies that is asked for."""
+    """Return the exponent of a swarm's speeds or energies that is requested."""
     return asked.evenness if swarm.law == SPEEDS else asked.steepness
 
 
 @kernel
 def _asked_of(swarm: Swarm, contact: Contact, time: float) -> tuple[float, float, float]:
     """Return the rate (1/s) of a swarm's own blows at a time (s from its beginning), its slope (1/s^2), and their
-    scale, as they are asked for."""
+    scale, as they are requested."""
     asked = contact.target
     if swarm.law == DROPS:
         return asked.rate, 0.0, asked.size
@@ -205,7 +205,7 @@ def _whole_of(swarm: Swarm, asked: Steered) -> float:
 @kernel
 def _follow_course(swarm: Swarm, until: float) -> None:
     """Give a step's blows the pieces of its course that begin before a time (s from its beginning), by the law that
-    they have before: what is asked for by now may begin later."""
+    they have before: what is requested by now may begin later."""
     while swarm.duration > 0.0 and swarm.piece < PIECES and next_bend(swarm) <= until:
         bend, last = next_bend(swarm), swarm.knots[swarm.count - 1]
         _, before = course_at(swarm, bend)
@@ -221,7 +221,7 @@ def _follow_course(swarm: Swarm, until: float) -> None:
 
 @kernel
 def steer_swarm(state: State, contact: Contact, time: float) -> None:
-    """Give a swarm's blows from a time (samples) on the law that is asked for now."""
+    """Give a swarm's blows from a time (samples) on the law that is requested now."""
     swarm = state.swarms[contact.swarm]
     if contact.trait.breaks == 1:
         return

@@ -132,7 +132,7 @@ def trace_snap(state: State, contact: Contact, voice: Voice) -> None:
 @kernel
 def _placed(state: State, contact: Contact, row: int, weights: View[float]) -> float:
     """Return the position on an object's strike path at which its shapes are: a cubic is exact for lines. At a point of
-    the surface it is the last that was asked for."""
+    the surface it is the last that was requested."""
     if contact.point[0].on_surface == 1:
         return contact.now.position
     x = 0.0

@@ -164,7 +164,7 @@ def _is_ignored(state: State, event: Event) -> bool:
 
 @kernel
 def _is_gone(state: State, slot: int, serial: int) -> bool:
-    """True if an object is not there, or was told to go."""
+    """True if an object is not there, or is being removed."""
     obj = state.objects[slot]
     return obj.used == 0 or obj.serial != serial or obj.dying > 0
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from ...contact.law import speed_of_impulse
 from ...contact.loss import loss_of
 from ...native.jit import kernel
 from ...native.records import field, set_field
@@ -43,7 +44,7 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
     stats = state.stats
     if trait.along == 1 and steer_existing(state, event):
         refuse_gesture(state, event, END_JOINED)
-    elif max(field(event.values, _SIZES[event.what]), event.values.sweep) < _SLOWEST and trait.swarms == 0:
+    elif _moves_too_slowly(event) and trait.swarms == 0:
         refuse_gesture(state, event, END_RESTED)
     elif not _has_room(state, event):
         stats.impacts += 1
@@ -64,6 +65,14 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
 
 
 @kernel
+def _moves_too_slowly(event: Event) -> bool:
+    """True if a striker moves nothing; that of an impulse J has less than J/m."""
+    values = event.values
+    fastest = max(field(values, _SIZES[event.what]), values.sweep, values.impulse / values.mass)
+    return fastest < _SLOWEST
+
+
+@kernel
 def _has_room(state: State, event: Event) -> bool:
     """True if there is room for the contact that a command begins."""
     trait = state.traits[event.what]
@@ -80,11 +89,13 @@ def _describe(state: State, contact: Contact, event: Event) -> None:
     contact.trait = state.traits[event.what]
     contact.gesture = event.gesture
     contact.command = event.number
-    contact.v_in = values.velocity
+    contact.v_in, contact.impulse = values.velocity, values.impulse
     contact.m = contact.trait.meets * values.mass
     contact.k, contact.mu, contact.a = values.stiffness, values.dissipation, values.exponent
     if values.restitution > 0.0:
         contact.w, contact.mu = loss_of(values.restitution), 0.0
+    if contact.impulse > 0.0:
+        contact.v_in = speed_of_impulse(contact.impulse, contact.m, contact.mu, values.restitution)
     _choose_points(state, contact, event)
     contact.until = contact.gone_at = math.inf
     contact.origin = event.time

@@ -55,7 +55,7 @@ def steer(state: State, event: Event) -> None:
 @kernel
 def target_of(state: State, contact: Contact, parameter: int) -> float:
     """Return the value that one parameter of a contact was last set to; for a roll's speed, as far as friction has
-    slowed it; for a gain, what was asked for."""
+    slowed it; for a gain, what was requested."""
     target = state.rolls[contact.roll].target if contact.trait.rolls == 1 else contact.target
     value: float = field(target, parameter)
     return value / contact.level if parameter == _GAIN and contact.level > 0.0 else value

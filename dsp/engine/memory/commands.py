@@ -17,6 +17,7 @@ from ...schema import (
     BY_POSITION,
     DIRECTION,
     GESTURES,
+    IMPULSE,
     POINT,
     RESTITUTION,
     SETTINGS,
@@ -178,7 +179,7 @@ def _defaults(parameters: Iterable[Parameter]) -> dict[str, float]:
 
 
 _PLACED = (*POINT, *BY_POINT, *DIRECTION, *BY_DIRECTION)
-_ALWAYS = {each.name: 0.0 for each in (BY_POSITION, VELOCITY, RESTITUTION, *_PLACED)}
+_ALWAYS = {each.name: 0.0 for each in (BY_POSITION, VELOCITY, IMPULSE, RESTITUTION, *_PLACED)}
 
 
 def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""The work that is left out when time is short, by the quality asked for (state.Quality).
+"""The work that is left out when time is short, by the quality requested (state.Quality).
 
 Where only the newest gestures may go on, time stands still for the others: the newest are those that began or were
 steered last. Events count in the order in which they are carried out, which a log holds, not in that of their arrival.

@@ -9,7 +9,7 @@ from .state import State
 @kernel
 def takes_time(state: State, event: Event, place: int, serial: int) -> bool:
     """Start the ramp that an event brings; return False if its value counts at once. In either case the event ends the
-    ramps on its parameter, of a contact, an object or the whole, that were asked for before."""
+    ramps on its parameter, of a contact, an object or the whole, that were requested before."""
     ramp = event.ramp
     if ramp.after == 0.0:  # else it is a later point of those that have just come
         drop_ramps(state, event.kind, event.parameter, place, serial)

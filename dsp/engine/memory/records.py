@@ -62,6 +62,7 @@ class Contact(Record):
     oversampling: int  # steps per sample of a sampled contact
     steps: int  # that a sampled contact may still take
     v_in: float  # m/s
+    impulse: float  # N s: of a blow that is known by it, from which v_in follows; else 0
     m: float
     k: float
     mu: float

@@ -1,4 +1,4 @@
-"""Space as a command tells of it: a place that is gone to, a listener, walls."""
+"""Space as a command sets it: a place that is gone to, a listener, walls."""
 
 from typing import Annotated
 
@@ -6,7 +6,7 @@ from ...native.typed import Record, View, dtype_of
 
 
 class Told(Record):
-    """Space as a command tells of it: a pose, and for a listener or a room their values."""
+    """Space as a command sets it: a pose, and for a listener or a room their values."""
 
     pose: Annotated[View[float], 7]
     over: float  # s

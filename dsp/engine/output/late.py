@@ -46,7 +46,7 @@ def _is_any_line_heard(state: State) -> bool:
 
 @noinline_kernel
 def let_walls_come(state: State) -> None:
-    """Give space the walls and the late part that were told."""
+    """Give space the walls and the late part that were set."""
     space = state.surroundings
     told = space.walls_told
     space.walls = int(told[0])

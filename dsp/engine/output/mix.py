@@ -50,7 +50,7 @@ def glide_gains(state: State, obj: Object) -> None:
 
 @kernel
 def _glided(state: State, gain: float, asked: float) -> float:
-    """Return a gain a quantum later, on its way to the one that is asked for: most are there."""
+    """Return a gain a quantum later, on its way to the one that is requested: most are there."""
     return asked if gain == asked else asked + (gain - asked) * math.exp(-QUANTUM / (_GLIDE * state.rate))
 
 

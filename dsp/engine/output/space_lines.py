@@ -48,7 +48,7 @@ def pose_at(pose: Pose, time: float) -> None:
 
 @noinline_kernel
 def listen(state: State, told: Told, time: float, wholly: bool) -> None:
-    """Place the listener, or have it go there; wholly: with all that is told of how it hears."""
+    """Place the listener, or have it go there; wholly: with all of how it hears."""
     space = state.surroundings
     go_to(space.listener, told.pose, time, told.over * state.rate if space.on == 1 else 0.0)
     if wholly:

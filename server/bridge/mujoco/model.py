@@ -142,7 +142,7 @@ def _spread(model: mujoco.MjModel, data: mujoco.MjData, part: Part) -> tuple[NDA
 
 
 def names_of(model: mujoco.MjModel, part: Part) -> list[str]:
-    """Return the names by which a part is asked for: its own, those of its bodies and of its geoms."""
+    """Return the names by which a part is requested: its own, those of its bodies and of its geoms."""
     geoms = [name_of(model, mujoco.mjtObj.mjOBJ_GEOM, geom) for geom in part.geoms]
     bodies = {int(model.geom_bodyid[geom]) for geom in part.geoms}
     own = [name_of(model, mujoco.mjtObj.mjOBJ_BODY, body) for body in sorted(bodies) if body]

@@ -94,6 +94,7 @@ def find_blows(state: State) -> None:
             blow = state.blows[state.struck]
             blow.a, blow.b, blow.side, blow.contact, blow.time = event.a, event.b, event.side, event.contact, event.time
             blow.speed, blow.mass, blow.restitution = event.speed, event.mass, event.restitution
+            blow.impulse = event.impulse
             for k in range(3):
                 blow.point[k], blow.normal[k] = event.point[k], event.normal[k]
                 blow.local[0, k], blow.local[1, k] = event.local[0, k], event.local[1, k]
@@ -152,7 +153,7 @@ def weigh_blow(state: State, microphones: MicrophoneState, blow: Blow) -> None:
 
 @kernel
 def left_of(state: State, blow: Blow) -> float:
-    """Return the share of its speed that a blow leaves: of the pair, as it was told, or by its law."""
+    """Return the share of its speed that a blow leaves: of the pair, as it was reported, or by its law."""
     own = state.bounce[blow.a, blow.b]
     if own > 0.0:
         blow.restitution = own - 1.0

@@ -7,8 +7,8 @@ lies before the step's by depth over speed. Its effective mass along the normal 
 1/M + (r x n) I^-1 (r x n), with the lever arm r from the centre of mass.
 
 A pair that has touched for a while slips at the speed of one body over the other, and sweeps at that of the contact
-over each body. It is told anew only where the change can be heard. One that does neither lies: it is a rest, under the
-force that the simulator tells.
+over each body. It is reported anew only where the change can be heard. One that does neither lies: it is a rest, under
+the force that the simulator reports.
 """
 
 import math
@@ -18,7 +18,7 @@ from ....dsp.native.typed import View
 from .grains import is_of_grains
 from .microphones import MicrophoneState
 from .motion import find_glide, follow, hop, weight_of
-from .points import clear, into, longest_hop, remember, take_point
+from .points import clear, into, lightness_at, longest_hop, remember, speed_of_impulse_at, take_point
 from .slides import (
     RESTS,
     fainter_slide,
@@ -69,7 +69,7 @@ def take_step(state: State, microphones: MicrophoneState, points: int, time: flo
 
 @kernel
 def _is_whole(state: State, points: int) -> bool:
-    """True if all that was told is finite, and of bodies that there are."""
+    """True if all that was reported is finite, and of bodies that there are."""
     if points > POINTS:
         return False
     x = y = z = w = 0.0  # sums that the processor follows side by side
@@ -199,8 +199,8 @@ def _lay(state: State, pair: Pair) -> None:
         pair.slide = 0
         return
     event = state.events[number]
-    lightness = _lightness(state, pair.a, event.point, event.normal)
-    event.mass = 1.0 / (lightness + _lightness(state, pair.b, event.point, event.normal))
+    lightness = lightness_at(state, pair.a, event.point, event.normal)
+    event.mass = 1.0 / (lightness + lightness_at(state, pair.b, event.point, event.normal))
     contact = _nearest(state, pair, event.point)
     if pair.count > 2 and contact >= 0:  # a line touches in its middle too, feet do not
         for k in range(3):
@@ -298,8 +298,8 @@ def _hit(state: State, pair: Pair) -> None:
         return
     for k in range(3):
         pair.fresh_normal[k] /= length
-    lightness = _lightness(state, pair.a, pair.fresh_point, pair.fresh_normal)
-    lightness += _lightness(state, pair.b, pair.fresh_point, pair.fresh_normal)
+    lightness = lightness_at(state, pair.a, pair.fresh_point, pair.fresh_normal)
+    lightness += lightness_at(state, pair.b, pair.fresh_point, pair.fresh_normal)
     mass = pair.mass / count
     if math.isnan(mass):
         mass = 1.0 / lightness
@@ -313,6 +313,10 @@ def _hit(state: State, pair: Pair) -> None:
     happened.speed = pair.speed / length  # along the mean normal: more than along each, where they differ
     happened.mass = mass
     happened.restitution = pair.restitution / count
+    happened.impulse = 0.0
+    if not math.isnan(pair.impulse):
+        happened.impulse = pair.impulse * length / count
+        happened.speed = speed_of_impulse_at(state, pair, happened.impulse, mass, happened.restitution)
     for k in range(3):
         happened.point[k] = pair.fresh_point[k]
         happened.normal[k] = pair.fresh_normal[k]
@@ -334,24 +338,6 @@ def _nearest(state: State, pair: Pair, point: View[float]) -> int:
             if square < least:
                 found, least = n, square
     return found
-
-
-@kernel
-def _lightness(state: State, body: int, point: View[float], normal: View[float]) -> float:
-    """Return 1/M + (r x n) I^-1 (r x n) of a body (1/kg), at a point."""
-    total = state.lightness[body]
-    if total == 0.0:
-        return 0.0
-    for k in range(3):
-        along = 0.0
-        for i in range(3):
-            j, m = (i + 1) % 3, (i + 2) % 3
-            arm_j = point[j] - state.position[body, j]
-            arm_m = point[m] - state.position[body, m]
-            turning = arm_j * normal[m] - arm_m * normal[j]
-            along += state.turn[body, 3 * i + k] * turning
-        total += state.yielding[body, k] * along * along
-    return total
 
 
 @noinline_kernel

@@ -1,7 +1,7 @@
 """Grains: bodies of which there are so many that their blows are told together, as counts, impulse and energy.
 
-The blows of one kind of grains on one body are a heap. It is told every 20 ms, by the steps: as the swarm that has as
-many blows a second, of that impulse and energy. What a grain itself sounds like, one of its kind sounds for all.
+The blows of one kind of grains on one body are a heap. It is reported every 20 ms, by the steps: as the swarm that has
+as many blows a second, of that impulse and energy. What a grain itself sounds like, one of its kind sounds for all.
 """
 
 import math
@@ -80,8 +80,8 @@ def _heap_of(state: State, kind: int, body: int, both: int) -> int:
 
 @kernel
 def grains_are_due(state: State, before: float) -> bool:
-    """True if the heaps are to be told after a step from a time (s) on: that which ends nearest to TOGETHER after they
-    were told last; `due` says so, too. They stay listed while their swarms go on."""
+    """True if the heaps are to be reported after a step from a time (s) on: that which ends nearest to TOGETHER after
+    the last report; `due` says so, too. They stay listed while their swarms go on."""
     if state.piled == 0 or math.isnan(state.told_at):
         state.told_at = before
     state.due = int(state.piled > 0 and state.time - state.told_at > TOGETHER - 0.5 * (state.time - before))

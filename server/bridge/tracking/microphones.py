@@ -51,7 +51,7 @@ def gain_at(microphones: MicrophoneState, m: int, place: View[float]) -> float:
 
 @noinline_kernel
 def find_gains(microphones: MicrophoneState, state: State) -> int:
-    """Find the gains of all bodies, and list those that sound and whose gains are others than those told; how many."""
+    """Find the gains of all bodies, and list those that sound and whose gains have changed since; how many."""
     found = 0
     microphones.sound = 0
     for n in range(state.bodies):

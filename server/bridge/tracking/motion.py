@@ -59,7 +59,7 @@ def follow(state: State, pair: Pair, span: float) -> None:
 
 @kernel
 def _press(state: State, pair: Pair, span: float, landed: bool) -> None:
-    """Smooth a contact's force: of one that hops, its mean from landing to landing; its weight where none is told."""
+    """Smooth a contact's force: of one that hops, its mean between landings; its weight where none is reported."""
     weight = weight_of(state, pair)
     if pair.now[2] == 0.0:
         pair.now[2] = weight if weight > 0.0 else pair.force
@@ -77,7 +77,7 @@ def _press(state: State, pair: Pair, span: float, landed: bool) -> None:
 
 @kernel
 def hop(state: State, pair: Pair, span: float) -> None:
-    """Find how a contact that hops slips on: as its bodies move where it was last, or as it was told.
+    """Find how a contact that hops slips on: as its bodies move where it was last, or as it was reported.
 
     One that stays at its place on one body sweeps over the other as fast as it slips.
     """

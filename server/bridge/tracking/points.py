@@ -2,6 +2,7 @@
 
 import math
 
+from ....dsp.contact.law import speed_of_impulse
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.native.typed import View
 from .state import KEPT, PAIRS, Pair, State
@@ -39,7 +40,7 @@ def clear(pair: Pair) -> None:
     pair.count = pair.fresh = pair.followed = 0
     pair.swept[0] = pair.swept[1] = 0.0
     pair.weight = pair.slip = pair.force = pair.closes = pair.speed = pair.delay = pair.mass = pair.restitution = 0.0
-    pair.hopping = 0.0
+    pair.hopping = pair.impulse = 0.0
     for k in range(3):
         pair.point[k] = pair.normal[k] = pair.fresh_point[k] = pair.fresh_normal[k] = 0.0
 
@@ -101,8 +102,10 @@ def take_point(state: State, n: int, span: float, fall: float, least: float) -> 
     pair.count += 1
     pair.told = 0 if math.isnan(state.slip[n]) else 1
     point, normal = state.point[n], state.normal[n]
-    approach, slip = _speeds(state, n, a, b, sign)
+    approach, slip = _speeds(state, n, pair, sign)
     force = state.force[n]
+    if math.isnan(force) and not math.isnan(state.impulse[n]):
+        force = state.impulse[n] / span
     weight = force if force > 0.0 else 1e-9
     pair.weight += weight
     pair.slip += weight * slip
@@ -132,6 +135,7 @@ def _add_new(state: State, pair: Pair, n: int, sign: float, span: float, approac
     pair.delay += min(depth / approach, span) if depth > 0.0 else 0.0
     pair.mass += state.mass[n]
     pair.restitution += state.restitution[n]
+    pair.impulse += state.impulse[n]
     for k in range(3):
         pair.fresh_point[k] += state.point[n, k]
         pair.fresh_normal[k] += sign * state.normal[n, k]
@@ -207,10 +211,17 @@ def _goes_on(state: State, pair: Pair, n: int, sign: float, span: float, approac
 
 
 @kernel
-def _speeds(state: State, n: int, a: int, b: int, sign: float) -> tuple[float, float]:
-    """Return the closing speed and the slip of a point (m/s): as they were told, else by the motion of the bodies."""
-    closing, aside = _rates(state, a, b, state.point[n], state.normal[n])
+def _speeds(state: State, n: int, pair: Pair, sign: float) -> tuple[float, float]:
+    """Return the closing speed and the slip of a point (m/s): as reported, or by its impulse, else by the motion of
+    the bodies."""
+    point, normal = state.point[n], state.normal[n]
+    closing, aside = _rates(state, pair.a, pair.b, point, normal)
     approach, slip = state.approach[n], state.slip[n]
+    if not math.isnan(state.impulse[n]):
+        mass = state.mass[n]
+        if math.isnan(mass):
+            mass = 1.0 / (lightness_at(state, pair.a, point, normal) + lightness_at(state, pair.b, point, normal))
+        approach = speed_of_impulse_at(state, pair, state.impulse[n], mass, state.restitution[n])
     return sign * closing if math.isnan(approach) else approach, aside if math.isnan(slip) else slip
 
 
@@ -226,6 +237,37 @@ def _rates(state: State, a: int, b: int, point: View[float], normal: View[float]
         closing += rate * normal[k]
         square += rate * rate
     return closing, math.sqrt(max(square - closing * closing, 0.0))
+
+
+@kernel
+def lightness_at(state: State, body: int, point: View[float], normal: View[float]) -> float:
+    """Return 1/M + (r x n) I^-1 (r x n) of a body (1/kg), at a point."""
+    total = state.lightness[body]
+    if total == 0.0:
+        return 0.0
+    for k in range(3):
+        along = 0.0
+        for i in range(3):
+            j, m = (i + 1) % 3, (i + 2) % 3
+            arm_j = point[j] - state.position[body, j]
+            arm_m = point[m] - state.position[body, m]
+            turning = arm_j * normal[m] - arm_m * normal[j]
+            along += state.turn[body, 3 * i + k] * turning
+        total += state.yielding[body, k] * along * along
+    return total
+
+
+@kernel
+def speed_of_impulse_at(state: State, pair: Pair, impulse: float, mass: float, restitution: float) -> float:
+    """Return the speed (m/s) of a blow of an impulse (N s) between two bodies: by the restitution of the pair, by that
+    which is reported, NaN if none is, or by their contact law."""
+    own = state.bounce[pair.a, pair.b]
+    share = own - 1.0 if own > 0.0 else restitution
+    if not math.isnan(share):
+        return impulse / (mass * (1.0 + min(max(share, 0.0), 1.0)))
+    support = state.support[pair.a, pair.b] - 1
+    law = state.supports[support] if support >= 0 else state.law[state.material[pair.a], state.material[pair.b]]
+    return speed_of_impulse(impulse, mass, law[1], 0.0)
 
 
 @kernel
@@ -299,7 +341,7 @@ def _find_before(state: State, pair: Pair, n: int, span: float, rate: float) -> 
     """Say whether a point STAYED since the last steps, but for the way it goes at a rate (m/s), by which a point closes
     and slips, and as its bodies move; came BACK to its place on one of them; or CAME; it is remembered.
 
-    One that was there, or before a hop, tells how fast the contact moves over both bodies. Simulators tell points in
+    One that was there, or before a hop, tells how fast the contact moves over both bodies. Simulators report points in
     the same order from step to step: the one that was the same in the last step is looked at first.
     """
     point, time = state.point[n], state.time
@@ -341,7 +383,7 @@ def _nearest_of(
     near: float,
     rate: float,
 ) -> tuple[int, float, tuple[float, float]]:
-    """Return the nearest of a pair's points, -1 if none is near: its number, for how long it was not told (s), and how
+    """Return the nearest of a pair's points, -1 if none is near: its number, the time since its report (s), and how
     far it has come on each body, squared (m^2)."""
     found, least, passed, ways = -1, math.inf, 0.0, (0.0, 0.0)
     for m in range(pair.known):
@@ -403,7 +445,7 @@ def _over(
 def _ways(
     pair: Pair, m: int, on_a: tuple[float, float, float], on_b: tuple[float, float, float]
 ) -> tuple[float, float]:
-    """Return the squared distance (m^2) on each body between a point and a pair's point m as it was last told."""
+    """Return the squared distance (m^2) on each body between a point and a pair's point m as it was last reported."""
     return _square(on_a, pair.kept[m, 0]), _square(on_b, pair.kept[m, 1])
 
 

@@ -9,7 +9,9 @@ from ....dsp.native.jit import kernel, noinline_kernel
 from .blows import left_of
 from .state import TOGETHER, Blow, State
 
-_RIGID = 1e-3  # share by which a blow's mass may differ from that of rigid bodies; else it is taken alone
+_RIGID = 1e-3
+"""Share by which a blow's mass may differ from that of rigid bodies; else it is taken alone, as one that is told by its
+impulse is: that is its part."""
 _ROUNDS = 60  # for each blow
 _LEAST = 1e-6  # of its mass alone: what has less of a part is no blow, the others push it open
 
@@ -51,7 +53,7 @@ def _set_equations(state: State, count: int) -> bool:
             state.opens[i, j] = _opens(state, blow, state.blows[j])
     for i in range(count):
         mass = state.blows[i].mass
-        rigid = abs(state.opens[i, i] * mass - 1.0) < _RIGID
+        rigid = abs(state.opens[i, i] * mass - 1.0) < _RIGID and state.blows[i].impulse == 0.0
         for j in range(count):
             if i != j and not rigid:
                 state.opens[i, j] = state.opens[j, i] = 0.0

@@ -1,5 +1,5 @@
-"""Standing contacts that are heard as slides: how loud each may be; and what is told of it, which changes only where
-that can be heard.
+"""Standing contacts that are heard as slides: how loud each may be; and its reports, which change only where that can
+be heard.
 
 The estimate of a slide's pressure is p = c L m v^1.5 (F/(m g))^0.5, in SI units: of a body of mass m, the lighter of
 two, that slips or sweeps at v under a force F, its weight at least. L is the pressure of a blow of 1 N s on both, as
@@ -38,7 +38,7 @@ _SEEDS = 2**31
 def pressure_of(state: State, microphones: MicrophoneState, pair: Pair) -> float:
     """Return the pressure (Pa rms) of a contact's slide at the microphone that hears it best, as an estimate.
 
-    Of two bodies that are held it is infinite; of a pair that slides as it was told to, it is 20 dB more.
+    Of two bodies that are held it is infinite; of a pair that slides in a way of its own, it is 20 dB more.
     """
     lightness = max(state.lightness[pair.a], state.lightness[pair.b])
     if lightness == 0.0:
@@ -87,7 +87,7 @@ def fainter_slide(state: State, pair: Pair) -> int:
 
 @kernel
 def is_noticed(state: State, pair: Pair) -> bool:
-    """True if a speed, the force or the place has changed by so much since it was told that it is heard."""
+    """True if a speed, the force or the place has changed by so much since it was reported that it is heard."""
     for k in range(3):
         floor = RESTS if k < 2 else 1e-6
         if abs(pair.now[k] - pair.said[k]) > _CHANGED * max(abs(pair.said[k]), floor):
@@ -97,7 +97,7 @@ def is_noticed(state: State, pair: Pair) -> bool:
 
 @kernel
 def _has_moved(state: State, pair: Pair) -> bool:
-    """True if a slide is elsewhere on the body that is slid on than it was told."""
+    """True if a slide is elsewhere on the body that is slid on than it was reported."""
     body = pair.b if pair.side == 1 else pair.a
     if state.surfaced[body] == 0:
         return abs(motion_of(state, pair, POSITION) - pair.steered[POSITION]) > _AWAY
@@ -109,7 +109,7 @@ def _has_moved(state: State, pair: Pair) -> bool:
 
 @kernel
 def steer_slide(state: State, pair: Pair) -> None:
-    """Tell what of a slide is other than it was told: its slip and its sweep (m/s), its force (N), its place."""
+    """Tell what of a slide is other than it was reported: its slip and its sweep (m/s), its force (N), its place."""
     pair.told_at = state.time
     for k in range(3):
         pair.said[k] = pair.now[k]
@@ -138,7 +138,7 @@ def _steer(state: State, pair: Pair, parameter: int) -> None:
 
 @kernel
 def steer_load(state: State, pair: Pair) -> None:
-    """Tell the load (N) of a contact that lies, if it is other than it was told."""
+    """Tell the load (N) of a contact that lies, if it is other than it was reported."""
     load = motion_of(state, pair, 2)
     if abs(load - pair.load) > _CHANGED * pair.load and state.changed < EVENTS:
         pair.told_at, pair.load = state.time, load

@@ -1,4 +1,4 @@
-"""The tracker's memory: the bodies, what a simulator tells of a step, the pairs that touch, and what happened."""
+"""The tracker's memory: the bodies, what a simulator reports of a step, the pairs that touch, and what happened."""
 
 from typing import Annotated
 
@@ -46,7 +46,7 @@ told."""
 TOGETHER = 16
 """Blows of one step on the same bodies that share them: of more each is taken alone."""
 
-TOLD = ("depth", "approach", "slip", "force", "mass", "restitution", "friction")
+TOLD = ("depth", "approach", "slip", "force", "mass", "restitution", "friction", "impulse")
 """Quantities that a simulator may tell of a point, NaN where it does not."""
 
 
@@ -105,6 +105,7 @@ class Pair(Record):
     delay: float
     mass: float
     restitution: float
+    impulse: float  # N s: of new points, NaN where one is not told by it
     hopped_at: float  # s: when it was last told no more for a while
     pushed: float  # N s: its force over a time (s) that the smoothed force knows nothing of yet
     over: float
@@ -155,6 +156,7 @@ class PairEvent(Record):
     speed: float  # m/s: of the approach
     mass: float  # kg: effective, along the normal
     restitution: float  # NaN: not told
+    impulse: float  # N s: of a blow that is told by it; else 0
     # Of a contact that moves or lies, as a slide takes it: its motion, its law, its radius and the width of its patch
     # (m), and the place 0 to 1 on the strike path of the body that slides.
     motion: Annotated[View[float], len(STEERED)]
@@ -210,7 +212,7 @@ BLOW = dtype_of(Blow)
 
 
 class Heap(Record):
-    """The blows of one kind of grains on one body since they were told last."""
+    """The blows of one kind of grains on one body since they were reported last."""
 
     kind: int
     body: int
@@ -289,6 +291,7 @@ class State(Record):
     mass: Annotated[View[float], POINTS]
     restitution: Annotated[View[float], POINTS]
     friction: Annotated[View[float], POINTS]
+    impulse: Annotated[View[float], POINTS]
     elastic: Annotated[View[float], POINTS]  # the greatest restitution of the simulator's contact, where none is told
     # Pairs that touch, the first `touching` of `pairs`; `place` has their numbers plus 1.
     touching: int

@@ -100,6 +100,15 @@ def test_pascals_are_those_of_a_calibrated_scene(small):
     np.testing.assert_allclose(_pascals(found[0]), pressure, atol=found[0]["truth"]["full_scale"] / 2**23)
 
 
+def test_a_recipe_may_draw_impulses(tmp_path):
+    """In place of velocities; a bar that hardly yields gets what was drawn."""
+    blow = "impulse = { log_uniform = [1e-4, 1e-3] }\nstriker = 'felt-hammer'"
+    recipe = recipe_of(tmp_path, SMALL.replace("velocity = { log_uniform = [0.1, 1.0] }", blow))
+    for item in items(recipe, range(3)):
+        (contact,) = render(recipe, item, Presets()).truth["contacts"]
+        assert contact["impulse"] == pytest.approx(item.factors["impact.impulse"], rel=0.3)
+
+
 def test_a_clip_beyond_full_scale_is_an_error_that_names_it(tmp_path):
     recipe = recipe_of(tmp_path, "full_scale = 1e-3\n" + SMALL)
     with pytest.raises(ItemError, match=r"item 4: its peak is .* Pa: expected at most full_scale = 0.001 Pa \(object"):

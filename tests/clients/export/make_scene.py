@@ -63,8 +63,11 @@ def gesture(chance: random.Random, name: str, target: str, others: list[str]) ->
     declared = GESTURES[name]
     part = SWARMING if declared.swarms else 1.0
     args: list[Any] = [number(chance, declared.argument, part), chance.random()]
+    if declared.instead and chance.random() < 0.3:
+        instead = next(key for key in declared.keys if key.name == declared.instead)
+        args = [instead.name, number(chance, instead), "position", chance.random()]
     for key in (*STRIKE[:4], *declared.keys):
-        if chance.random() < 0.15 and key.name not in ("seed", "position", "static", "dynamic"):
+        if chance.random() < 0.15 and key.name not in ("seed", "position", "static", "dynamic", declared.instead):
             args += [key.name, number(chance, key, part)]
     if not declared.along and "dissipation" not in args and chance.random() < 0.1:
         args += ["restitution", chance.uniform(0.2, 0.95)]

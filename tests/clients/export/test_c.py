@@ -127,6 +127,23 @@ def test_messages_become_the_commands_of_a_session(folder: Path, tmp_path: Path)
     assert len(asked) == 400 and not wrong, f"{len(wrong)} of {len(asked)}: {wrong[:5]}"
 
 
+def test_a_button_acts_as_it_is_pressed_and_not_as_it_is_let_go(folder: Path, tmp_path: Path) -> None:
+    """A program in C sends what control surfaces do to addresses without arguments: 1 is a command, 0 is none."""
+    program = tmp_path / "ask"
+    run("cc", *STRICT, *asking(folder), "-o", program, check=True)
+    held = "/object/church_bell/press 1.0 id hand"
+    lines = ["/panic 1", "/panic 1.0", "/panic 0", "/panic 0.0", "/panic", "/panic 2", "/panic on", held,
+             "/gesture/hand/stop 0", "/gesture/hand/stop 1.0", "/gesture/a/stop 0", "/gesture/a/stop 1"]  # fmt: skip
+    told = run(program, folder / "scene.carom", input="\n".join(lines), check=True).stdout.splitlines()
+    kind, kinds = rules_of(folder)["command"]["fields"]["kind"], rules_of(folder)["kinds"]
+    commands = [[read(bytes.fromhex(word), *kind) for word in got.split()] for got in told if not got.startswith("!")]
+    panic, begin, stop = ([float(kinds[name])] for name in ("PANIC", "GESTURE", "STOP"))
+    assert commands == [panic, panic, [], [], panic, begin, [], stop, []]
+    refused = [got for got in told if got.startswith("!")]
+    assert ["/panic" in got or "argument" in got for got in refused[:2]] == [True, True], refused
+    assert len(refused) == 3 and "a: no such gesture" in refused[2]
+
+
 def test_a_message_is_refused_whole(folder: Path) -> None:
     """The library refuses what is no time, lists that are too long, and lists for which it has no room."""
     library = ctypes.CDLL(str(folder / "libcarom.so"))

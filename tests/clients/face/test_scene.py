@@ -302,3 +302,18 @@ def test_warnings_are_in_the_report(tmp_path):
         scene.impact("board", 1.0, by="bell", gain=-60)
         assert any("bell has no material" in text for text in scene.render(0.1).report.warnings)
         assert scene.render(0.1).report.warnings == ()
+
+
+def test_a_blow_may_be_known_by_its_impulse():
+    """As a score has it; a velocity beside it is refused."""
+    with carom.Scene() as scene:
+        scene.new("plate", "steel-plate", at=0)
+        scene.impact("plate", impulse=0.01, position=0.3, at=0)
+        sound = scene.render(0.1).samples
+        with pytest.raises(carom.CaromError, match=r"velocity = 1, impulse = 0\.01: expected one of the two"):
+            scene.impact("plate", 1.0, impulse=0.01, at=0.2)
+    score = [
+        (0.0, "/object/new", "plate", "steel-plate"),
+        (0.0, "/object/plate/impact", "impulse", 0.01, "position", 0.3),
+    ]
+    assert sound.any() and (carom.render(score, seconds=0.1).samples == sound).all()

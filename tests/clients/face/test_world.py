@@ -277,3 +277,31 @@ def test_what_was_not_kept_is_an_error():
         world.sound()
     with pytest.raises(WorldError, match="expected keep=True"):
         World(stems=True)
+
+
+@pytest.mark.parametrize("restitution", [math.nan, 0.0, 0.6])
+def test_a_blow_may_be_told_by_its_impulse(restitution):
+    """As by the approach that gives it, m v (1 + e); the points of one blow add up, each its share."""
+    heard = {}
+    for told in ("approach", "impulse", "points"):
+        with furnished() as world:
+            world.body("other", "sphere", 0.01, "steel", mass=0.03)
+            poses = {"other": Pose((0, 0, 0.01))}
+            touch = Touch("floor", "other", (0, 0, 0), (0, 0, 1), approach=2.0, restitution=restitution)
+            if told != "approach":
+                impulse = heard["approach"][0].impulse
+                shares = [1.0] if told == "impulse" else [0.75, 0.25]
+                touches = [touch._replace(approach=math.nan, impulse=impulse * share) for share in shares]
+            world.step(0.01, [], poses)
+            sound = world.step(0.02, [touch] if told == "approach" else touches, poses)
+            heard[told] = world.hits[0], sound
+            assert len(world.hits) == 1 and world.hits[0].mass == pytest.approx(0.03)
+    for told in ("impulse", "points"):
+        hit, sound = heard[told]
+        assert (hit.speed, hit.impulse) == pytest.approx((2.0, heard["approach"][0].impulse), rel=1e-9)
+        np.testing.assert_allclose(sound, heard["approach"][1], rtol=1e-5, atol=1e-9)
+
+
+def test_a_touch_with_an_approach_and_an_impulse_is_refused():
+    with furnished() as world, pytest.raises(WorldError, match=r"impulse = 0\.1: expected one of approach and impulse"):
+        world.step(0.02, [Touch("floor", "ball", (0, 0, 0), (0, 0, 1), approach=1.0, impulse=0.1)])

@@ -6,6 +6,7 @@ import pytest
 from scipy.special import gamma
 
 from carom.dsp import contact
+from carom.dsp.contact import law
 from tests import accuracy
 
 mp.mp.dps = 50
@@ -153,3 +154,13 @@ def test_bound_is_above_contact_time_and_near_it():
 def test_bad_values_are_named(call, culprit):
     with pytest.raises(ValueError, match=culprit):
         call()
+
+
+@pytest.mark.parametrize("mu", [0.0, 1e-9, 1e-3, 0.0999, 0.1001, 1.0, 30.0, 1e4])
+def test_the_speed_of_an_impulse_gives_that_impulse(mu):
+    """J = m v (1 + E), at 50 digits; either side of where its series begins, s = 0.05 at J/m = 0.5 m/s."""
+    for impulse in (1e-9, 1e-3, 1.0, 1e3):
+        speed = law.speed_of_impulse(impulse, 2.0, mu, 0.0)
+        given = 2 * mp.mpf(speed) * (1 + exact_restitution(mp.mpf(mu) * mp.mpf(speed)))
+        assert abs(given / mp.mpf(impulse) - 1) < 2e-14
+    assert law.speed_of_impulse(3.0, 2.0, mu, 0.5) == 1.0

@@ -6,10 +6,13 @@ import pytest
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms, shells
 from carom.dsp.mesh.creases import SHARES, TURNS, held, shorter
+from carom.dsp.mesh.model import Wanted, model_of
 from carom.dsp.mesh.refining import refined
-from carom.dsp.mesh.surface import Surface, faces_of
+from carom.dsp.mesh.rounding import quartered
+from carom.dsp.mesh.surface import MeshError, Surface, faces_of
 from tests import needs
 from tests.bench import corners
+from tests.bench.meshes import broken
 
 METAL = Material("metal", 7.85e7, 2e15, 0.29, 1.0, 0.0)
 SIDE = 0.1
@@ -66,3 +69,23 @@ def test_the_bottom_of_a_can_rings_as_that_of_a_solid_one():
     can = refined(forms.lathe(profile, 48, closed=False), 500)
     found = shells.solve_twice(can, 0.001, METAL, 16).frequency[6:]
     assert found[4] == pytest.approx(2122.2, rel=0.008)
+
+
+def test_a_strip_that_twists_grows_by_no_more_than_what_is_round():
+    """The long triangles of a tube along few points, whose ends look elsewhere: their walls were half as large again.
+    A coarse ball is round all the same."""
+    chance = np.random.default_rng(5)
+    for _ in range(20):
+        tube = forms.tube(chance.uniform(-0.1, 0.1, (4, 3)), forms.circle(0.01, 9), chance.standard_normal(3))
+        grown = faces_of(quartered(quartered(tube))).areas.sum() / faces_of(tube).areas.sum()
+        assert 0.9 < grown < 1.06
+    ball = quartered(quartered(forms.ball(1.0, 1)))
+    assert faces_of(ball).areas.sum() == pytest.approx(4 * np.pi, rel=0.02)
+
+
+def test_a_solid_whose_surface_has_wide_gaps_is_refused():
+    """Of a random tube that meets itself: its lowest frequency was 16 % high, and nobody knows what its inside is."""
+    chance = np.random.default_rng(88)
+    mesh, wall = [broken(chance) for _ in range(79)][-1]
+    with pytest.raises(MeshError, match=r"8\.6 % of the rays that look for its inside meet a gap"):
+        model_of(*mesh, METAL, Wanted(wall, modes=5, points=60))

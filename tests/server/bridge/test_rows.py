@@ -39,6 +39,7 @@ def random_step(seed: int) -> tuple[list[Touch], dict[str, Pose]]:
     touches = []
     for n in range(7):
         told = {name: random.uniform() if random.uniform() < 0.7 else math.nan for name in RANGES}
+        told[random.choice(["approach", "impulse"])] = math.nan
         point = tuple(random.normal(size=3).tolist())
         touches.append(Touch(f"body{n % BODIES}", f"body{(n + 1) % BODIES}", point, unit(random, 3), **told))
     poses = {
@@ -69,6 +70,7 @@ WRONG_TOUCHES: list[dict[str, Any]] = [
     dict(point=(0.0, math.nan, 0.0)), dict(normal=(0.0, 0.0, 1.01)), dict(approach=math.inf), dict(slip=-1e-9),
     dict(depth=-math.inf), dict(force=math.inf), dict(mass=0.0), dict(restitution=1.5), dict(friction=-1.0),
     dict(a="body9"), dict(point=(0.0, 0.0)), dict(point=(0.0, 0.0, 0.0, 0.0)), dict(slip="fast"),
+    dict(impulse=-0.1), dict(approach=0.5, impulse=0.5),
 ]  # fmt: skip
 WRONG_POSES: list[dict[str, Any]] = [
     dict(position=(0.0, math.inf, 0.0)), dict(turn=(1.0, 0.1, 0.0, 0.0)), dict(spin=(0.0, 0.0)),
@@ -105,7 +107,7 @@ def test_a_touch_may_leave_out_what_is_not_told_as_none() -> None:
 def test_a_step_of_touches_asks_python_for_little() -> None:
     """A step of touches at which nothing happens makes as many calls of Python's functions as one without."""
     told, (touches, _) = simulation(), random_step(3)
-    still = [each._replace(approach=0.0, slip=0.0) for each in touches]
+    still = [each._replace(approach=0.0, slip=0.0, impulse=math.nan) for each in touches]
     poses = {"body1": Pose((0.0, 0.0, 0.0))}
     calls = []
 
