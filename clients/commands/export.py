@@ -15,7 +15,8 @@ from .progress import AT_WORK, Work, shown_progress
 if TYPE_CHECKING:
     from ...presets import Presets
 
-TARGETS = ("web", "c", "clap")
+PLUGINS = ("clap", "vst3", "lv2")
+TARGETS = ("web", "c", *PLUGINS)
 """The targets of an export."""
 
 
@@ -25,9 +26,11 @@ def _options(parser: argparse.ArgumentParser) -> None:
         metavar="SCORE",
         help="score, saved table of the page, or name of an object or of one of Carom's scores; -: stdin",
     )
-    parser.add_argument("folder", metavar="OUT", help="folder for the files; it is made if missing")
-    text = "kind of files: a web page, a C library or a CLAP plug-in, the last two for this machine"
+    text = "folder for the files; it is made if missing (the score's name, then the kind of files)"
+    parser.add_argument("folder", metavar="OUT", nargs="?", help=text)
+    text = "kind of files: a web page, a C library, or a plug-in (CLAP, VST3, LV2); all but pages for this machine"
     parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")
+    parser.add_argument("--install", action="store_true", help="put the plug-in where hosts look for it")
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
     add_presets(parser)
 
@@ -47,9 +50,10 @@ def _run(arguments: argparse.Namespace) -> int:
             "--rate",
             str(arguments.rate),
             *more,
+            *(["--install"] if arguments.install else []),
             "--",
             arguments.score,
-            arguments.folder,
+            *([arguments.folder] if arguments.folder else []),
         ]
         return subprocess.run([sys.executable, "-m", "carom", *words], env=os.environ | wanted).returncode
     return _export(arguments)
@@ -69,8 +73,8 @@ def _export(arguments: argparse.Namespace) -> int:
     score = parse(content, name)
     require_objects(score, presets)
     Options(arguments.rate).lines_of(score)  # an empty score is refused before anything is compiled
-    _require(arguments.to)
-    folder = made_folder(Path(arguments.folder))
+    _require(arguments.to, arguments.install)
+    folder = made_folder(Path(arguments.folder or f"{title}-{arguments.to}"))
     _prepare(arguments.to)
     with shown_progress(Work("export", AT_WORK), title) as change:
 
@@ -87,20 +91,26 @@ def _export(arguments: argparse.Namespace) -> int:
 
             write_library(baked(arguments.rate), folder)
         else:
-            from ..export.clap import RATES, write_plugin
+            from ..export.plugins import HOMES, RATES, install, write_plugin
 
-            write_plugin([baked(rate) for rate in sorted({*RATES, arguments.rate})], folder)
+            made = write_plugin([baked(rate) for rate in sorted({*RATES, arguments.rate})], folder, arguments.to)
     for warning in dict.fromkeys(warnings):
         tell("export", warning)
+    if arguments.to in PLUGINS:
+        there = f"{install(made)} is installed" if arguments.install else f"copy {made} to {HOMES[arguments.to]}"
+        tell("export", f"{there}; hosts find it when they look for plug-ins again")
     return 0
 
 
-def _require(target: str) -> None:
+def _require(target: str, installs: bool) -> None:
     """Raise ExportError where this machine can't make an export."""
-    from ..export import c, clap
+    from ..export import c, plugins
+    from ..export.scene import ExportError
 
-    if target == "clap":
-        clap.require_system()
+    if target in PLUGINS:
+        plugins.require_system()
+    elif installs:
+        raise ExportError(f"--install: expected --to {', '.join(PLUGINS)}; {target} is no plug-in")
     if target != "web":
         c.c_compiler()
 

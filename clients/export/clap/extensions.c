@@ -12,17 +12,6 @@
 #include "plugin.h"
 #include "scene.h"
 
-const macro macros[MACROS] = {
-    [POSITION] = {"Position", "", 0.0, 1.0, 0.0},
-    [STRIKER] = {"Striker", "", 0.0, 0.0, 0.0},
-    [TUNE] = {"Tune", " semitones", -24.0, 24.0, 0.0},
-    [DECAY] = {"Decay", " times", 0.1, 10.0, 1.0},
-    [DAMP] = {"Damp", "", 0.0, 1.0, 0.0},
-    [RELEASE] = {"Release damp", "", 0.0, 1.0, 0.0},
-    [GAIN] = {"Gain", " dB", -40.0, 12.0, 0.0},
-    [PAN] = {"Pan", "", -1.0, 1.0, 0.0},
-};
-
 static double highest(int macro) {
     return macro == STRIKER ? striker_count - 1 : macros[macro].high;
 }
@@ -135,8 +124,8 @@ static bool note_get(const clap_plugin_t *clap, uint32_t place, bool is_input, c
 }
 
 static uint32_t latency(const clap_plugin_t *clap) {
-    const carom *scene = plugin_of(clap)->played.scene;
-    return scene ? (uint32_t)carom_delay(scene) : 0;
+    (void)clap;
+    return LATENCY; /* before it is activated, too */
 }
 
 /* --- state: lines of a macro's name, = and its value as text --- */

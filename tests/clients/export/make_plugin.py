@@ -3,15 +3,15 @@ page's sizes and bits.
 
     python -m tests.clients.export.make_plugin FOLDER [ENGINE]
 
-The folder gets the plug-in, `played.txt`, events for the host of the tests, and `sound.f32`, the render of a score of
-the same notes and settings, each as much later as the plug-in's latency says.
+The folder gets the plug-in in each format, `played.txt`, events for the host of the tests, and `sound.f32`, the render
+of a score of the same notes and settings, each as much later as the plug-in's latency says.
 """
 
 import math
 import sys
 from pathlib import Path
 
-from carom.clients.export.clap import RATES, write_plugin
+from carom.clients.export.plugins import FORMATS, RATES, write_plugin
 from carom.clients.export.scene import bake_scene
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.presets import Presets
@@ -91,7 +91,8 @@ def main(folder: Path) -> None:
         bake_scene(parse(OBJECTS.encode(), "score"), OBJECTS, "two of them", presets, Options(rate), print)
         for rate in RATES
     ]
-    write_plugin(scenes, folder)
+    for form in FORMATS:
+        write_plugin(scenes, folder, form)
     baked = scenes[0].baked
     played = Played(69.0 + 12.0 * math.log2(float(baked.objects["bell"].modes.frequency[0]) / 440.0))
     play(played, scenes[0].strikers.names[1])

@@ -6,8 +6,8 @@ import pytest
 
 from carom import Presets, ScoreError
 from carom.clients.export.baking import Baked, bake
-from carom.clients.export.clap import write_plugin
 from carom.clients.export.mapping import Strikers, scene_map
+from carom.clients.export.plugins import write_plugin
 from carom.clients.export.scene import ExportError, Scene
 from carom.dsp.engine.memory.state import STATE
 from carom.dsp.runtime.engine import NOW, Engine

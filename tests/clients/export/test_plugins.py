@@ -1,19 +1,24 @@
-"""A scene as a CLAP plug-in: a host that speaks CLAP's interface in C hears the bits of a render."""
+"""A scene as a plug-in: hosts of CLAP, VST3 and LV2 hear the bits of a render, and of each other."""
 
+import os
+import platform
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from carom.clients.commands.export import read_scene
-from carom.clients.export import clap
+from carom.clients.commands.export import PLUGINS, read_scene
+from carom.clients.export import plugins
 from carom.presets import Presets
 from carom.server.osc.score import ScoreError, parse
 from tests import needs
+from tests.clients.export import lv2_host
 from tests.clients.export.conftest import TINY
+from tests.clients.export.lv2_host import Midi
 from tests.clients.export.make_plugin import FRAMES, RATE
 from tests.clients.export.pages import ENGINE
 
@@ -24,7 +29,7 @@ pytestmark = [
 ]
 
 HERE = Path(__file__).parent
-SOURCES = Path(clap.__file__).parent / "clap"
+VENDOR = Path(plugins.__file__).parent / "vendor"
 STRICT = ["-std=c11", "-Wall", "-Wextra", "-Werror"]
 
 
@@ -41,7 +46,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a plug-in, events, what they shall sound like, and the host."""
     folder = tmp_path_factory.mktemp("plugin")
     subprocess.run([sys.executable, "-m", "tests.clients.export.make_plugin", folder, TINY], env=ENGINE, check=True)
-    subprocess.run(["cc", *STRICT, "-I", SOURCES, HERE / "host.c", "-ldl", "-o", folder / "host"], check=True)
+    subprocess.run(["cc", *STRICT, "-I", VENDOR, HERE / "host.c", "-ldl", "-o", folder / "host"], check=True)
     return folder
 
 
@@ -192,13 +197,123 @@ def test_an_object_is_a_score_of_its_own() -> None:
         read_scene("church-bel", Presets())
 
 
-def test_the_sources_compile_without_a_warning(made: Path) -> None:
-    """The sources that are exported make a plug-in by the command that they name, which shows its entry alone."""
-    told = (made / "plugin.c").read_text().split("*/")[0].partition("\n   cc ")[2]
+BUNDLES = {
+    "clap": "two-of-them.clap",
+    "vst3": f"two-of-them.vst3/Contents/{platform.machine()}-linux/two-of-them.so",
+    "lv2": "two-of-them.lv2/two-of-them.so",
+}
+ENTRIES = {
+    "clap": ["clap_entry"],
+    "vst3": ["GetPluginFactory", "ModuleEntry", "ModuleExit", "clap_entry"],
+    "lv2": ["clap_entry", "lv2_descriptor"],
+}
+SOURCES = {"clap": "plugin.c", "vst3": "vst3.c", "lv2": "lv2.c"}
+
+
+@pytest.mark.parametrize("form", plugins.FORMATS)
+def test_the_sources_compile_without_a_warning(made: Path, form: str) -> None:
+    """The sources that are exported make a plug-in by the command that they name, which shows its entries alone."""
+    told = (made / SOURCES[form]).read_text().split("*/")[0].partition("\n   cc ")[2]
     words = ["cc", *told.replace("\\\n", " ").split()]
-    words[words.index("NAME.clap")] = "own.clap"
-    done = subprocess.run([*words, "-Wall", "-Wextra", "-Werror"], cwd=made, capture_output=True, text=True)
+    words[words.index("-o") + 1] = f"own.{form}"
+    strict = ["-Wall", "-Wextra", "-Werror"]
+    done = subprocess.run([*words, *strict], cwd=made, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
-    for name in ("own.clap", "two-of-them.clap"):
+    for name in (f"own.{form}", BUNDLES[form]):
         shown = subprocess.run(["nm", "-D", "--defined-only", made / name], capture_output=True, text=True).stdout
-        assert [line.split()[-1] for line in shown.splitlines()] == ["clap_entry"]
+        assert sorted(line.split()[-1] for line in shown.splitlines()) == ENTRIES[form]
+
+
+MIDI: list[Midi] = [
+    (100, b"\x90\x3c\x59"), (1_001, b"\x90\x40\x20"), (6_000, b"\x80\x3c\x40"), (7_001, b"\x90\x3c\x7f"),
+    (12_800, b"\xe0\x00\x60"), (12_800, b"\xd0\x10"), (12_800, b"\xb0\x40\x7f"), (13_001, b"\x80\x40\x00"),
+]  # fmt: skip
+"""pedalboard gives controllers at the beginnings of its blocks."""
+FRAMES_OF_MIDI = 16_000
+CONTROLS = (0.25, 2.0, -6.0, 1.0, 0.0, 0.5, -27.0, 0.5)
+"""Of the parameters: shares of their ranges that single precision has."""
+
+
+def by_clap(made: Path) -> NDArray[np.float32]:
+    """Return the sound of MIDI with all parameters set, as the host of CLAP hears it."""
+    asked = "".join(f"0 param {n} {value!r}\n" for n, value in enumerate(CONTROLS))
+    notes = "".join(f"{at} midi {' '.join(map(str, [*message, 0][:3]))}\n" for at, message in MIDI)
+    return played(made, asked + notes, 512, FRAMES_OF_MIDI).sound
+
+
+@pytest.mark.parametrize("block", [64, 512, 9_000])
+def test_a_host_of_lv2_hears_the_bits_of_clap(made: Path, block: int) -> None:
+    bell = lv2_host.Plugin(made / BUNDLES["lv2"], 0, RATE)
+    assert bell.uri == "urn:carom:two-of-them:bell"
+    assert np.array_equal(bell.run(MIDI, CONTROLS, FRAMES_OF_MIDI, block), by_clap(made))
+    assert bell.latency.value == 127.0
+    bell.close()
+
+
+def test_lv2_refuses_a_rate_that_the_scene_is_not_baked_for_and_ends_its_list(made: Path) -> None:
+    with pytest.raises(ValueError, match="32000"):
+        lv2_host.Plugin(made / BUNDLES["lv2"], 0, 32_000.0)
+    with pytest.raises(LookupError, match="2"):
+        lv2_host.Plugin(made / BUNDLES["lv2"], 2, RATE)
+
+
+@needs.without("lv2_validate")
+def test_lv2_is_described_as_its_specification_asks(made: Path, tmp_path: Path) -> None:
+    bundle = tmp_path / "two-of-them.lv2"
+    bundle.symlink_to(made / bundle.name)
+    done = subprocess.run(["lv2_validate", *bundle.glob("*.ttl")], capture_output=True, text=True)
+    assert done.stdout.startswith("Found 0 errors"), done.stderr
+    listed = subprocess.run(
+        ["lv2ls"], env={**os.environ, "LV2_PATH": str(tmp_path)}, capture_output=True, text=True, check=True
+    )
+    assert listed.stdout.split() == ["urn:carom:two-of-them:bell", "urn:carom:two-of-them:block"]
+
+
+def by_vst3(folder: Path, block: int, state: bytes | None = None) -> tuple[Any, NDArray[np.float32]]:
+    """Return the bell as pedalboard loads it, and its sound of MIDI."""
+    bell = needs.module("pedalboard").load_plugin(str(folder / "two-of-them.vst3"), plugin_name="Carom bell")
+    if state is None:
+        for name, value, macro in zip(KEYS, CONTROLS, plugins.MACROS, strict=True):
+            share = (value - macro.low) / (macro.high - macro.low)
+            if share == float(np.float32(share)):  # but for the striker, and Decay, which stays as it is
+                bell.parameters[name].raw_value = share
+        bell.striker = bell.parameters["striker"].valid_values[int(CONTROLS[1])]
+    else:
+        bell.raw_state = state
+    notes = [(message, (at + 0.5) / RATE) for at, message in MIDI]  # it rounds down
+    return bell, np.ascontiguousarray(bell(notes, FRAMES_OF_MIDI / RATE, RATE, 2, block).T)
+
+
+KEYS = ("position", "striker", "tune_semitones", "decay_times", "damp", "release_damp", "gain_db", "pan")
+"""The parameters, as pedalboard calls them."""
+
+
+@pytest.mark.parametrize("block", [100, 512])
+def test_another_s_host_of_vst3_hears_the_bits_of_clap(made: Path, block: int) -> None:
+    bell, sound = by_vst3(made, block)
+    assert bell.reported_latency_samples == 127 and bell.is_instrument
+    assert np.array_equal(sound, by_clap(made)) and sound.any()
+
+
+def test_a_state_of_vst3_is_kept(made: Path) -> None:
+    bell, sound = by_vst3(made, 512)
+    again, same = by_vst3(made, 512, state=bell.raw_state)
+    assert np.array_equal(same, sound)
+    assert [again.parameters[name].raw_value for name in KEYS] == [bell.parameters[name].raw_value for name in KEYS]
+
+
+@pytest.mark.parametrize("form", plugins.FORMATS)
+def test_a_plugin_is_installed_where_hosts_look_for_it(
+    made: Path, form: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    for _ in range(2):  # a second time in place of the first
+        there = plugins.install(made / f"two-of-them.{form}")
+    assert there == tmp_path / f".{form}" / f"two-of-them.{form}"
+    wanted = (made / BUNDLES[form]).read_bytes()
+    assert (tmp_path / f".{form}" / BUNDLES[form]).read_bytes() == wanted
+    assert list(there.parent.iterdir()) == [there]
+
+
+def test_all_formats_are_targets_of_an_export() -> None:
+    assert PLUGINS == plugins.FORMATS
