@@ -2,6 +2,7 @@
 
 import atexit
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -94,13 +95,19 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.flaky(reruns=2, reruns_delay=2))
 
 
+PROGRESS = re.compile(r"^carom \w+: .* after \d+ s\n", re.M)
+"""What a command says every 5 s, as it may have to on a busy machine."""
+
+
 @pytest.fixture
 def carom(tmp_path) -> Callable[..., subprocess.CompletedProcess[str]]:
     """Run the command line in an empty folder."""
 
     def run(*args: object, check: bool = False) -> subprocess.CompletedProcess[str]:
         words = [*CAROM, *map(str, args)]
-        return subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=check)
+        done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=check)
+        done.stderr = PROGRESS.sub("", done.stderr)
+        return done
 
     return run
 

@@ -196,8 +196,8 @@ class Network:
 
     def _is_heard(self, caller: Caller, packet: bytes, kind: Urgency) -> bool:
         """Give back a datagram's room; False if it is a question that has waited for too long."""
-        came, group = caller.came.popleft()
-        self._intake.end(group, len(packet))
+        came, groups = caller.came.popleft()
+        self._intake.end(groups, len(packet))
         now = time.monotonic()
         since = max(caller.since, came)
         if not kind & Urgency.QUESTION:
@@ -214,18 +214,18 @@ class Network:
         """Queue the datagrams that have arrived behind others of their senders."""
         taken = self._intake.take()
         now = time.monotonic()
-        for packet, address, group in taken:
+        for packet, address, groups in taken:
             caller = self._callers.get(address)
             if caller is None:
                 host = address[0]
                 if self._callers_of[host] >= _MOST_CALLERS - len(self._callers):
-                    self._intake.end(group, len(packet))
+                    self._intake.end(groups, len(packet))
                     self.drop(address)
                     continue
                 caller = self._callers[address] = Caller(address)
                 self._callers_of[host] += 1
             caller.arrived.append(packet)
-            caller.came.append((now, group))
+            caller.came.append((now, groups))
             self._queue(caller)
 
     def wake(self) -> None:

@@ -23,9 +23,10 @@ from ...dsp.native.jit import c_function, carray, external, kernel
 from ...dsp.native.typed import Record, View, dtype_of, i32
 from .tcp import listen
 
-CAPACITY = 1 << 23
-"""Bytes of datagrams that can wait to be carried out, each with 24 of its own. A host's may take as much as is left
-free: half of it where no other sends, some 50,000 short ones; a third where two do. So there is room for a newcomer."""
+CAPACITY = 3 << 22
+"""Bytes of datagrams that can wait to be carried out, each with 24 of its own. An address may take as much as its host
+leaves free of what is left for that: a third where no other sends, some 50,000 short ones; a fifth where another of its
+host does. So there is room for a newcomer of this host, and of others."""
 
 RECEIVE_BUFFER = 1 << 22
 """Bytes asked of the system for datagrams that the reading thread has not taken yet; the system may give less."""
@@ -35,8 +36,10 @@ _LOOK = 0.05  # s between looks at whether to go on
 _HEAD = 3  # words before a datagram: its size, and two of the address that it came from
 _LARGEST = _HEAD + (1 << 16) // 8  # words
 _WORDS = CAPACITY // 8
-_GROUPS = 256  # of hosts; each host has one of its own, unless so many send that none near its place is free
-_PROBES = 16  # places of groups that a host may have
+_GROUPS = 4_096  # of senders: a host, and each address of it, has one of its own unless none near its place is free
+_PROBES = 16  # places of groups that a sender may have
+_OF_HOST = 16  # bits of a group
+_SENDER = (1 << 48) - 1
 _AT_ONCE = 1_024  # datagrams that are taken at once: some 2 ms
 
 
@@ -49,10 +52,10 @@ class Box(Record):
     stopped: Annotated[View[int], 1]
     dropped: Annotated[View[int], 1]  # datagrams
     loser: Annotated[View[int], 2]  # address that the last of them came from
-    owner: Annotated[View[int], _GROUPS]  # the host that a group of hosts began with
+    owner: Annotated[View[int], _GROUPS]  # the sender that a group began with
     held: Annotated[View[int], _GROUPS]  # words that came in, ever, from each group
     done: Annotated[View[int], _GROUPS + 1]  # those that are carried out or dropped, and their sum
-    key: int  # of the hash of hosts, that nobody outside knows
+    key: int  # of the hash of senders, that nobody outside knows
     descriptor: int
     bell: int
     length: Annotated[View[i32], 2]
@@ -61,7 +64,7 @@ class Box(Record):
 
 
 _BOX = dtype_of(Box)
-_ENTRY = struct.Struct("=ii2x2s4s8x")  # size and group, and of the sockaddr_in port and host
+_ENTRY = struct.Struct("=ii2x2s4s8x")  # size and groups, and of the sockaddr_in port and host
 
 _WINDOWS = sys.platform == "win32"
 _receive: Callable[[int, int, int, int, int], int] = external(
@@ -89,19 +92,20 @@ _words_of = kernel(_words)
 
 
 @kernel
-def _group(box: Box, host: int) -> int:
-    """Return the group of a host (32 bits): its own, else one that is free, else one that it shares."""
-    first = host * box.key >> 40
+def _group(box: Box, sender: int) -> int:
+    """Return the group of a sender (48 bits: a port, or 0, and a host): its own, else one that is free, else one that
+    it shares."""
+    first = sender * box.key >> 40  # the product wraps
     free = -1
     for k in range(_PROBES):
         group = (first + k) & (_GROUPS - 1)
-        if box.owner[group] == host:
+        if box.owner[group] == sender:
             return group
         if free < 0 and box.held[group] == load_acquire(box.done, group):
             free = group
     if free < 0:
         return first & (_GROUPS - 1)
-    box.owner[free] = host
+    box.owner[free] = sender
     return free
 
 
@@ -118,16 +122,19 @@ def drain(address: int) -> None:
         size = _receive(box.descriptor, start + 8 * _HEAD, 1 << 16, start + 8, box.length.ctypes.data)
         if size < 0:  # nothing came for a while
             continue
-        group, words = _group(box, fresh[1] >> 32 & 0xFFFFFFFF), _words_of(size)
+        words = _words_of(size)
+        of_host, own = _group(box, fresh[1] >> 32 << 16 & _SENDER), _group(box, fresh[1] >> 16 & _SENDER)
         free = _WORDS - _LARGEST - total + load_acquire(box.done, _GROUPS)
-        mine = box.held[group] - load_acquire(box.done, group)
+        free -= box.held[of_host] - load_acquire(box.done, of_host)
+        mine = box.held[own] - load_acquire(box.done, own)
         if mine + words > free or written - load_acquire(box.read, 0) > _WORDS - _LARGEST:
             box.loser[0], box.loser[1] = fresh[1], fresh[2]
             store_release(box.dropped, 0, box.dropped[0] + 1)
             continue
-        box.held[group] += words
+        box.held[of_host] += words
+        box.held[own] += words
         total += words
-        fresh[0] = size | group << 32
+        fresh[0] = size | (of_host | own << _OF_HOST) << 32
         at = written % _WORDS
         for i in range(words):
             ring[at + i] = fresh[i]
@@ -142,8 +149,8 @@ def drain(address: int) -> None:
 
 
 class Caller:
-    """An address that datagrams wait from: `arrived`. Each came at a time (s), and takes room of a group of hosts, as
-    Intake tells it: a host's group may change."""
+    """An address that datagrams wait from: `arrived`. Each came at a time (s), and takes room of groups of senders, as
+    Intake tells them: a sender's group may change."""
 
     __slots__ = ("address", "arrived", "came", "queued", "since")
 
@@ -172,7 +179,7 @@ class Intake:
         self._written, self._read = record["written"], record["read"]
         self._stopped, self._dropped, self._loser = record["stopped"], record["dropped"], record["loser"]
         self._done = record["done"]
-        record["key"] = 1 << 29 | secrets.randbits(29)  # so that the product with a host fits 63 bits
+        record["key"] = secrets.randbits(62) | 1
         self._ring = memoryview(record["ring"]).cast("B")
         self.heard, self._bell = socket.socketpair()
         self.heard.setblocking(False)
@@ -201,7 +208,7 @@ class Intake:
             self._bell.send(b"\0")
 
     def take(self) -> list[tuple[bytes, tuple[str, int], int]]:
-        """Return the datagrams that have arrived, but no more than 1,024: each with its sender's address and its group.
+        """Return the datagrams that have arrived, but no more than 1,024: each with its sender's address and groups.
 
         They take room until `end` is called for each.
         """
@@ -210,9 +217,9 @@ class Intake:
         while len(taken) < _AT_ONCE and read != (written := confirm(self._written)):
             while read != written and len(taken) < _AT_ONCE:
                 at = 8 * (read % _WORDS)
-                size, group, port, host = _ENTRY.unpack_from(self._ring, at)
+                size, groups, port, host = _ENTRY.unpack_from(self._ring, at)
                 start = at + 8 * _HEAD
-                taken.append((bytes(self._ring[start : start + size]), _address(port, host), group))
+                taken.append((bytes(self._ring[start : start + size]), _address(port, host), groups))
                 read = _after(read, size)
             publish(self._read, read)
         return taken
@@ -222,10 +229,10 @@ class Intake:
         """True if a datagram has arrived that was not taken."""
         return int(self._read[0]) != confirm(self._written)
 
-    def end(self, group: int, size: int) -> None:
-        """Give back the room of a datagram of a size (bytes) and a group: it is carried out, or dropped."""
-        self._done[group] += _words(size)
-        self._done[_GROUPS] += _words(size)
+    def end(self, groups: int, size: int) -> None:
+        """Give back the room of a datagram of a size (bytes) and its groups: it is carried out, or dropped."""
+        for each in (groups & (1 << _OF_HOST) - 1, groups >> _OF_HOST, _GROUPS):
+            self._done[each] += _words(size)
 
     @property
     def dropped(self) -> int:

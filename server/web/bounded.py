@@ -126,19 +126,17 @@ class BoundedServer(web.Server):
 
     async def _shake_hands(self, visitor: _Visitor) -> None:
         left = max(0.1, visitor.quiet_since + _HANDSHAKE - time.monotonic())
-
-        def protocol() -> Any:
-            made = self()
-            self._visitors[made] = visitor
-            return made
-
+        made: Any = self()
+        self._visitors[made] = visitor
         try:
-            _, visitor.protocol = await self._loop.connect_accepted_socket(
-                protocol, visitor.socket, ssl=self._tls, ssl_handshake_timeout=left if self._tls else None
+            await self._loop.connect_accepted_socket(
+                lambda: made, visitor.socket, ssl=self._tls, ssl_handshake_timeout=left if self._tls else None
             )
+            visitor.protocol = made
             visitor.quiet_since = time.monotonic()
         except (OSError, asyncio.CancelledError):  # ssl.SSLError and TimeoutError are such
             self._failed += 1
+            self._visitors.pop(made, None)  # of a handshake that fails no connection is lost
             self._places.leave(visitor)
             visitor.socket.close()
         finally:

@@ -19,7 +19,6 @@ from pathlib import Path
 
 from carom.clients.client import Client
 from carom.clients.top import values
-from carom.server.net.network import PATIENCE
 from carom.server.osc import wire
 from carom.server.osc.framing import Sized, Slip
 from carom.server.osc.wire import Message
@@ -196,8 +195,6 @@ class Findings:
     streams: int = 0
     answers: list[float] = field(default_factory=list)
     """s that each look took: the batch before it, and its answer."""
-    lost: int = 0
-    """Looks that were answered only when they were asked again, as datagrams may have to be."""
     hangs: int = 0
     """Looks that took longer than HANG, all of it spent at work by the server, not in waiting for a processor."""
     memory: list[int] = field(default_factory=list)
@@ -224,12 +221,9 @@ def fuzz(
             else:
                 found.streams += 1
                 _pour(stream, here, streams, junk.chance)
-            if _is_answered(looker):
-                found.answers.append(time.monotonic() - started)
-                found.hangs += min(found.answers[-1], worked(server.pid) - before) > HANG
-            else:
-                found.lost += 1
-                looker.ask("/status", timeout=_DEAD)
+            looker.ask("/status", timeout=_DEAD)
+            found.answers.append(time.monotonic() - started)
+            found.hangs += min(found.answers[-1], worked(server.pid) - before) > HANG
             found.packets += BATCH
             assert server.poll() is None, "the server has ended"
             if found.packets * 10 // count > len(found.memory):
@@ -238,15 +232,6 @@ def fuzz(
     for sock in streams:
         sock.close()
     return found
-
-
-def _is_answered(looker: Client) -> bool:
-    """Ask for the status once; false where the question, or its answer, was lost."""
-    try:
-        looker.ask("/status", timeout=2 * PATIENCE)
-    except TimeoutError:
-        return False
-    return True
 
 
 def _pour(stream: bytes, to: tuple[str, int], streams: list[socket.socket], chance: random.Random) -> None:

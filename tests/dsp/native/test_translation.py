@@ -380,6 +380,44 @@ def test_a_kernel_that_cannot_fail_is_not_refused(empty, case):
     assert empty.start().translated == 2
 
 
+PROCESSORS = {"generic": "", "znver2": "+avx,+avx2,+bmi,+bmi2,+fma", "skylake-avx512": "+avx2,+avx512f,+avx512vl,+fma"}
+"""LLVM's names of processors that numba may find, and what they can do."""
+LOOP = """
+    from ctypes import c_int64, c_void_p
+
+    import numpy as np
+
+    from carom.dsp.native.jit import c_function, carray, kernel
+
+    @kernel
+    def add_rows(x, n):
+        for m in range(0, n, 4):
+            rows = (x[n], 2 * x[n], 3 * x[n], 4 * x[n], 5 * x[n], 6 * x[n], 7 * x[n], 8 * x[n])
+            for k in range(min(4, n - m)):
+                x[m + k] += rows[k]
+                if n > 5:
+                    x[32 + m + k] += rows[4 + k]
+
+    @c_function(None, c_void_p, c_int64)
+    def call(address, n):
+        add_rows(carray(address, (64,), np.dtype(np.float64)), n)
+"""
+
+
+@pytest.mark.slow
+def test_a_kernel_is_translated_alike_whatever_processor_numba_finds(empty):
+    """An index of a tuple is checked: only where LLVM unrolls its loop is it seen that it can't fail."""
+    empty.write("functions.py", dedent(LOOP))
+    code = {}
+    for name, features in PROCESSORS.items():
+        found = {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": features}
+        env = os.environ | found | {"PYTHONPATH": str(empty.folder), "XDG_CACHE_HOME": str(empty.folder / name)}
+        run = subprocess.run([sys.executable, "-c", APART], env=env, capture_output=True, text=True)
+        assert run.returncode == 0, f"{name}: {run.stderr}"
+        code[name] = run.stdout
+    assert len(set(code.values())) == 1
+
+
 def test_a_function_that_numba_compiles_is_refused_in_a_kernel(empty):
     """An edit of it would not be seen."""
     other = "\nfrom numba import njit\n\n@njit\ndef other(n):\n    return n\n"

@@ -4,6 +4,7 @@ import random
 import sys
 import threading
 import time
+from collections import Counter
 
 import pytest
 
@@ -16,20 +17,37 @@ pytestmark = pytest.mark.slow
 
 
 def test_datagrams_beyond_the_queue_are_counted_and_their_sender_told(net, stack):
+    """One address takes a third of the room; then another of its host a ninth, and one of another host 5 / 27."""
     large = bytes(60_000)
-    fitting = CAPACITY // 60_024 // 2
-    first, second = udp(stack), udp(stack)
-    send_in_time(first, [large] * (fitting - 8), net)
-    send_in_time(second, [large] * 40, net)
-    got = taken(net)
+    room = CAPACITY // 60_024
+    senders = udp(stack, "127.0.0.1"), udp(stack, "127.0.0.1"), udp(stack, "127.0.0.2")
+    for sender in senders:
+        send_in_time(sender, [large] * (room // 3 + 8), net)
+    got = Counter(source for _, source in taken(net))
+    for sender, share in zip(senders, (1 / 3, 1 / 9, 5 / 27), strict=True):
+        assert abs(got[sender.getsockname()] - share * room) < 3
     dropped = net.counts["dropped"]
-    assert fitting - 2 <= len(got) <= fitting and len(got) + dropped == fitting + 32
-    assert net.losses() == [
-        (f"{dropped} datagrams dropped: the queue was full", ("127.0.0.1", second.getsockname()[1]))
-    ]
+    assert got.total() + dropped == 3 * (room // 3 + 8)
+    assert net.losses() == [(f"{dropped} datagrams dropped: the queue was full", senders[2].getsockname())]
     assert net.losses() == [] and f"{dropped} datagrams dropped" in net.warnings()[0]
-    second.sendto(A, net.address)
-    assert [packet for packet, _ in taken(net)] == [A]
+    for sender in senders:
+        send_in_time(sender, [large] * (room // 9), net)
+        assert len(taken(net)) == room // 9
+
+
+def test_a_client_that_waits_leaves_room_for_all_others_of_its_host(net, stack):
+    """Whatever it sends meanwhile: it may wait for an object to be made."""
+    waits = udp(stack, "127.0.0.1")
+    waits.sendto(A, net.address)
+    assert net.receive(1.0) == (A, waits.getsockname())
+    net.pause(waits.getsockname())
+    for _ in range(4):
+        send_in_time(waits, [bytes(60_000)] * 60, net)
+        assert taken(net) == []
+    others = [udp(stack) for _ in range(50)]
+    for each in others:
+        send_in_time(each, [A] * 20, net)
+    assert [packet for packet, _ in taken(net)] == [A] * 1_000
 
 
 def test_datagrams_of_all_sizes_come_whole_and_in_order(net, stack):
