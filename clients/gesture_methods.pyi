@@ -33,6 +33,7 @@ class ImpactKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     direction: Sequence[SupportsFloat]
     by_direction: Sequence[SupportsFloat]
 
@@ -43,6 +44,7 @@ class BounceKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     velocity: SupportsFloat
     gravity: SupportsFloat
     irregularity: SupportsFloat
@@ -56,6 +58,7 @@ class RollKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     radius: SupportsFloat
     roughness: SupportsFloat
     asymmetry: SupportsFloat
@@ -73,6 +76,7 @@ class PressKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
 
 class SpinKeys(Keys, total=False):
     """Keys of spin."""
@@ -81,6 +85,7 @@ class SpinKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     angle: SupportsFloat
     radius: SupportsFloat
     quickening: SupportsFloat
@@ -96,6 +101,7 @@ class SlideKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     force: SupportsFloat
     sweep: SupportsFloat
     radius: SupportsFloat
@@ -125,6 +131,7 @@ class RainKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     size: SupportsFloat
     reach: SupportsFloat
     spread: SupportsFloat
@@ -137,6 +144,7 @@ class ShakeKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     speed: SupportsFloat
     evenness: SupportsFloat
     excitation: SupportsFloat
@@ -152,6 +160,7 @@ class CrumpleKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     density: SupportsFloat
     energy: SupportsFloat
     steepness: SupportsFloat
@@ -169,6 +178,7 @@ class PourKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     height: SupportsFloat
     variety: SupportsFloat
     spread: SupportsFloat
@@ -181,6 +191,7 @@ class StepKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     crackles: SupportsFloat
     duration: SupportsFloat
     energy: SupportsFloat
@@ -197,6 +208,7 @@ class ShatterKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     pieces: SupportsFloat
     height: SupportsFloat
     steepness: SupportsFloat
@@ -223,6 +235,7 @@ class NoteKeys(TypedDict, total=False):
     """Keys of `/object/NAME/note`."""
 
     striker: str
+    play: SupportsFloat
 
 class SensorKeys(TypedDict, total=False):
     """Keys of `/sensor/new`."""

@@ -72,6 +72,15 @@ def _limiter(transaction: Transaction, call: Call, values: Values) -> None:
     send(transaction, call.message, Command(NOW, Kind.LIMITER, value=float(on)))
 
 
+def _play(transaction: Transaction, call: Call, values: Values) -> None:
+    makeup, before = transaction.makeup, transaction.makeup.on
+    makeup.on = values.words["play"] in ("on", "1")
+    transaction.on_undo(lambda: setattr(makeup, "on", before))
+    if makeup.on and transaction.scale.calibrated:
+        text = "/play: no effect: samples are pascals, whose level physics gives"
+        transaction.replies.append(Message("/warning", (text,)))
+
+
 def _channels(transaction: Transaction, call: Call, values: Values) -> None:
     asked, there = int(values.numbers["channels"]), transaction.engine.channels
     if asked != there:
@@ -123,6 +132,7 @@ ENGINE_HANDLERS: dict[str, Handler] = {
     "/contact": _contact,
     "/gain": _gain,
     "/limiter": _limiter,
+    "/play": _play,
     "/channels": _channels,
     "/sensors": _sensors,
     "/full_scale": _full_scale,
