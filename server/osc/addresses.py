@@ -211,8 +211,13 @@ _ENGINE = (
     Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
     Verb(
         "/limiter",
-        "turns the limiter on or off; it keeps the sound within full scale",
+        "turns the limiter on or off; it keeps true peaks 1 dB below full scale",
         (Either("limiter", ("on", "off", "1", "0"), "on or off", "on"),),
+    ),
+    Verb(
+        "/headroom",
+        "turns a slow automatic level ahead of the limiter on or off. A score begins without it, a server with it",
+        (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
         "/play",
