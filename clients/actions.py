@@ -225,6 +225,15 @@ class Actions(Gestures, ABC):
         """Keep the sound within full scale (the default), or leave it as it is."""
         self.send("/limiter", "on" if switch_of("/limiter: on", on, CommandError) else "off", at=at)
 
+    def headroom(self, on: bool, at: SupportsFloat | None = None) -> None:
+        """Turn what goes on being too loud down slowly, ahead of the limiter, or leave it (the default)."""
+        self.send("/headroom", "on" if switch_of("/headroom: on", on, CommandError) else "off", at=at)
+
+    def play(self, on: bool, at: SupportsFloat | None = None) -> None:
+        """Give later gestures make-up, so that any striker is heard on any object, or leave them to physics (the
+        default)."""
+        self.send("/play", "on" if switch_of("/play: on", on, CommandError) else "off", at=at)
+
     def panic(self, at: SupportsFloat | None = None) -> None:
         """End everything: all sound fades within 11 ms; objects stay."""
         self.send("/panic", at=at)

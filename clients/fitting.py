@@ -19,12 +19,12 @@ from ..dsp.fitting.fit import MODES, Fit, fit
 from ..dsp.fitting.hits import Hit, clearest, hits
 from ..dsp.fitting.strikers import MASS, VELOCITY, Striker, durations, striker_of
 from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
+from ..dsp.runtime.loudness import heard
 from ..presets import Presets
 from ..presets import fitted as texts
 from ..presets.values import NAME, Name
 from ..server.render import Options, blocks
 from . import fit_notes as said
-from .loudness import heard
 from .recordings import Recording, found, read
 from .strike import Strike
 

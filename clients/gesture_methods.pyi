@@ -34,6 +34,7 @@ class ImpactKeys(Keys, total=False):
     by: str
     gain: SupportsFloat
     impulse: SupportsFloat
+    play: SupportsFloat
     direction: Sequence[SupportsFloat]
     by_direction: Sequence[SupportsFloat]
 
@@ -44,6 +45,7 @@ class BounceKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     velocity: SupportsFloat
     gravity: SupportsFloat
     irregularity: SupportsFloat
@@ -57,6 +59,7 @@ class RollKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     radius: SupportsFloat
     roughness: SupportsFloat
     asymmetry: SupportsFloat
@@ -74,6 +77,7 @@ class PressKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
 
 class SpinKeys(Keys, total=False):
     """Keys of spin."""
@@ -82,6 +86,7 @@ class SpinKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     angle: SupportsFloat
     radius: SupportsFloat
     quickening: SupportsFloat
@@ -97,6 +102,7 @@ class SlideKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     force: SupportsFloat
     sweep: SupportsFloat
     radius: SupportsFloat
@@ -126,6 +132,7 @@ class RainKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     size: SupportsFloat
     reach: SupportsFloat
     spread: SupportsFloat
@@ -138,6 +145,7 @@ class ShakeKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     speed: SupportsFloat
     evenness: SupportsFloat
     excitation: SupportsFloat
@@ -153,6 +161,7 @@ class CrumpleKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     density: SupportsFloat
     energy: SupportsFloat
     steepness: SupportsFloat
@@ -170,6 +179,7 @@ class PourKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     height: SupportsFloat
     variety: SupportsFloat
     spread: SupportsFloat
@@ -182,6 +192,7 @@ class StepKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     crackles: SupportsFloat
     duration: SupportsFloat
     energy: SupportsFloat
@@ -198,6 +209,7 @@ class ShatterKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
+    play: SupportsFloat
     pieces: SupportsFloat
     height: SupportsFloat
     steepness: SupportsFloat
@@ -224,6 +236,7 @@ class NoteKeys(TypedDict, total=False):
     """Keys of `/object/NAME/note`."""
 
     striker: str
+    play: SupportsFloat
 
 class SensorKeys(TypedDict, total=False):
     """Keys of `/sensor/new`."""

@@ -1,9 +1,9 @@
 """Scores to sound files: one in this process, many in several at once."""
 
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent import futures
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from ..server.provenance import logged_otherwise
 from ..server.render import Options, render, require_objects
 from .errors import KINDS, is_expected, plain
 from .plot import plotter, require_picture
-from .streams import STREAM, read_score, require_out, score_name, score_path, sound_file
+from .streams import STREAM, playing, read_score, require_out, score_name, score_path, sound_file
 
 if TYPE_CHECKING:
     from multiprocessing.synchronize import Event
@@ -29,12 +29,13 @@ _LOOK = 0.2  # s between looks at whether to go on
 @dataclass(frozen=True)
 class Task:
     """A score to read, a sound file to write, a picture of that and a folder for stems (None: none); - is stdin and
-    stdout."""
+    stdout. objects: presets that play the channels of a MIDI file."""
 
     score: str
     out: str
     plot: Path | None
     stems: Path | None = None
+    objects: Mapping[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -46,16 +47,19 @@ class Result:
     failure: str | None
 
 
-def tasks(scores: Sequence[str], out: str, plot: str | None, stems: str | None = None) -> list[Task]:
+def tasks(
+    scores: Sequence[str], out: str, plot: str | None, stems: str | None = None, objects: Sequence[str] = ()
+) -> list[Task]:
     """Return a task for each score. `out` and `plot` are files, or folders or names with {} for several scores; `stems`
-    is a folder, in which each of several scores has its own.
+    is a folder, in which each of several scores has its own. objects: what plays MIDI files, as `playing` takes it.
 
     RenderError for names that cannot be.
     """
     several = len(scores) > 1
-    made = [Task(score, _placed(score, out, ".wav", several), None) for score in scores]
+    played = playing(objects)
+    made = [Task(score, _placed(score, out, ".wav", several), None, objects=played) for score in scores]
     if plot is not None:
-        made = [Task(task.score, task.out, Path(_placed(task.score, plot, ".png", several))) for task in made]
+        made = [replace(task, plot=Path(_placed(task.score, plot, ".png", several))) for task in made]
     if stems is not None:
         made = [replace(task, stems=_stems(task.score, stems, several)) for task in made]
     if several:
@@ -106,7 +110,7 @@ def _require_different(made: Sequence[Task]) -> None:
 def checked(task: Task, options: Options, presets: Presets) -> list[Line]:
     """Return the score of a task. The errors are those of `render_task` that need no engine, which may take minutes to
     compile."""
-    score = read_score(task.score)
+    score = read_score(task.score, task.objects)
     options.channels_and_sensors(options.lines_of(score))
     require_objects(score, presets, options.seconds)
     require_out(task.out)
@@ -135,7 +139,7 @@ def render_task(
     task: Task, options: Options, presets: Presets, progress: Callable[[float], object], score: list[Line] | None = None
 ) -> list[str]:
     """Carry out a task; return warnings. `progress` gets the seconds computed. score: if it was read already."""
-    score = read_score(task.score) if score is None else score
+    score = read_score(task.score, task.objects) if score is None else score
     draw = plotter(task.plot, options.calibrated) if task.plot else None
     warnings: list[str] = []
     with sound_file(task.out) as out:

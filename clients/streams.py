@@ -5,17 +5,20 @@ from __future__ import annotations
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 
 from ..dsp.errors import CaromError
 from ..dsp.wording import listed, near
 from ..presets import BUILT_IN
 from ..server.files.whole import require_name
-from ..server.osc.score import Line, ScoreError, parse, read
+from ..server.midi.midi_file import ANY, HEAD, score_of
+from ..server.osc.score import Line, ScoreError, parse
 from .export.scene_file import MAGIC, require_no_scene
 
+_CHANNELS = 16
 STREAM = "-"
 """Stands for stdin where a file is read, and for stdout where one is written."""
 
@@ -29,20 +32,49 @@ def score_name(word: str) -> str:
     return "stdin" if word == STREAM else word
 
 
-def read_score(word: str) -> list[Line]:
+def read_score(word: str, objects: Mapping[int, str] = MappingProxyType({})) -> list[Line]:
     """Read the lines of a score from a file, from stdin, or of one of Carom's own by its name.
 
-    SceneError where the file is a scene that was exported.
+    objects: presets that play the channels of a MIDI file, as `score_of` takes them. SceneError where the file is a
+    scene that was exported.
     """
     if word != STREAM:
         path = score_path(word)
-        with suppress(OSError), path.open("rb") as file:  # an error is told as it is read
-            if file.read(len(MAGIC)) == MAGIC:
-                require_no_scene(path.read_bytes(), word)
-        return read(path)
+        data = path.read_bytes()
+        if data.startswith(MAGIC):
+            require_no_scene(data, word)
+        return _parsed(data, str(path), objects)
     if sys.stdin is None:
         raise StreamError("stdin is closed: expected a score there")
-    return parse(sys.stdin.buffer.read(), score_name(word))
+    return _parsed(sys.stdin.buffer.read(), score_name(word), objects)
+
+
+def _parsed(data: bytes, name: str, objects: Mapping[int, str]) -> list[Line]:
+    if not data.startswith(HEAD):
+        if objects:
+            raise ScoreError(f"{name}: it is no MIDI file: expected one beside --object")
+        return parse(data, name)
+    if not objects:
+        raise ScoreError(f"{name}: it is a MIDI file: expected --object PRESET, which plays it")
+    try:
+        return score_of(data, name, objects)
+    except ModuleNotFoundError as error:
+        raise StreamError(f"{name}: {error.name} is missing: pip install 'carom[midi]'") from None
+
+
+def playing(words: Sequence[str]) -> dict[int, str]:
+    """Return the presets that play the channels of a MIDI file, from words such as `tom` and `10:tom`. ScoreError names
+    one that cannot be."""
+    found: dict[int, str] = {}
+    for word in words:
+        channel, colon, preset = word.rpartition(":")
+        number = int(channel) if channel.isdecimal() else ANY
+        if not preset or (colon and not 1 <= number <= _CHANNELS):
+            raise ScoreError(f"object = {word}: expected a preset, or a channel from 1 to {_CHANNELS} as in 10:tom")
+        if number in found:
+            raise ScoreError(f"object = {word}: {found[number]} plays these notes already")
+        found[number] = preset
+    return found
 
 
 def score_path(word: str) -> Path:

@@ -195,6 +195,7 @@ class Counters(Record):
     sounding: int
     sounded: int  # samples
     limit_lowest: float
+    headroom: float
     load: float
     load_now: float
     load_peak: float

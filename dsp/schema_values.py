@@ -34,7 +34,8 @@ _OWN_LAW = (
     Parameter("own_level", 0.0, 1e12, "", "of pieces if they fall on nothing: as `level`", default=0.0),
 )
 _LEVEL = Parameter(
-    "level", 0.0, 1e12, "", "of what breaks: factor on its gain, so that all of it sounds at one level", default=1.0
+    "level", 0.0, 1e12, "", "factor on its gain: its make-up; of what breaks, so that all of it sounds at one level",
+    default=1.0,
 )  # fmt: skip
 _STAGE = Parameter(
     "stage", 0, 2, "", "of what breaks: 0 its cracks, 1 its pieces on an object, 2 on nothing", default=0.0

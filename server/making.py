@@ -1,4 +1,4 @@
-"""Makes the objects, bodies and tables of pulses that packets ask for, in a thread of its own.
+"""Makes the objects, bodies, tables of pulses and measurements that packets ask for, in a thread of its own.
 
 A gong takes 0.1 s, a table a second, in which others want answers.
 """
@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from ..dsp.bodies.modes import Modes
 from ..dsp.engine.memory.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
-from ..dsp.swarm.tables import pulse_table
 from ..presets import PresetError, Presets
 from .bridge.wire import new_body
 from .new_object import NEW, new_object
@@ -45,28 +44,28 @@ def makes(call: Call) -> bool:
 
 
 class Making:
-    """The objects and bodies that the calls of a packet ask for, and tables of pulses. Once it is done, `made` has each
+    """The objects and bodies that the calls of a packet ask for, or one thing beside. Once it is done, `made` has each
     object and body, or the error that it met, by the identity of its call."""
 
-    def __init__(self, calls: Sequence[Call], exponents: Sequence[float] = ()) -> None:
-        """Prepare to make what calls ask for, and the tables of some exponents, as `pulse_table` takes them."""
+    def __init__(self, calls: Sequence[Call], beside: Callable[[], object] | None = None) -> None:
+        """Prepare to make what calls ask for, and something beside, such as a table of pulses."""
         self.made: dict[int, Made] = {}
         self.bytes = 0
         """Bytes of mode shapes of those that were made."""
         self._left = deque(enumerate(calls))
-        self._exponents = deque(exponents)
+        self._beside = beside
 
     @property
     def done(self) -> bool:
         """True if all are made."""
-        return not (self._left or self._exponents)
+        return not (self._left or self._beside)
 
     def make_next(self, presets: Presets, top: float, plan: Callable[[Modes], object]) -> None:
         """Make the next one, with modes up to `top` (Hz), and plan how these lie in the engine."""
-        if self._exponents:
+        if self._beside:
             with suppress(Exception):  # it is met again by who carries the call out
-                pulse_table(self._exponents[0])
-            self._exponents.popleft()
+                self._beside()
+            self._beside = None
             return
         place, call = self._left[0]
         made: Made

@@ -38,7 +38,8 @@ class Options:
     device's), files to record the sound and to log the events to, folders of presets, the arguments of a /contact to
     begin with, a port for HTTP (None: none, 0: any free one), the folder of the page that is there beside OSCQuery
     (None: no page), whether it goes over TLS, with the certificate of which file (None: one that is made), channels,
-    and those for sensors, the main gain in dB, whether the limiter is on, room for modes and objects, the form in which
+    and those for sensors, the main gain in dB, whether the limiter and the
+    automatic level ahead of it are on, room for modes and objects, the form in which
     the spectral bank
     keeps its modes, a folder for what clients record, with the most bytes that all files in it may have, the MIDI
     inputs that play, by index or part of a name, and the pressure (Pa) of full scale, of an object of level 0."""
@@ -62,6 +63,7 @@ class Options:
     sensors: int = 0
     gain: float = 0.0
     limiter: bool = True
+    headroom: bool = True
     modes: int = USUAL_MODES
     objects: int = USUAL_OBJECTS
     bank: str = FORMS[0]
@@ -104,7 +106,8 @@ class Options:
         steps, modes = BUDGET
         budget = Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})
         bank = Command(NOW, Kind.BANK, value=FORMS.index(self.bank))
-        engine.send([gain, Command(NOW, Kind.LIMITER, value=self.limiter), budget, bank])
+        headroom = Command(NOW, Kind.HEADROOM, value=self.headroom)
+        engine.send([gain, Command(NOW, Kind.LIMITER, value=self.limiter), headroom, budget, bank])
         return engine
 
     @property
@@ -122,12 +125,12 @@ class Options:
     @property
     def head(self) -> list[Message]:
         """The messages that a log begins with."""
-        limiter = "on" if self.limiter else "off"
+        limiter, headroom = ("on" if each else "off" for each in (self.limiter, self.headroom))
         return [
             Message("/channels", (self.channels,)),
             *([Message("/sensors", (self.sensors,))] if self.sensors else []),
             Message("/full_scale", (self.full_scale,)),
-            Message("/limiter", (limiter,)), Message("/gain", (self.gain,)),
+            Message("/limiter", (limiter,)), Message("/headroom", (headroom,)), Message("/gain", (self.gain,)),
             Message("/budget", BUDGET), Message("/bank", (self.bank,)),
         ]  # fmt: skip
 

@@ -1,7 +1,7 @@
 """Packets as they are carried out: read once, in turns of a few ms, with a bound on what their patterns may cost."""
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -37,8 +37,8 @@ class Packet:
     """Objects and bodies that are made, by the identity of their calls."""
     kept: list[Call] = field(default_factory=list)
     """All its calls: `made` goes by their identities, which no others may take while it is carried out."""
-    tables: set[float] = field(default_factory=set)
-    """Exponents of the tables of pulses that were made for it."""
+    beside: set[Hashable] = field(default_factory=set)
+    """Keys of the tables of pulses and measurements that were made for it."""
     begun: bool = False
     """True if a part of it was carried out."""
 

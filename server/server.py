@@ -215,7 +215,7 @@ class Server:
     def _perform(self, bundle: Bundle, asked: list[Call], packet: Packet) -> None:
         """Carry out the messages of a bundle about the sound; its replies, and those about the server, come next.
 
-        Where a table of pulses is to be made for it, it waits.
+        Where a table of pulses or a measurement is to be made for it, it waits.
         """
         source = packet.source
         try:
@@ -231,10 +231,10 @@ class Server:
             pause = every_turn(partial(self._hear, source))
             try:
                 replies = self._session.perform_calls(
-                    scored, when, source, packet.made, packet.selection, pause, packet.tables
+                    scored, when, source, packet.made, packet.selection, pause, packet.beside
                 )
             except NotMade as missing:
-                self._waiting.make_table(packet, missing.exponent)
+                self._waiting.make_beside(packet, missing)
                 return
             packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
         for call in scored:

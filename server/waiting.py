@@ -18,6 +18,7 @@ from .net.rotation import Rotation
 from .osc.addresses import Call
 from .osc.patterns import is_pattern, match, work
 from .packets import Packet
+from .scene.transaction import NotMade
 from .turns import TURN
 
 _ALONG = frozenset(name for name, gesture in GESTURES.items() if gesture.along)
@@ -83,12 +84,12 @@ class Waiting:
         own = sum(isinstance(each, tuple) and each[0] == host_of(source) for each in self._lines)
         return own < _MOST_LINES - len(self._lines)
 
-    def make_table(self, packet: Packet, exponent: float) -> None:
-        """Put a packet off until the table of an exponent's pulses is made for it."""
+    def make_beside(self, packet: Packet, missing: NotMade) -> None:
+        """Put a packet off until what is missing is made for it."""
         line = self._lines.setdefault(packet.source, _Line())
         line.first, line.names, packet.begun = packet, _made_names(packet.calls), False
-        packet.tables.add(exponent)
-        packet.making = Making([], [exponent])
+        packet.beside.add(missing.key)
+        packet.making = Making([], missing.make)
         self._network.pause(packet.source)
         self._count(packet.source, len(packet.kept))
         self._maker.make(packet.making)

@@ -62,6 +62,10 @@ def _options(parser: argparse.ArgumentParser) -> None:
     add_bank(parser, None, "the score's, else float64")
     budget = "bounds of what coupled contacts cost, as /budget sets them; a server's: 16 8192 (the score's)"
     parser.add_argument("--budget", type=number, nargs=2, metavar=("STEPS", "MODES"), help=budget)
+    parser.add_argument(
+        "--object", action="append", default=[], metavar="[CHANNEL:]PRESET",
+        help="object that plays a MIDI file, or a channel of it, as 10:tom; may be given several times",
+    )  # fmt: skip
     add_contact(parser)
     add_presets(parser)
 
@@ -77,7 +81,7 @@ def _run(arguments: argparse.Namespace) -> int:
     given = {key: getattr(arguments, key) for key in keys}
     budget = None if arguments.budget is None else tuple(arguments.budget)
     options = Options(**given, contact=contact(arguments), limiter=switch(arguments.limiter), budget=budget)
-    todo = tasks(arguments.scores, arguments.out, arguments.plot, arguments.stems)
+    todo = tasks(arguments.scores, arguments.out, arguments.plot, arguments.stems, arguments.object)
     jobs = min(len(todo), processors() if arguments.jobs is None else arguments.jobs)
     if not 1 <= jobs <= MOST_JOBS:
         raise RenderError(f"jobs = {arguments.jobs}: expected 1 to {MOST_JOBS}")

@@ -80,6 +80,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--limiter", default="on", **SWITCH, help="limiter, which keeps the sound within full scale (%(default)s)"
     )
     parser.add_argument(
+        "--headroom", default="on", **SWITCH, help="slow automatic level ahead of the limiter (%(default)s)"
+    )
+    parser.add_argument(
         "--modes", type=whole, default=131_072, metavar="N", help="largest number of modes, up to 1310720 (%(default)s)"
     )
     parser.add_argument(
@@ -134,6 +137,7 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
         trust=tuple(arguments.trust),
         contact=contact(arguments),
         limiter=arguments.limiter == "on",
+        headroom=arguments.headroom == "on",
     )
     ends = end_within(_LONGEST_END, arguments.command)
     with serving(options) as server:

@@ -49,6 +49,7 @@ export class Hands extends EventTarget {
       return Object.entries(given).flat();
     }
     delete given[this.gestures[gesture].argument.name];
+    given.play = 1; // whatever strikes what is heard
     if (this.striker && !("by" in given)) given.striker = this.striker;
     if ("restitution" in given) delete given[this.gestures[gesture].along ? "restitution" : "dissipation"];
     return Object.entries(given).flat();
@@ -163,7 +164,7 @@ export class Hands extends EventTarget {
 
   note(object, note, velocity) {
     const striker = this.striker ? ["striker", this.striker] : [];
-    this.link.send(`/object/${object.name}/note`, note, velocity, object.preset.position, ...striker);
+    this.link.send(`/object/${object.name}/note`, note, velocity, object.preset.position, ...striker, "play", 1);
   }
 
   /** Lay a hand on an object and on the copies of it that notes are played on, as firmly as 0 to 1 says. */

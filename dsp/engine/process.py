@@ -13,6 +13,7 @@ from .events.events import carry_out, take_commands, take_due
 from .events.ramps import run_ramps
 from .memory.filling import fill_unused
 from .memory.state import QUANTUM, TAP, State
+from .output.headroom import keep_headroom
 from .output.limiter import limit
 from .output.meter import measure
 from .render import forget_quiet, mix_objects, retune_objects, update_objects
@@ -66,7 +67,9 @@ def render_quantum(state: State) -> None:
     ring_bank(state)
     # Contacts drive the modes, the modes ring, and each object adds its sound to the mix.
     mix_objects(state)
-    # The limiter has the last word, and a quantum's delay; what leaves is measured, and kept for a recorder.
+    # What goes on being too loud is turned down slowly. The limiter has the last word, and a quantum's delay; what
+    # leaves is measured, and kept for a recorder.
+    keep_headroom(state)
     limit(state)
     finish_sensing(state)
     measure(state)

@@ -35,6 +35,7 @@ def begin(state: State, wholes: View[int]) -> None:
     output, choices, spectral = state.output, state.choices, state.spectral
     output.consumed, output.silent = QUANTUM, 1
     output.limit = state.stats.limit_lowest = choices.gain = 1.0
+    output.headroom = state.stats.headroom = 1.0
     choices.limiter, choices.accuracy = 1, DEFAULT
     for side in range(2):
         output.gain[side] = 1.0

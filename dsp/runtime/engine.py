@@ -233,6 +233,11 @@ class Engine:
         """True if the limiter is on now."""
         return bool(self._record["choices"]["limiter"])
 
+    @property
+    def headroom(self) -> bool:
+        """True if the automatic level ahead of the limiter is on now."""
+        return bool(self._record["choices"]["headroom"])
+
     def take_limit_lowest(self) -> float:
         """Return the limiter's lowest gain since the last call. The audio thread may set it at the same moment: then a
         quantum may be missed."""

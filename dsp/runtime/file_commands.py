@@ -125,6 +125,7 @@ _BY_KIND: dict[Kind, _Bounds] = {
     Kind.QUALITY: {"value": (0, len(Quality) - 1)},
     Kind.GAIN: _RAMP | {"value": _bounds_of(MAIN_GAIN)},
     Kind.LIMITER: {"value": (0.0, 1.0)},
+    Kind.HEADROOM: {"value": (0.0, 1.0)},
     Kind.PLACE: {"value": (OWN_GAIN.low, OWN_GAIN.high)},
     Kind.BUDGET: {"budget.steps": (STEPS.low, STEPS.high), "budget.modes": (ROOM.low, ROOM.high)},
     Kind.BANK: {"value": (0, len(FORMS) - 1)},

@@ -89,7 +89,7 @@ def begin_telling(telling: np.ndarray, **arrays: np.ndarray) -> None:
     for name, array in arrays.items():
         telling[name] = array.ctypes.data
     telling["blank"]["channel"] = -1
-    telling["blank"]["values"]["gain"] = 1.0
+    telling["blank"]["values"]["gain"] = telling["blank"]["values"]["level"] = 1.0
 
 
 def link_engine(telling: np.ndarray, engine: np.ndarray) -> None:

@@ -20,7 +20,7 @@ class Keys:
         """Press a key: the object `name` plays its note."""
         self._held.add((channel, note))
         self._struck[f"{name}.{note}"] = channel, note
-        return [*self._damped(), Message(f"/object/{name}/note", (note, velocity))]
+        return [*self._damped(), Message(f"/object/{name}/note", (note, velocity, "play", 1))]
 
     def release(self, channel: int, note: int) -> list[Message]:
         """Release a key."""

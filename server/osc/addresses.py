@@ -52,6 +52,10 @@ ON_SURFACE = Vector("point", POINT, "point in the object's frame, in place of a 
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "the same of the object that strikes, or that is lain on")
 _DIRECTED = Vector("direction", DIRECTION, "direction of the push or slip at a point, in place of the normal")
 _BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "the same of the object that strikes, at its `by_point`")
+PLAY = Number(
+    "play", 0, 1, "", "1: make-up, the level that suits players; 0: the level that physics gives", whole=True,
+    otherwise="as `/play` says",
+)  # fmt: skip
 STRIKE: tuple[Number | Word | Vector, ...] = (
     STRIKER,
     *LAW,
@@ -62,6 +66,7 @@ STRIKE: tuple[Number | Word | Vector, ...] = (
     BY_ON_SURFACE,
     BY_RADIUS,
     GAIN,
+    PLAY,
     Word("id", "name of the gesture, for `/gesture/ID/...` and `/gesture/end`"),
 )
 """Keys that every gesture takes."""
@@ -151,7 +156,7 @@ _OBJECTS = (
         "strikes NAME.NOTE, a copy of the object that is tuned to the note; MIDI velocities 1 to 127 are 0.05 to 5 m/s",
         (NOTE, VELOCITY),
         (POSITION,),
-        (STRIKER,),
+        (STRIKER, PLAY),
     ),
     Verb(
         "/object/NAME/free",
@@ -206,8 +211,18 @@ _ENGINE = (
     Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
     Verb(
         "/limiter",
-        "turns the limiter on or off; it keeps the sound within full scale",
+        "turns the limiter on or off; it keeps true peaks 1 dB below full scale",
         (Either("limiter", ("on", "off", "1", "0"), "on or off", "on"),),
+    ),
+    Verb(
+        "/headroom",
+        "turns a slow automatic level ahead of the limiter on or off. A score begins without it, a server with it",
+        (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
+    ),
+    Verb(
+        "/play",
+        "gives gestures that come after it make-up, or no more: the level that suits players, whatever strikes what",
+        (Either("play", ("on", "off", "1", "0"), "on or off", "off"),),
     ),
     Verb(
         "/channels",

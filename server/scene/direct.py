@@ -34,7 +34,7 @@ class Direct:
         self._session, self._say, self._ring = session, say, session.engine.ring
         blank = np.zeros(1, COMMAND)
         blank["channel"] = -1
-        blank["values"]["gain"] = 1.0
+        blank["values"]["gain"] = blank["values"]["level"] = 1.0
         rows = self._ring.entries
         self._blank = as_bytes(blank)[0]
         self._slides: dict[_Known, np.void] = {}

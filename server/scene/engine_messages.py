@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 from ...dsp.contact.accuracy import LEVELS
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
@@ -63,13 +64,23 @@ def _gain(transaction: Transaction, call: Call, values: Values) -> None:
         send(transaction, call.message, change)
 
 
-def _limiter(transaction: Transaction, call: Call, values: Values) -> None:
-    on = values.words["limiter"] in ("on", "1")
-    if on and transaction.scale.calibrated:
-        text = "/limiter: no effect: samples are pascals, which nothing limits"
+def _switch(kind: Kind, transaction: Transaction, call: Call, values: Values) -> None:
+    """Turn the limiter or the level ahead of it on or off."""
+    ((name, word),) = values.words.items()
+    if word in ("on", "1") and transaction.scale.calibrated:
+        text = f"/{name}: no effect: samples are pascals, which nothing limits"
         transaction.replies.append(Message("/warning", (text,)))
         return
-    send(transaction, call.message, Command(NOW, Kind.LIMITER, value=float(on)))
+    send(transaction, call.message, Command(NOW, kind, value=float(word in ("on", "1"))))
+
+
+def _play(transaction: Transaction, call: Call, values: Values) -> None:
+    makeup, before = transaction.makeup, transaction.makeup.on
+    makeup.on = values.words["play"] in ("on", "1")
+    transaction.on_undo(lambda: setattr(makeup, "on", before))
+    if makeup.on and transaction.scale.calibrated:
+        text = "/play: no effect: samples are pascals, whose level physics gives"
+        transaction.replies.append(Message("/warning", (text,)))
 
 
 def _channels(transaction: Transaction, call: Call, values: Values) -> None:
@@ -122,7 +133,9 @@ ENGINE_HANDLERS: dict[str, Handler] = {
     "/budget": _budget,
     "/contact": _contact,
     "/gain": _gain,
-    "/limiter": _limiter,
+    "/limiter": partial(_switch, Kind.LIMITER),
+    "/headroom": partial(_switch, Kind.HEADROOM),
+    "/play": _play,
     "/channels": _channels,
     "/sensors": _sensors,
     "/full_scale": _full_scale,

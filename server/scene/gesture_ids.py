@@ -9,11 +9,14 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...dsp.engine.memory.state import End
 from ...dsp.runtime.engine import Engine
 from ..osc.patterns import Selection, is_pattern
+
+if TYPE_CHECKING:
+    from .makeup import Played
 
 _REMEMBERED = 4_096  # ids: one that is given again soon has the number that it had
 _MOST_ENDS = 65_536  # that wait to be told
@@ -34,6 +37,8 @@ class GestureId:
     """Name of the object under its last rest; "" if that lies on a support, or there is none."""
     most_load: float = math.inf
     """N: up to which the load of its last rest may be steered."""
+    played: "Played | None" = None
+    """Make-up of its last gesture, if it has any that goes on with its argument."""
 
 
 class Ended(NamedTuple):
@@ -95,6 +100,11 @@ class GestureIds:
     def lay_on(self, name: str, under: str, most_load: float) -> None:
         """Remember what is under the rest that an id names, "" if that is a support, and its greatest load (N)."""
         self._known.names[name].under, self._known.names[name].most_load = under, most_load
+
+    def play(self, number: int, played: "Played | None") -> None:
+        """Remember the make-up of the last gesture of a number; None: it has none."""
+        if number in self._numbers:
+            self._numbers[number].played = played
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""

@@ -80,6 +80,14 @@ class ObjectCall:
         numbers = self.values.numbers
         return numbers.get(BY_RADIUS.name, numbers.get("radius", CONTACT_RADIUS))
 
+    @property
+    def is_played(self) -> bool:
+        """True if the gesture gets make-up; the canonical message says so."""
+        played = bool(self.values.numbers.get("play", self.transaction.makeup.on))
+        if played:
+            self.say("play", 1)
+        return played and not self.transaction.scale.calibrated
+
     def say(self, key: str, value: Argument) -> None:
         """Add the value of a key that was not given to the canonical message."""
         if key not in self.values.numbers:

@@ -1,6 +1,6 @@
 """A session: messages in, engine commands out, alike for a live server and a score."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from ..osc.patterns import Selection, TooMuch
 from ..osc.wire import Message
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws, least_radius
+from .makeup import MakeUp
 from .objects import ObjectTable, PlayedObject
 from .scale import USUAL_SCALE, Scale
 from .sensors import SensorTable
@@ -43,6 +44,7 @@ class Session:
         self.sensors = SensorTable(engine)
         self.space = SpaceTable()
         self._laws = ContactLaws(presets)
+        self.makeup = MakeUp()
         self._world: TellsWorld | None = None
         self._steers_ended = steers_ended
         self.scale = scale
@@ -52,6 +54,7 @@ class Session:
     def rewind(self) -> None:
         """Return to where its objects were just made, as its engine did. None of them rested then."""
         self.gestures = GestureIds(self.engine)
+        self.makeup.on = False
         for name in self.objects:
             self.objects[name].warned_of_stand_in = False
 
@@ -74,12 +77,12 @@ class Session:
     def perform_calls(
         self, calls: Sequence[Call], time: float, source: Any = None,
         made: "Mapping[int, Made]" = MappingProxyType({}), selection: Selection | None = None,
-        pause: Callable[[], object] = lambda: None, tables: Collection[float] | None = None,
+        pause: Callable[[], object] = lambda: None, beside: Collection[Hashable] | None = None,
     ) -> list[Message]:  # fmt: skip
         """Perform messages whose patterns are expanded, else as `perform`. made: objects, or the errors that they met,
         by the identity of the calls that ask for them; others are made here. selection: of the packet, if these are not
-        all of its calls. pause, tables: as a transaction's;
-        NotMade as `Transaction.pulses` raises it: nothing is carried out then."""
+        all of its calls. pause, beside: as a transaction's;
+        NotMade as a transaction raises it: nothing is carried out then."""
         self.gestures.collect()
         self.objects.forget_gone()
         transaction = Transaction(
@@ -97,7 +100,8 @@ class Session:
             made,
             selection=selection or Selection(),
             pause=pause,
-            tables=tables,
+            beside=beside,
+            makeup=self.makeup,
         )
         accepted: list[str] = []
         try:

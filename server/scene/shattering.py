@@ -15,6 +15,7 @@ from ..osc.arguments import Refused, shown
 from ..osc.wire import Message
 from .contact_law import law_of
 from .limits import Contact, require_short
+from .makeup import gain_of
 from .object_call import ObjectCall
 from .objects import PlayedObject
 from .transaction import Sent, Transaction
@@ -69,6 +70,14 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
     level = min(scale.at(0.0), scale.object(to.obj.preset))  # of all of it: a strike's would be too loud
     own["own_level"] = motion["level"] = level / scale.object(to.obj.preset)
     own["level"] = level / scale.object(below.preset)
+    if to.is_played:
+        whole = Command(NOW, "shatter", values={**motion, **own, "level": motion["level"]})
+        measure = to.transaction.measured(
+            to.transaction.makeup.pair(to.obj.modes, to.obj.preset.position, whole, sound)
+        )
+        factor = GAIN.in_engine(gain_of("shatter", velocity, measure, to.obj.preset.level))
+        motion["level"] *= factor
+        own = own | {name: own[name] * factor for name in ("own_level", "level")}
     pieces = {**motion, **landing._asdict(), **own, "stage": 1.0 if onto else 2.0}
     fall = (pieces, pieces | _thick_parts(to, law, landing, sound, seed)) if values.number("thick_mass") else (pieces,)
     _add(

@@ -1,8 +1,9 @@
 """A transaction: the commands of messages that belong together. The engine gets all of them, or none."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, cast
 
 from ...dsp.engine.memory.commands import Command
@@ -16,6 +17,7 @@ from ..osc.patterns import Selection
 from ..osc.wire import Message
 from .gesture_ids import GestureIds
 from .limits import ContactLaws
+from .makeup import MakeUp, Measure, Pair
 from .objects import ObjectTable
 from .scale import Scale
 
@@ -34,12 +36,12 @@ _MOST_SUGGESTIONS = 8
 
 
 class NotMade(Exception):
-    """A table of pulses has to be made before a message can be carried out."""
+    """A table of pulses, or the measurement of a pair, has to be made before a message can be carried out."""
 
-    def __init__(self, exponent: float) -> None:
-        """Tell of the table of an exponent, as `pulse_table` takes it."""
-        super().__init__(exponent)
-        self.exponent = exponent
+    def __init__(self, key: Hashable, make: Callable[[], object]) -> None:
+        """Tell of what is missing, by its key, and of what makes it."""
+        super().__init__(key)
+        self.key, self.make = key, make
 
 
 class Sent(NamedTuple):
@@ -59,6 +61,12 @@ _OFF_PATH = ("on_surface", "by_on_surface", *(each.name for each in (*DIRECTION,
 def is_off_path(command: Command) -> bool:
     """True if a command acts at a point of a surface or in a direction of its own."""
     return any(command.values.get(name) for name in _OFF_PATH)
+
+
+def _make_table(exponent: float) -> None:
+    from ...dsp.swarm.tables import pulse_table  # slow to load
+
+    pulse_table(exponent)
 
 
 @dataclass
@@ -87,8 +95,10 @@ class Transaction:
     """The matches of its messages' patterns."""
     pause: Callable[[], object] = lambda: None
     """Called before each message, and before each object of a message that reaches several."""
-    tables: Collection[float] | None = None
-    """Exponents of the tables of pulses that were made beside; None where each is made when it is asked for."""
+    beside: Collection[Hashable] | None = None
+    """Keys of the tables of pulses and measurements that were made beside; None where each is made when it is asked
+    for."""
+    makeup: MakeUp = field(default_factory=MakeUp)
     _compared: int = 0
     _exponents: set[float] = field(default_factory=set)
     """Exponents of which its commands take the tables of pulses."""
@@ -114,10 +124,18 @@ class Transaction:
     def pulses(self, exponent: float) -> dict[str, float]:
         """Return the value `pulses` that the commands of swarms take, as Engine.lay_out_pulses does. NotMade: its table
         is to be made beside."""
-        if self.tables is not None and exponent not in self.tables and self.engine.lacks_pulses(exponent):
-            raise NotMade(exponent)
+        if self.beside is not None and exponent not in self.beside and self.engine.lacks_pulses(exponent):
+            raise NotMade(exponent, partial(_make_table, exponent))
         self._exponents.add(exponent)
         return self.engine.lay_out_pulses(exponent, self._exponents)
+
+    def measured(self, pair: Pair) -> Measure:
+        """Return how loud a pair of a gesture and an object is. NotMade: it is to be measured beside."""
+        digest = self.makeup.digest(pair)
+        measure = self.makeup.known(digest)
+        if measure is None and self.beside is not None and digest not in self.beside:
+            raise NotMade(digest, partial(self.makeup.measure, digest, pair))
+        return measure or self.makeup.measure(digest, pair)
 
     @contextmanager
     def has_made(self, call: Call, made: "Made") -> Iterator[None]:

@@ -9,6 +9,7 @@ from ..osc.arguments import Refused, Values
 from ..osc.score import on_grid
 from ..osc.wire import Message
 from ..osc.world_verbs import BODY
+from .makeup import MakeUp
 from .transaction import Transaction
 
 Handler = Callable[[Transaction, Call, Values], None]
@@ -41,15 +42,17 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
 
     def step(transaction: Transaction, call: Call, values: Values) -> None:
         engine = transaction.engine
-        transaction.tables = None  # what was told is told once: it cannot wait for a table
+        transaction.beside = None  # what was told is told once: it cannot wait for a table
         before, told = transaction.world.step(values.numbers["time"])
         begin = max(transaction.time, float(engine.position) + _AHEAD * engine.rate * (transaction.time < 0))
+        makeup, transaction.makeup = transaction.makeup, MakeUp()  # a simulation's levels are those of physics
         for each in told:
             at = on_grid(begin + max(each.time - before, 0.0) * engine.rate)
             _try_out(transaction, call, each.message, partial(carry_out, transaction, each.message, at))
+        transaction.makeup = makeup
 
     def end(transaction: Transaction, call: Call, values: Values) -> None:
-        transaction.tables = None  # as for a step
+        transaction.beside = None  # as for a step
         for name in transaction.world.end():
             carry_out(transaction, Message(f"/object/{name}/free", (1,)), transaction.time)
 

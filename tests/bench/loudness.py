@@ -1,7 +1,8 @@
 """Loudness of presets at their defaults, and the levels that make their strikes alike, by ITU-R BS.1770.
 
-`make levels` measures every object's strike, writes `level` into its preset, and keeps the figures of all its gestures
-in tests/measured, from where they come into presets/README.md. A strike is as loud as clients/loudness.py says; all
+`make levels` measures every object's strike, writes `level` into its preset, keeps the figures of all its gestures
+in tests/measured, from where they come into presets/README.md, and what make-up needs to know of these gestures in
+presets/loudness.json. A strike is as loud as dsp/runtime/loudness.py says; all
 other gestures that suit the object are within GESTURES of it. `--dry` only prints.
 """
 
@@ -9,6 +10,7 @@ import argparse
 import json
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -16,9 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import carom
-from carom.clients.loudness import Heard, decibels, heard, true_peak
+from carom.dsp.runtime.loudness import Heard, decibels, heard, true_peak
 from carom.presets import BUILT_IN
 from carom.presets.schema import SUITABLE
+from carom.server.scene.makeup import STORED
 
 RATE = 48_000
 GESTURES = 14.0  # LU between a strike and another gesture on the same object, at most
@@ -69,6 +72,21 @@ def _played(
         return scene.render(min(SECONDS[kind], at_most)).samples
 
 
+def stored(names: Sequence[str]) -> dict[str, dict[str, list[object]]]:
+    """Measure what make-up needs to know of objects' own gestures, by object and gesture."""
+    found: dict[str, dict[str, list[object]]] = {}
+    for name in names:
+        found[name] = {}
+        for kind in ("impact", *carom.Presets().object(name).gestures):
+            with carom.Scene(RATE) as scene:
+                makeup = scene._open.scene.makeup
+                makeup.stored = {}
+                getattr(scene.new("a", name), kind)(play=1)
+                rows = [[digest, *each] for digest, each in makeup.measures.items()]
+                found[name].update((kind, row) for row in rows)
+    return found
+
+
 def write(path: Path, level: float) -> None:
     """Write a level (dB) into an object's preset."""
     head, section, rest = path.read_text(encoding="utf-8").partition("\n[")
@@ -98,6 +116,21 @@ def main() -> None:
         kept = json.loads(MEASURED.read_text(encoding="utf-8")) if options.objects else {}
         kept = dict(sorted((kept | {name: asdict(row) for name, row in rows.items()}).items()))
         MEASURED.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+        store(names)
+
+
+def store(names: Sequence[str]) -> None:
+    """Store what make-up needs to know of some objects, a line for each gesture."""
+    kept = json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
+    there = carom.Presets().names("objects")
+    kept = {name: each for name, each in sorted((kept | stored(names)).items()) if name in there}
+    lines = [
+        f' "{name}": {{\n'
+        + ",\n".join(f'  "{kind}": {json.dumps(row)}' for kind, row in sorted(gestures.items()))
+        + "\n }"
+        for name, gestures in kept.items()
+    ]
+    STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

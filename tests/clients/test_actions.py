@@ -66,6 +66,8 @@ def test_arguments_go_before_keys_and_become_plain():
     kept.gains("a")
     kept.main_gain(np.float32(-6))
     kept.limiter(False)
+    kept.play(True)
+    kept.headroom(True)
     kept.free("a", at=1.0)
     kept.free("a", at_once=True)
     assert kept.sent == [
@@ -78,6 +80,8 @@ def test_arguments_go_before_keys_and_become_plain():
         (None, Message("/object/a/gains")),
         (None, Message("/gain", (-6.0,))),
         (None, Message("/limiter", ("off",))),
+        (None, Message("/play", ("on",))),
+        (None, Message("/headroom", ("on",))),
         (1.0, Message("/object/a/free")),
         (None, Message("/object/a/free", (1,))),
     ]

@@ -8,7 +8,7 @@ import pyloudnorm
 import pytest
 
 import carom
-from carom.clients.loudness import LEAST, LOUDNESS, PEAK, heard, true_peak
+from carom.dsp.runtime.loudness import LEAST, LOUDNESS, PEAK, heard, true_peak
 from tests.bench.loudness import GESTURES, gesture
 
 pytestmark = pytest.mark.slow

@@ -8,9 +8,9 @@ import numpy as np
 import pyloudnorm
 import pytest
 
-from carom.clients.loudness import LOUDNESS, PEAK, heard
 from carom.dsp.counters import Stats
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.runtime.loudness import LOUDNESS, PEAK, heard
 from carom.presets import Presets
 from carom.server.osc.score import parse, read
 from carom.server.render import Options, blocks

@@ -175,9 +175,9 @@ static void push_laid(carom *scene, int64_t at, int now) {
 }
 
 static int is_of_engine(const carom *scene, int64_t at) {
-    static const char *const kinds[] = {"METHOD", "ACCURACY", "QUALITY", "GAIN", "LIMITER", "BUDGET", "BANK"};
+    static const char *const kinds[] = {"METHOD", "ACCURACY", "QUALITY", "GAIN", "LIMITER", "HEADROOM", "BUDGET", "BANK"};
     double kind = field_read(scene, scene->data + at, "kind");
-    for (int n = 0; n < 7; n++)
+    for (size_t n = 0; n < sizeof kinds / sizeof *kinds; n++)
         if (number_of(item(scene->rules, "kinds"), kinds[n]) == kind) return 1;
     return 0;
 }

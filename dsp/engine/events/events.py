@@ -16,6 +16,7 @@ from ..memory.commands import (
     KIND_FURNISH,
     KIND_GAIN,
     KIND_GESTURE,
+    KIND_HEADROOM,
     KIND_LIMITER,
     KIND_LISTEN,
     KIND_METHOD,
@@ -254,6 +255,8 @@ def _choose(choices: Choices, event: Event) -> None:
         choices.budget = event.budget
     elif event.kind == KIND_LIMITER:
         choices.limiter = int(event.value)
+    elif event.kind == KIND_HEADROOM:
+        choices.headroom = int(event.value)
 
 
 @kernel

@@ -106,10 +106,8 @@ def _describe(state: State, contact: Contact, event: Event) -> None:
     _choose_sound(state, contact, values)
     for i in range(len(IN_VALUES)):
         set_field(contact.target, i, field(values, IN_VALUES[i]))
-    contact.level = 1.0
-    if contact.trait.breaks == 1:
-        contact.level = values.level
-        contact.target.gain *= values.level
+    contact.level = values.level
+    contact.target.gain *= values.level
     _push(contact, values)
     contact.now = contact.target
 

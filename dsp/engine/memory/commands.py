@@ -54,6 +54,7 @@ class Kind(IntEnum):
     POSE = 17  # an object, where it goes in space (value 1), or in space no more (0)
     LISTEN = 18  # the listener, with all its values (value 1) or its pose alone (0)
     FURNISH = 19  # walls, and a late part
+    HEADROOM = 20  # value 1: on; 0: off
 
 
 # The same as plain numbers, which kernels compare with.
@@ -64,6 +65,7 @@ KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
 KIND_BUDGET, KIND_BANK, KIND_MOUNT = int(Kind.BUDGET), int(Kind.BANK), int(Kind.MOUNT)
 KIND_POSE, KIND_LISTEN, KIND_FURNISH = int(Kind.POSE), int(Kind.LISTEN), int(Kind.FURNISH)
+KIND_HEADROOM = int(Kind.HEADROOM)
 
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""

@@ -302,6 +302,9 @@ class Output(Record):
     held: Annotated[View2D[float], MOST_CHANNELS, QUANTUM]  # the mix that the limiter delays
     allowed: Annotated[View[float], 2 * QUANTUM]  # gain that each frame of it, and then of `mix`, allows
     limit: float  # the limiter's gain
+    loudest: float  # sample of the mix that it holds
+    headroom: float  # the automatic level ahead of it
+    envelope: float  # that this follows
     stems_on: int
     gain: Annotated[View[float], 2]  # of everything, gliding: at the quantum's beginning and end
     silent: int  # 1: nothing sounded in the last quantum
@@ -320,6 +323,7 @@ class Choices(Record):
     bank: int  # a place in schema.FORMS: of modes in the spectral bank
     gain: float  # amplitude: of everything
     limiter: int  # 0: off
+    headroom: int  # the automatic level, 0: off
 
 
 class TapRing(Record):
@@ -444,6 +448,7 @@ def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -
     record["output"]["channels"] = channels
     record["output"]["consumed"] = QUANTUM
     record["output"]["limit"] = record["output"]["gain"] = record["output"]["allowed"] = 1.0
+    record["output"]["headroom"] = record["stats"]["headroom"] = 1.0
     record["output"]["silent"] = 1
     record["stats"]["limit_lowest"] = 1.0
     record["scratch"]["together"]["known"] = -1

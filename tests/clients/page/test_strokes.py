@@ -2,7 +2,7 @@
 
 import pytest
 
-from carom.clients.loudness import heard
+from carom.dsp.runtime.loudness import heard
 from carom.presets import Presets
 from carom.server.osc.score import parse
 from tests.clients.page.conftest import Table

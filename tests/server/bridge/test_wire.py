@@ -111,10 +111,10 @@ def test_what_is_put_off_for_a_table_of_pulses_is_told_once():
     messages = [line.message for line in parse("".join(f"0 {line}\n" for line in lines).encode(), "told")]
     asked = [call for message in messages for call in calls(message)]
     with pytest.raises(NotMade, match=r"2\.3"):
-        session.perform_calls(asked, NOW, tables={1.5})
+        session.perform_calls(asked, NOW, beside={1.5})
     told = session._told_world()
     assert told._touches == [] and told._poses == {} and not told.simulation.bodies and not told.simulation.grains.some
-    assert [reply.address for reply in session.perform_calls(asked, NOW, tables={1.5, 2.3})] == ["/done"] * 2
+    assert [reply.address for reply in session.perform_calls(asked, NOW, beside={1.5, 2.3})] == ["/done"] * 2
     assert told.simulation.hearing.microphones[1].position == (0.0, 0.0, 0.2)
     assert len(told._touches) == 1 and set(told._poses) == {"ball"}
     heaps, piled = (told.simulation.state[name][0] for name in ("heaps", "piled"))

@@ -214,7 +214,7 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
     said = [line.message.address for line in lines]
     assert said.count("/object/a/impact") == 3 + 3 + 1 and said.count("/object/b/impact") == 3 + 3
     assert (
-        said[:7] == ["/channels", "/full_scale", "/limiter", "/gain", "/budget", "/bank", "/contact"]
+        said[:8] == ["/channels", "/full_scale", "/limiter", "/headroom", "/gain", "/budget", "/bank", "/contact"]
         and "/panic" in said
         and "/object/nobody/impact" not in said
     )
@@ -337,10 +337,10 @@ def test_a_log_s_head_says_channels_full_scale_limiter_and_gain(tmp_path):
             assert dict(zip((args := client.status().args)[9::2], args[10::2], strict=True))["limited"] > 0
         server.quit()
     lines = read(tmp_path / "log.txt")
-    said = [(line.time, line.message) for line in lines[:4]]
+    said = [(line.time, line.message) for line in lines[:5]]
     assert said == [
         (0.0, Message("/channels", (3,))), (0.0, Message("/full_scale", (0.7,))),
-        (0.0, Message("/limiter", ("off",))), (0.0, Message("/gain", (9.5,))),
+        (0.0, Message("/limiter", ("off",))), (0.0, Message("/headroom", ("on",))), (0.0, Message("/gain", (9.5,))),
     ]  # fmt: skip
     assert sum(line.message.address == "/object/b/gains" for line in lines) == 1
     recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")

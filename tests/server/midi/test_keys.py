@@ -69,21 +69,27 @@ def played():
 
 
 def test_a_note_plays_the_newest_object_and_its_copies_are_none(played):
-    assert played.play(0x90, 60, 100) == [("/object/bar/note", 60, 100)]
+    assert played.play(0x90, 60, 100) == [("/object/bar/note", 60, 100, "play", 1)]
     say(played.session, "/object/new", "glass", "wine-glass")
-    assert played.play(0x91, 62, 1, 64, 2) == [("/object/glass/note", 62, 1), ("/object/glass/note", 64, 2)]
+    assert played.play(0x91, 62, 1, 64, 2) == [
+        ("/object/glass/note", 62, 1, "play", 1),
+        ("/object/glass/note", 64, 2, "play", 1),
+    ]
     say(played.session, "/object/glass/free")
     played.session.engine.process(64)
-    assert played.play(0x90, 65, 3) == [("/object/bar/note", 65, 3)]
+    assert played.play(0x90, 65, 3) == [("/object/bar/note", 65, 3, "play", 1)]
     assert set(played.session.objects) == {"bar", "bar.60", "bar.65"} and played.warned == []
 
 
 def test_channels_play_what_they_were_given(played):
     say(played.session, "/object/new", "glass", "wine-glass")
     assert played.ask("/midi/notes", "bar", "channel", 10) == [("/done", "/midi/notes")]
-    assert played.play(0x99, 60, 9, 0x90, 60, 9) == [("/object/bar/note", 60, 9), ("/object/glass/note", 60, 9)]
+    assert played.play(0x99, 60, 9, 0x90, 60, 9) == [
+        ("/object/bar/note", 60, 9, "play", 1),
+        ("/object/glass/note", 60, 9, "play", 1),
+    ]
     played.ask("/midi/notes", "bar")
-    assert played.play(0x95, 60, 9) == [("/object/bar/note", 60, 9)]
+    assert played.play(0x95, 60, 9) == [("/object/bar/note", 60, 9, "play", 1)]
 
 
 def test_a_keyboard_is_split(played):
@@ -116,7 +122,7 @@ def test_so_many_parts_of_keyboards_and_no_more(played):
 
 def test_without_a_pedal_what_is_struck_rings_on(played):
     assert played.play(0x90, 60, 100, 0x80, 60, 0, 0x90, 62, 50, 62, 0) == [
-        ("/object/bar/note", 60, 100), ("/object/bar/note", 62, 50),
+        ("/object/bar/note", 60, 100, "play", 1), ("/object/bar/note", 62, 50, "play", 1),
     ]  # fmt: skip
 
 
@@ -126,14 +132,14 @@ def test_a_pedal_brings_dampers(played):
     assert played.play(0xB0, 64, 127) == [("/object/bar.60/damp", 0.0)]
     assert played.play(0x80, 62, 0) == []
     assert played.play(0xB0, 64, 0) == [("/object/bar.60/damp", 1.0), ("/object/bar.62/damp", 1.0)]
-    assert played.play(0x90, 60, 90) == [("/object/bar.60/damp", 0.0), ("/object/bar/note", 60, 90)]
+    assert played.play(0x90, 60, 90) == [("/object/bar.60/damp", 0.0), ("/object/bar/note", 60, 90, "play", 1)]
     half = played.play(0x80, 60, 0, 0xB0, 64, 64)
     assert half == [
         ("/object/bar.60/damp", 1.0), ("/object/bar.60/damp", 1 - 64 / 127), ("/object/bar.62/damp", 1 - 64 / 127)
     ]  # fmt: skip
     assert played.session.objects["bar.60"].settings["damp"] == 1 - 64 / 127
     other = played.play(0x91, 60, 1, 0x81, 60, 0)  # from a channel that has no pedal
-    assert other == [("/object/bar.60/damp", 0.0), ("/object/bar/note", 60, 1)]
+    assert other == [("/object/bar.60/damp", 0.0), ("/object/bar/note", 60, 1, "play", 1)]
 
 
 def test_a_copy_that_was_freed_is_made_anew(played):

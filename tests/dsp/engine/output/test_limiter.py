@@ -1,10 +1,14 @@
-"""The limiter: nothing leaves above full scale, its gain comes down ahead of a peak, and its delay is constant."""
+"""The limiter: no true peak leaves above -1 dB of full scale, its gain comes down ahead of a peak, and its delay is
+constant."""
 
 import numpy as np
 import pytest
 
+from carom.dsp.bodies.modes import Modes
 from carom.dsp.engine.memory.state import QUANTUM
+from carom.dsp.engine.output.limiter import CEILING
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.runtime.loudness import true_peak
 from tests.dsp.engine.support import RATE, bell, set_limiter, strike
 
 FRAMES = 9_600
@@ -31,8 +35,21 @@ def test_the_delay_is_a_quantum_whether_it_is_on_or_off(on):
 
 def test_sound_stays_within_full_scale_and_limited_frames_are_counted():
     engine, sound = struck(True, 1e4)
-    assert np.abs(sound).max() <= 1.0 and np.abs(sound).max() > 0.9
+    assert 0.8 * CEILING < np.abs(sound).max() <= CEILING + 1e-6
     assert engine.stats.limited > 100 and engine.stats.limit_lowest < 0.1
+
+
+@pytest.mark.parametrize("frequency", [RATE / 4.0, RATE / 6.0, RATE / 3.0, 0.2371 * RATE])
+def test_peaks_between_samples_stay_below_the_ceiling(frequency):
+    """Of a sine at a quarter of the rate samples may lie 3 dB below the peaks."""
+    tone = Modes(np.array([frequency]), np.array([20.0]), np.full((1, 1), 1.0), np.full((2, 1), 1.0), 1.0)
+    for phase in (0.0, 0.25, 0.5, 0.75):
+        plain, engine = Engine(RATE), Engine(RATE, limited=True)
+        strike(plain, plain.add(tone, 1.0), time=600.0 + phase)
+        strike(engine, engine.add(tone, 1.3 / true_peak(plain.process(FRAMES))), time=600.0 + phase)
+        sound = engine.process(FRAMES)
+        assert engine.stats.limited > 100
+        assert -1.5 < 20.0 * np.log10(true_peak(sound)) < -0.95
 
 
 def test_an_engine_without_a_limiter_leaves_the_sound_as_it_is():

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dsp.engine.memory.meter_record import WINDOW, k_weighting
-from ..dsp.numerics.resampling import resampled
-from ..dsp.runtime.meter import OFFSET
+from ..engine.memory.meter_record import WINDOW, k_weighting
+from ..numerics.resampling import resampled
+from .meter import OFFSET
 
 LOUDNESS, PEAK, LEAST = -18.0, -3.0, -28.0
 """Targets of a strike at a preset's defaults: its loudness (LUFS), unless its true peak (dB of full scale) is there
