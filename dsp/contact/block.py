@@ -39,11 +39,11 @@ from .step_record import NODES
 from .terms import NONE, dot, is_near, plus, project_law, put, solve_terms, take, times, work_of
 
 ALLOWED = 1e-6  # share of the greatest V by which it may grow beyond the force's work
-_ROUNDS = 6  # of changes for that
-_LEAST = 1e-300  # keeps a quotient finite
+ROUNDS = 6  # of changes for that
+LEAST = 1e-300  # keeps a quotient finite
 _SOFT = 0.7  # rad of a swing up to which forces are foretold better than rates
 _FIRST = 0.25  # of a sample: the first step to try after a block
-_AS_HARD = 2.0  # times the greatest V so far, up to which a body that lands does so no harder: it hops on a rough path
+AS_HARD = 2.0  # times the greatest V so far, up to which a body that lands does so no harder: it hops on a rough path
 _BEGINS, _ENDS = (1.0, -1.0, 1.0, -1.0), (1.0, 1.0, 1.0, 1.0)  # P_l at the sample's ends
 _NOTHING = 1e-12  # share of a held force below which a change is none
 _NEWTON_STEPS = 14
@@ -65,13 +65,14 @@ def forget_energy(block: Block) -> None:
 
 
 @kernel
-def begin_block(block: Block, contact: Coupled, place: float) -> None:
-    """Begin a block with a coupled contact as it is; place (m): of the object's point now, by its free motion."""
+def begin_block(block: Block, contact: Coupled, place: float, terms: int) -> None:
+    """Begin a block with a coupled contact as it is; place (m): of the object's point now, by its free motion; terms:
+    of the forces."""
     contact.position = contact.motion[0] + place
     block.stored = elastic(contact.motion[0], contact.k, contact.a)
     block.landing = landing_of(contact)
     block.leaves = 1 if contact.rest_force == 0.0 else 0
-    motion_of(block)[TERMS - 1] = place
+    motion_of(block)[terms - 1] = place
     block.pushes = contact.force[0] if contact.touching == 1 else 0.0
     block.soft = 1 if swing_of(contact) < _SOFT else 0
     put(block.force, (block.pushes, 0.0, 0.0, 0.0))
@@ -229,7 +230,7 @@ def _linearise(contact: Coupled, blocks: Items[Block], net: Net, size: int, i: i
 @kernel
 def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, size: int) -> bool:
     """Slow the contacts whose energy grows by too much, by viscous forces; false if one's still does."""
-    for _ in range(_ROUNDS):
+    for _ in range(ROUNDS):
         grows = False
         for i in range(size):
             grows |= _mend(contacts[net.contact[i]].coupled, blocks[net.block[i]])
@@ -250,7 +251,7 @@ def _mend(contact: Coupled, block: Block) -> bool:
     grown = block.gained + left - block.stored - work_of(force, rate)
     if grown <= allowed:
         return False
-    put(block.force, plus(force, (grown - 0.5 * allowed) / (work_of(rate, rate) + _LEAST), rate))
+    put(block.force, plus(force, (grown - 0.5 * allowed) / (work_of(rate, rate) + LEAST), rate))
     return True
 
 
@@ -286,7 +287,7 @@ def _ends(contact: Coupled, block: Block) -> bool:
         return True
     speed = dot(rate, _BEGINS) / contact.period
     energy = block.stored + 0.5 * contact.mass * speed * speed
-    return force[0] > 0.0 and energy > max(block.landing, _AS_HARD * block.scale)
+    return force[0] > 0.0 and energy > max(block.landing, AS_HARD * block.scale)
 
 
 @simd_kernel

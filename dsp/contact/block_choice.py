@@ -37,6 +37,10 @@ rest."""
 EASED = 0.7
 """The same from which on the last term is damped (`settle_tables`)."""
 
+SOFTEST, SMOOTHEST, CALMEST = 0.6, 0.5, 0.3
+"""rad of the swing in a sample up to which three terms do to -60 dB (at 0.67 a rough roll errs by -59.8 dB); the share
+of the speed lost in one, over that swing, where a path has kinks; and that share where there are none, at rest."""
+
 _LONG = 0.1  # rad of a blow's swing up to which a block is worth its tables: it lasts for 30 samples on a wall
 
 
@@ -53,6 +57,13 @@ def follows(swing: float, loss: float, period: float) -> bool:
     """True if a block follows what rolls, slides or strikes, by its swing and loss in a sample (s)."""
     samples = min(IN_STEP / period, 1.0 / max(loss, period))
     return swing < STIFFEST and loss < LOSSIEST and BEHIND * swing ** (2.0 * TERMS + 1.0) * samples < OUT_OF_STEP
+
+
+@kernel
+def is_soft(contact: Coupled, rests: bool) -> bool:
+    """True if three terms follow a contact. rests: it is a rest."""
+    swing = swing_of(contact)
+    return swing < SOFTEST and loss_of(contact) < (CALMEST if rests else SMOOTHEST * swing)
 
 
 @kernel

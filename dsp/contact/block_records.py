@@ -13,6 +13,15 @@ TOGETHER = 4
 TERMS = KEPT
 """Legendre polynomials of which the force over a sample is a sum: the object's modes keep as many moments."""
 
+SOFT_TERMS = 3
+"""The same of contacts that are soft, which are solved several at a time (lanes.py)."""
+
+LANES = 8
+"""Of these as many at a time."""
+
+TILE = 8
+"""Samples within which they feel their forces as these are found, and after which all at once."""
+
 POINTS = AT_ONCE
 """Points of the quadrature over a sample."""
 
@@ -27,6 +36,7 @@ class Tables(Record):
     """The answer of one contact's point to the force of one of those that are solved together."""
 
     settled: int  # number of the receptance of the contact whose force it is, 0: none is known
+    terms: int  # for which it is
     # m/(N s): what each moment adds to rows of later samples, from a line of the cache on, as `add_tables` reads it.
     # Of what moves, for a block amid the quantum, and at its ends.
     later: Annotated[View[float], 2 * AT_BEGIN + AT_ONCE]
@@ -52,6 +62,7 @@ class Net(Record):
     """Contacts with one object, or with several that share contacts, that are solved together."""
 
     size: int
+    terms: int  # of the forces
     stop: int  # frame up to which they may be solved,
     end: int  # and up to which they are
     begin: int  # at which their block began
@@ -110,6 +121,53 @@ class Block(Record):
     along: float  # m
     t: float  # s
     s: float  # m
+
+
+class Lanes(Record):
+    """Soft contacts that are solved together, a column for each; names as in Coupled, Block and Tables."""
+
+    slot: Annotated[View[int], LANES]  # of their objects
+    contact: Annotated[View[int], LANES]  # places among the contacts
+    block: Annotated[View[int], LANES]  # and among the blocks
+    ended: Annotated[View[int], LANES]  # frame up to which they are solved, where that is over; -1: they go on
+    idle: Annotated[View[float], LANES]  # 1: the lane is not needed
+    k: Annotated[View[float], LANES]
+    mu: Annotated[View[float], LANES]  # samples/m
+    a: Annotated[View[float], LANES]
+    # x^(a - 1) is the product of the root of x, of x and of its square, of each where it is 1:
+    root: Annotated[View[float], LANES]
+    single: Annotated[View[float], LANES]
+    double: Annotated[View[float], LANES]
+    springs: Annotated[View[float], LANES]  # k/(a + 1)
+    rest: Annotated[View[float], LANES]  # N: at rest
+    period: Annotated[View[float], LANES]  # s
+    moving: Annotated[View[float], LANES]  # J samples^2/m^2: half of the effective mass
+    lightness: Annotated[View[float], LANES]  # 1/kg
+    pushed: Annotated[View[float], LANES]  # m: in a sample, by the constant force
+    faster: Annotated[View[float], LANES]  # m/s: and by how much faster
+    landing: Annotated[View[float], LANES]
+    within: Annotated[View2D[float], SOFT_TERMS**2, LANES]
+    position: Annotated[View[float], LANES]
+    v: Annotated[View[float], LANES]
+    now: Annotated[View[float], LANES]  # m: compression
+    gained: Annotated[View[float], LANES]
+    scale: Annotated[View[float], LANES]
+    stored: Annotated[View[float], LANES]
+    touching: Annotated[View[int], LANES]
+    contacts: Annotated[View[int], LANES]
+    # What moments of a force do to the rows of the samples after it, and those of a tile so far:
+    later: Annotated[View2D[float], (TILE - 1) * SOFT_TERMS**2, LANES]
+    felt: Annotated[View2D[float], TILE * SOFT_TERMS, LANES]
+    # Of a sample:
+    rows: Annotated[View2D[float], SOFT_TERMS, LANES]  # the point's motion
+    path: Annotated[View2D[float], SOFT_TERMS, LANES]
+    free: Annotated[View2D[float], SOFT_TERMS, LANES]
+    rate: Annotated[View2D[float], SOFT_TERMS, LANES]
+    force: Annotated[View2D[float], SOFT_TERMS, LANES]
+    before: Annotated[View2D[float], SOFT_TERMS, LANES]
+    moments: Annotated[View2D[float], SOFT_TERMS, LANES]  # N s
+    done: Annotated[View[float], LANES]  # above 0: Newton's method has ended
+    taken: Annotated[View[int], LANES]  # 1: the sample is taken
 
 
 @kernel

@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..native.typed import Items, View
 from ..numerics.checks import Array
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.settled import same_everywhere
 from ..numerics.sums import AT_ONCE, add_tables, line_of
-from .block_records import AT_BEGIN, AT_END, TERMS, Block, Net, Tables, motion_of
+from .block_records import AT_BEGIN, AT_END, SOFT_TERMS, TERMS, TILE, Block, Lanes, Net, Tables, motion_of
 
 
 def _within() -> Array:
@@ -57,24 +57,25 @@ def take_missed(tables: Tables, laid: View[float], place: float, own: float) -> 
 
 
 @kernel
-def take_rows(block: Block, laid: View[float], scale: float, samples: int) -> None:
-    """Take rows of the point's motion over so many samples that were laid one after the other, times `scale`."""
+def take_rows(block: Block, laid: View[float], scale: float, samples: int, terms: int) -> None:
+    """Take rows of the point's motion over so many samples that were laid one after the other, times `scale`; terms: of
+    the forces, as many rows."""
     rows = motion_of(block)
     for n in range(samples):
-        for r in range(TERMS):
-            rows[(n + 1) * TERMS + r] = scale * laid[r * AHEAD + n]
+        for r in range(terms):
+            rows[(n + 1) * terms + r] = scale * laid[r * AHEAD + n]
 
 
 @kernel
-def take_answers(tables: Tables, moment: int, laid: View[float], samples: int, begin: int) -> None:
+def take_answers(tables: Tables, moment: int, laid: View[float], samples: int, begin: int, terms: int) -> None:
     """Take the rows of the motion over so many samples that follow on a moment of a force that is 1; begin: 0, or
-    AT_BEGIN or AT_END."""
+    AT_BEGIN or AT_END; terms: of the forces."""
     first = line_of(tables.later) + begin
-    for r in range(TERMS):
+    for r in range(terms):
         for n in range(samples):
-            i = n * TERMS + r
+            i = n * terms + r
             within = i % AT_ONCE
-            tables.later[first + (i - within) * TERMS + moment * AT_ONCE + within] = laid[r * AHEAD + n]
+            tables.later[first + (i - within) * terms + moment * AT_ONCE + within] = laid[r * AHEAD + n]
 
 
 @kernel
@@ -112,3 +113,24 @@ def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
             share = net.gain[j] / net.gain[i] if i != j else 1.0
             felt = share * moments[0], share * moments[1], share * moments[2], share * moments[3]
             add_tables(rows, begin, later, line_of(later), felt, values)
+
+
+@noinline_kernel
+def feel_tile(block: Block, lanes: Lanes, i: int, samples: int, end: int) -> None:
+    """Add what the forces of a lane's contact in the tile that ends at a sample do to the rows after it, of so many
+    samples in the block: sums of whole lines, which may begin within the tile."""
+    rows, later = motion_of(block), block.tables[0].later
+    for s in range(TILE):
+        done = (TILE - 1 - s) * SOFT_TERMS
+        done -= done % AT_ONCE
+        first, begin = end - TILE + s, SOFT_TERMS * s
+        felt = lanes.felt[begin, i], lanes.felt[begin + 1, i], lanes.felt[begin + 2, i]
+        count = (samples - 1 - first) * SOFT_TERMS - done
+        add_tables(rows, (first + 2) * SOFT_TERMS + done, later, line_of(later) + done * SOFT_TERMS, felt, count)
+
+
+@kernel
+def soft_answer(tables: Tables, lag: int, row: int, moment: int) -> float:
+    """Return what a moment adds to a row of the sample that is `lag` after its own."""
+    i = (lag - 1) * SOFT_TERMS + row
+    return tables.later[line_of(tables.later) + (i - i % AT_ONCE) * SOFT_TERMS + moment * AT_ONCE + i % AT_ONCE]

@@ -20,6 +20,7 @@ from .contacts.contact_groups import solve_groups
 from .contacts.contact_list import end_contacts
 from .contacts.contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
 from .contacts.flights import call_back
+from .contacts.lanes import solve_in_lanes
 from .contacts.rests import settle_rests
 from .contacts.rolls import add_through, is_fed, ring_on
 from .memory.filling import fill_object
@@ -50,7 +51,7 @@ def update_objects(state: State) -> None:
         obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = obj.rubbed = 0
         obj.rolls_head = -1
         obj.ahead = obj.resumes = 0
-        obj.laid = -1
+        obj.laid = obj.in_lanes = -1
         obj.energy = 0.0
         for channel in range(2):
             obj.static_before[channel], obj.static[channel] = obj.static[channel], 0.0
@@ -70,6 +71,7 @@ def mix_objects(state: State) -> None:
     follow_sheets(state)
     state.stats.live_modes = 0
     state.stats.sounding = 0
+    solve_in_lanes(state)
     # One loop for both, so that the compiler has one _render_group to inline: turn -1 are all that share contacts.
     for turn in range(-1, state.active):
         _choose_group(state, turn)

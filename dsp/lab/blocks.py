@@ -29,38 +29,39 @@ _TOLERANCE = 1e-3  # of samples that no block follows
 
 
 @kernel
-def lay(modes: Modes, point: Point, room: Room) -> float:
-    """Lay out the free motion of a point over AHEAD samples, one row after the other; return where it is now (m)."""
+def lay(modes: Modes, point: Point, room: Room, terms: int) -> float:
+    """Lay out the free motion of a point over AHEAD samples, one row after the other, as many as forces have terms;
+    return where it is now (m)."""
     flat = room[1]
     for i in range(len(flat)):
         flat[i] = 0.0
-    return lay_motion(AHEAD, modes, point, Work(room[0], room[2], False), flat)
+    return lay_motion(AHEAD, modes, point, Work(room[0], room[2], False), flat, terms)
 
 
 @kernel
-def find_tables(block: Block, contact: Coupled, bank: Bank, room: Room) -> None:
-    """Find what the force of one contact does to its own point."""
+def find_tables(block: Block, contact: Coupled, bank: Bank, room: Room, terms: int) -> None:
+    """Find what the force of one contact, of so many terms, does to its own point."""
     modes, work, moments = bank.modes, bank.work, bank.moments
     settle_tables(block.tables[0], contact.answer, is_eased(contact))
     n = len(modes.y1)
     struck = Modes(work[:n], work[n : 2 * n], modes.a1, modes.a2, modes.balance, modes.response)
-    for j in range(TERMS):
+    for j in range(terms):
         for i in range(2 * n):
             work[i] = 0.0
         for k in range(KEPT):
             moments[k] = 1.0 if k == j else 0.0
         inject_kept(struck, bank.point, moments)
         ring_on(struck)
-        lay(struck, bank.point, room)
-        take_answers(block.tables[0], j, room[1], AHEAD, 0)
+        lay(struck, bank.point, room, terms)
+        take_answers(block.tables[0], j, room[1], AHEAD, 0, terms)
 
 
 @kernel
-def begin_alone(block: Block, contact: Coupled, bank: Bank, room: Room) -> None:
-    """Begin a block of one contact with the modes as they are."""
-    place = lay(bank.modes, bank.point, room)
-    take_rows(block, room[1], 1.0, AHEAD)
-    begin_block(block, contact, place)
+def begin_alone(block: Block, contact: Coupled, bank: Bank, room: Room, terms: int) -> None:
+    """Begin a block of one contact, whose force has so many terms, with the modes as they are."""
+    place = lay(bank.modes, bank.point, room, terms)
+    take_rows(block, room[1], 1.0, AHEAD, terms)
+    begin_block(block, contact, place, terms)
 
 
 @njit(error_model="numpy")
@@ -76,11 +77,11 @@ def _simulate(solved, bank, room, case, samples, times, out):
         receptance(modes, point, bank.work, bank.seen)
         respond_with(contact, bank.seen)
         block.gained = block.scale = 0.0
-        find_tables(block, contact, bank, room)
+        find_tables(block, contact, bank, room, TERMS)
         within, first = False, 0
         for t in range(samples):
             if not within or t - first == AHEAD:
-                begin_alone(block, contact, bank, room)
+                begin_alone(block, contact, bank, room, TERMS)
                 within, first = True, t
             within = step_blocks(contacts, blocks, net, 1, t - first)
             if within:

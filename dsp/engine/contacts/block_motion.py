@@ -1,8 +1,9 @@
 """The motion of points by modes alone, over a quantum: rows for contacts that are solved in blocks."""
 
-from ...contact.block_records import TERMS
+from ...contact.block_records import SOFT_TERMS, TERMS
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
+from ...numerics.checks import Array
 from ...numerics.legendre import AHEAD, KEPT
 from ...numerics.settled import same_everywhere
 from ...resonator.bank import Modes, Point, inject_kept
@@ -23,8 +24,15 @@ def _rows_of() -> list[Row]:
     return [*rates, at_time(1.0)]
 
 
+def _softer(filters: Array) -> Array:
+    """Return the filters of the rows of forces with SOFT_TERMS terms."""
+    rows = [*range(SOFT_TERMS - 1), TERMS - 1]
+    return filters.reshape(-1, TERMS)[:, rows].ravel()
+
+
 _FILTERS = same_everywhere("FILTERS", filters_of(_rows_of()))
-_ROWS = tuple(range(TERMS))
+_SOFT_FILTERS = _softer(_FILTERS)
+_ROWS, _SOFT_ROWS = tuple(range(TERMS)), tuple(range(SOFT_TERMS))
 
 BENT = -1
 """Number in the place of a moment for a force that lasts."""
@@ -43,11 +51,23 @@ def clear_rows(state: State) -> None:
         state.scratch.rows[i] = 0.0
 
 
-@noinline_kernel
-def lay_motion(samples: int, modes: Modes, point: Point, work: Work, rows: View[float]) -> float:
+@kernel
+def lay_motion(samples: int, modes: Modes, point: Point, work: Work, rows: View[float], terms: int) -> float:
     """Add the motion of a point without a force over so many samples, a multiple of LANES, to `rows`, one row after the
-    other; return where it is now (m)."""
+    other, as many as forces have terms; return where it is now (m)."""
+    if terms == SOFT_TERMS:
+        return _lay_softly(samples, modes, point, work, rows)
+    return _lay_fully(samples, modes, point, work, rows)
+
+
+@noinline_kernel
+def _lay_fully(samples: int, modes: Modes, point: Point, work: Work, rows: View[float]) -> float:
     return lay_rows(modes, point, _ROWS, _FILTERS, samples, work, rows)
+
+
+@noinline_kernel
+def _lay_softly(samples: int, modes: Modes, point: Point, work: Work, rows: View[float]) -> float:
+    return lay_rows(modes, point, _SOFT_ROWS, _SOFT_FILTERS, samples, work, rows)
 
 
 @kernel
@@ -59,21 +79,22 @@ def _spare(state: State) -> Work:
 @kernel
 def lay_point(state: State, samples: int, modes: Modes, where: Point) -> float:
     """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
-    return lay_motion(samples, modes, where, _spare(state), state.scratch.rows)
+    return lay_motion(samples, modes, where, _spare(state), state.scratch.rows, state.scratch.net.terms)
 
 
 @kernel
 def lay_contact(state: State, contact: Contact, side: int, samples: int) -> float:
     """Do what `lay_point` does for a contact's point on one of its objects. Of one that stays where it is, factors are
     kept."""
-    scratch, point = state.scratch, contact.point[side]
+    scratch, point, terms = state.scratch, contact.point[side], state.scratch.net.terms
     obj = state.objects[point.slot]
     modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
     if side == 1 or contact.travel > 0.0:
         return lay_point(state, samples, modes, where)
-    kept, known = state.factors[contact.roll], state.factors_of[contact.roll] == contact.settled
-    state.factors_of[contact.roll] = contact.settled
-    return lay_motion(samples, modes, where, Work(scratch.room, kept, known), scratch.rows)
+    kept, number = state.factors[contact.roll], (TERMS + 1) * contact.settled + terms
+    known = state.factors_of[contact.roll] == number
+    state.factors_of[contact.roll] = number
+    return lay_motion(samples, modes, where, Work(scratch.room, kept, known), scratch.rows, terms)
 
 
 @noinline_kernel
@@ -93,7 +114,7 @@ def lay_moving(state: State, contact: Contact, frame: int, stop: int, modes: Mod
     for i in range(AHEAD * TERMS):
         scratch.moving[i] = 0.0
     drift = Point(shapes_of(state, obj), obj.size, point.row, scratch.drift)
-    moved = lay_motion(samples, modes, drift, _spare(state), scratch.moving)
+    moved = lay_motion(samples, modes, drift, _spare(state), scratch.moving, TERMS)
     ends = (TERMS - 1) * AHEAD
     old, old_moved, total = place, moved, place
     for n in range(samples):

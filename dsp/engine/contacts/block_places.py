@@ -9,7 +9,7 @@ its own.
 import math
 
 from ...contact.block_choice import is_eased
-from ...contact.block_records import AT_BEGIN, AT_END, TERMS, TOGETHER, Net, Tables
+from ...contact.block_records import AT_BEGIN, AT_END, TOGETHER, Net, Tables
 from ...contact.block_tables import go_on_from_end, mix_tables, settle_tables, take_answers, take_missed
 from ...contact.coupled import answer_of
 from ...native.jit import kernel, noinline_kernel
@@ -61,8 +61,8 @@ def settle_net(state: State, net: Net) -> None:
     for i in range(net.size):
         for j in range(net.size):
             tables, settled = state.blocks[net.block[i]].tables[j], state.contacts[net.contact[j]].settled
-            if tables.settled != settled:
-                tables.settled = settled
+            if tables.settled != settled or tables.terms != net.terms:
+                tables.settled, tables.terms = settled, net.terms
                 # What stays where it is keeps its tables.
                 _settle_with(
                     state, net, i, j, whole_lanes(net.stop - net.begin) if _moves(state, net, i, j) else QUANTUM
@@ -106,6 +106,7 @@ def _are_known(state: State, net: Net, frame: int) -> bool:
         for j in range(net.size):
             if _moves(state, net, i, j):
                 known = known and block.tables[j].settled == state.contacts[net.contact[j]].settled
+                known = known and block.tables[j].terms == net.terms
     return known
 
 
@@ -140,7 +141,7 @@ def _settle_end(state: State, net: Net, i: int, j: int, end: int) -> None:
     """Find the tables of one contact's force at another one's points where they are at an end of the quantum."""
     contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
     tables = state.blocks[net.block[i]].tables[j]
-    tables.settled = other.settled
+    tables.settled, tables.terms = other.settled, net.terms
     _find_answer(state, contact, other)
     for n in range(FINE):
         tables.ends[end * FINE + n] = state.scratch.fine[n]
@@ -176,9 +177,10 @@ def _find_answer(state: State, contact: Contact, other: Contact) -> None:
 @noinline_kernel
 def _lay_all(state: State, contact: Contact, other: Contact, tables: Tables, samples: int, begin: int) -> None:
     """Take the answers to all moments of a contact's force over so many samples; begin: as `take_answers` has it."""
-    for moment in range(TERMS):
+    terms = state.scratch.net.terms
+    for moment in range(terms):
         lay_answers(state, contact, other, moment, samples)
-        take_answers(tables, moment, state.scratch.rows, samples, begin)
+        take_answers(tables, moment, state.scratch.rows, samples, begin, terms)
 
 
 @kernel

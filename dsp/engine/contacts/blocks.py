@@ -15,14 +15,15 @@ import math
 
 from ...contact.accuracy import IN_BLOCKS
 from ...contact.block import begin_block, end_block, forget_energy, renew_block, step_blocks
-from ...contact.block_choice import is_followed, is_long
-from ...contact.block_records import TOGETHER, Block, Net
+from ...contact.block_choice import is_followed, is_long, is_soft
+from ...contact.block_records import SOFT_TERMS, TERMS, TOGETHER, Block, Net
 from ...contact.block_tables import feel, take_rows
+from ...contact.lanes import takes_law
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
 from ...resonator.fed import LINE
 from ...rolling.block_path import begin_evenly, project_path, roll_back, roll_evenly
-from ...rolling.body import share_of
+from ...rolling.body import is_even, share_of
 from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of
 from ..bodies.sheets import is_coupled
@@ -49,14 +50,20 @@ _FEWEST = 8  # frames that are worth a block
 def solve_blocks(state: State, slot: int, frame: int) -> None:
     """Solve the lasting contacts of an object, and of those that share contacts with it, from a frame to the quantum's
     end, or to where another one touches, if they can be."""
-    net = state.scratch.net
-    if _begin_net(state, slot, frame):
+    obj, net = state.objects[slot], state.scratch.net
+    if obj.in_lanes >= 0:
+        net.begin = 0
+        _gather(state, net, slot, 0, True)
+        net.end, obj.in_lanes, obj.resumes = obj.in_lanes, -1, QUANTUM
+        _conclude(state, net, frame, net.stop)
+    elif begin_net(state, slot, frame, False):
         _solve(state, net, frame)
 
 
 @kernel
-def _begin_net(state: State, slot: int, frame: int) -> bool:
-    """Begin a block of those contacts from a frame on, or go on with it; true if there is one to be solved."""
+def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
+    """Begin a block of those contacts from a frame on, or go on with it; true if there is one to be solved. in_lanes: a
+    soft one is to have three terms."""
     obj, net = state.objects[slot], state.scratch.net
     obj.resumes = QUANTUM
     if not IN_BLOCKS[state.choices.accuracy]:
@@ -70,6 +77,13 @@ def _begin_net(state: State, slot: int, frame: int) -> bool:
     if not goes_on:
         if not _look(state, net):
             return False
+        net.terms = TERMS
+        if in_lanes and net.size == 1 and net.stop == QUANTUM and net.lasts == net.rubs == net.moves == 0:
+            contact = state.contacts[net.contact[0]]
+            rests = contact.trait.rests == 1
+            even = rests or (contact.led == 0 and is_even(state.rolls[contact.roll]))
+            if even and contact.travel == 0.0 and is_soft(contact.coupled, rests) and takes_law(contact.coupled):
+                net.terms = SOFT_TERMS
         settle_net(state, net)
         for i in range(net.size):
             _begin(state, net, i, frame)
@@ -81,7 +95,7 @@ def _solve(state: State, net: Net, frame: int) -> None:
     """Solve the contacts of a net from a frame on, as far as can be, or for a sample under friction."""
     stop = frame + 1 if net.rubs == 1 else net.stop
     if net.size == 1:
-        _run_alone(state, frame, stop)
+        run_alone(state, frame, stop)
     else:
         net.end = _run(state, net, net.size, frame, stop)
     _conclude(state, net, frame, stop)
@@ -112,7 +126,7 @@ def _hand_on_all(state: State, net: Net, frame: int) -> None:
 
 
 @noinline_kernel
-def _run_alone(state: State, frame: int, stop: int) -> None:
+def run_alone(state: State, frame: int, stop: int) -> None:
     """Solve the contact of a net that has no other from a frame to another: by code of its own, which is faster, and
     gives the same bits."""
     state.scratch.net.end = _run(state, state.scratch.net, 1, frame, stop)
@@ -307,9 +321,9 @@ def _begin(state: State, net: Net, i: int, frame: int) -> None:
                 place += scale * lay_moving(state, contact, frame, net.stop, modes)
             else:
                 place += scale * lay_contact(state, contact, side, whole_lanes(net.stop - frame))
-    take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame))
+    take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame), net.terms)
     rolls = contact.trait.along == 1
-    begin_block(block, contact.coupled, place)
+    begin_block(block, contact.coupled, place, net.terms)
     if rolls:
         begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
     else:

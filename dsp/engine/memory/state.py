@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact.accuracy import DEFAULT
-from ...contact.block_records import TERMS, Block, Net
+from ...contact.block_records import TERMS, Block, Lanes, Net
 from ...contact.coupled_records import CoupledGroup
 from ...contact.step_record import SERIES_COUNT
 from ...karman.layout import SHEETS, TABLE_VALUES, Sheet, Space
@@ -206,6 +206,7 @@ class Object(Record):
     ahead: int  # 1: it is driven by moments of its rolls that were solved ahead
     resumes: int  # frame at which its rolls are to be solved ahead again; QUANTUM: none
     apart: int  # frames from the end of a block to the next one
+    in_lanes: int  # frame up to which its contact was solved in lanes; -1: it was not
     laid: int  # frame at which its block began that goes on, a sample at a time; -1: none
     rolls_head: int  # head of the list of rolls on it, 2 contact + side; -1: none
     energy: float  # sum of squares of its share of the mix
@@ -248,6 +249,7 @@ class Scratch(Record):
     moments: Annotated[View[float], MOMENTS]
     fine: Annotated[View[float], SERIES_COUNT]  # FINE of them, and room
     observed: Annotated[View[float], FINE]
+    lanes: Lanes
     net: Net  # rolls that are solved in blocks together
     rows: Annotated[View[float], AHEAD * TERMS]  # of a point's motion over a quantum
     moving: Annotated[View[float], AHEAD * TERMS]  # of what that changes by as the point moves on

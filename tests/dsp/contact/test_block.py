@@ -9,11 +9,12 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from carom.dsp.contact.block import end_block, step_blocks
-from carom.dsp.contact.block_choice import follows
-from carom.dsp.contact.block_records import TERMS, Block, Net
-from carom.dsp.contact.block_tables import feel
+from carom.dsp.contact.block_choice import SMOOTHEST, SOFTEST, follows
+from carom.dsp.contact.block_records import SOFT_TERMS, TERMS, TILE, Block, Lanes, Net
+from carom.dsp.contact.block_tables import feel, feel_tile
 from carom.dsp.contact.collocation import elastic
 from carom.dsp.contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
+from carom.dsp.contact.lanes import enter_lane, lay_line, leave_lane, step_lane, take_by_itself
 from carom.dsp.lab.blocks import begin_alone, find_tables, simulate_blocks
 from carom.dsp.lab.coupled import (
     MEMBER,
@@ -40,7 +41,7 @@ GRAVITY = 9.81
 
 
 @njit(error_model="numpy")
-def _begin(contact, block, bank, law, v, room):
+def _begin(contact, block, bank, law, v, room, terms):
     """Begin a body that rests on the modes, moving at v."""
     m, k, mu, a = law
     restart(bank)
@@ -51,7 +52,7 @@ def _begin(contact, block, bank, law, v, room):
     begin_within(contact, contact.rest_compression, v, 0.0, 0.1)
     receptance(bank.modes, bank.point, bank.work, bank.seen)
     respond_with(contact, bank.seen)
-    find_tables(block, contact, bank, room)
+    find_tables(block, contact, bank, room, terms)
 
 
 @njit(error_model="numpy")
@@ -64,22 +65,42 @@ def _follow(contact, block, path):
 
 
 @njit(error_model="numpy")
-def _run(solved, bank, start, path, room, out):
-    contacts, blocks, net = solved
+def _step_in_lane(lanes, block, i):
+    """Take a sample in a lane."""
+    if i > 0 and i % TILE == 0:
+        feel_tile(block, lanes, 0, AHEAD, i)
+    lay_line(lanes, 0, block, i)
+    if step_lane(lanes, i % TILE) > 0:
+        take_by_itself(lanes, 0)
+    block.moments[3] = 0.0
+    for j in range(SOFT_TERMS):
+        block.moments[j] = lanes.felt[SOFT_TERMS * (i % TILE) + j, 0] = lanes.moments[j, 0]
+
+
+@njit(error_model="numpy")
+def _run(solved, bank, start, path, room, terms, out):
+    contacts, blocks, net, lanes = solved
     contact, block = contacts[0].coupled, blocks[0]
     modes, point = bank.modes, bank.point
     law, v = start
     m, k, _mu, a = law
     weight = m * GRAVITY
-    _begin(contact, block, bank, law, v, room)
+    _begin(contact, block, bank, law, v, room, terms)
     moments = np.zeros(KEPT)
     for first in range(0, len(path), AHEAD):
-        begin_alone(block, contact, bank, room)
+        begin_alone(block, contact, bank, room, terms)
+        if terms == SOFT_TERMS:
+            block.landing = np.inf
+            enter_lane(lanes, 0, contact, block)
         for i in range(AHEAD):
             t = first + i
             _follow(contact, block, path[t])
-            step_blocks(contacts, blocks, net, 1, i)
-            feel(blocks, net, 1, i)
+            if terms == SOFT_TERMS:
+                _step_in_lane(lanes, block, i)
+                leave_lane(lanes, 0, contact, block, 1)
+            else:
+                step_blocks(contacts, blocks, net, 1, i)
+                feel(blocks, net, 1, i)
             for j in range(KEPT):
                 moments[j] = block.moments[j]
             inject_kept(modes, point, moments)
@@ -93,15 +114,16 @@ def _run(solved, bank, start, path, room, out):
             out[t, 2], out[t, 3] = contact.motion[0], energy - weight * contact.motion[0]
 
 
-def run(case, v, path):
-    """Return the courses of the point's velocity, the body's, compression and energy."""
+def run(case, v, path, terms=TERMS):
+    """Return the courses of the point's velocity, the body's, compression and energy; terms: of forces."""
     contacts = np.zeros(1, MEMBER)
     blocks, net, bank = np.zeros(1, dtype_of(Block)), np.zeros(1, dtype_of(Net))[0], bank_of(case)
     net["size"], net["gain"], net["share"], net["stop"] = 1, 1.0, 1.0, AHEAD
     out = np.empty((len(path), 4))
     law = case.m, case.k, case.mu, case.a
     room = np.zeros(ROOM_FOR_ROWS), np.zeros(AHEAD * TERMS), np.zeros(ROOM_FOR_FACTORS)
-    _run((contacts, blocks, net), bank, (law, v), path, room, out)
+    lanes = np.zeros(1, dtype_of(Lanes))[0]
+    _run((contacts, blocks, net, lanes), bank, (law, v), path, room, terms, out)
     return out
 
 
@@ -168,12 +190,17 @@ def test_rolls_against_dop853(light, height, bound):
     assert decibels(run(case, 0.0, path)[:, 0], reference(case, 0.0, path)) < bound
 
 
-def test_nine_of_ten_random_rolls_are_within_60_db_of_dop853():
+@pytest.mark.parametrize(
+    ("terms", "stiffest", "loss_of_swing", "exponents", "median"),
+    [(TERMS, 2.2, 5.0, [1.0, 1.5, 2.0, 2.7], -80), (SOFT_TERMS, SOFTEST, SMOOTHEST, [1.0, 1.5, 2.0, 3.0], -70)],
+)
+def test_nine_of_ten_random_rolls_are_within_60_db_of_dop853(terms, stiffest, loss_of_swing, exponents, median):
     """Bodies that a block follows and that do not leave: of any swing, loss, lightness and exponent."""
     random, errors = np.random.default_rng(5), []
     while len(errors) < 20:
-        swing, light = 10 ** random.uniform(-1.0, 0.34), 10 ** random.uniform(-2.0, 3.5)
-        loss, a = min(swing * 10 ** random.uniform(-2.0, 0.7), 0.9), random.choice([1.0, 1.5, 2.0, 2.7])
+        swing, light = 10 ** random.uniform(-1.0, math.log10(stiffest)), 10 ** random.uniform(-2.0, 3.5)
+        loss = min(swing * 10 ** random.uniform(-2.0, math.log10(loss_of_swing)), 0.9)
+        a = random.choice(exponents)
         if not _follows(swing, loss):
             continue
         give = (1.0 + light) / 0.005
@@ -181,10 +208,10 @@ def test_nine_of_ten_random_rolls_are_within_60_db_of_dop853():
         mu = loss * RATE / (0.005 * GRAVITY * give)
         case = replace(object_of(12, light, seed=len(errors), k=0.005 * GRAVITY / rest**a, mu=mu), a=a)
         path = rough(AHEAD, 0.05 * rest, seed=len(errors))
-        found = run(case, 0.0, path)
+        found = run(case, 0.0, path, terms)
         if found[:, 2].min() > 0.0:
             errors.append(decibels(found[:, 0], reference(case, 0.0, path)))
-    assert np.quantile(errors, 0.9) < -60 and np.median(errors) < -80, sorted(errors)
+    assert np.quantile(errors, 0.9) < -60 and np.median(errors) < median, sorted(errors)
 
 
 @pytest.mark.parametrize(("swing", "bound"), [(0.45, -120), (0.85, -105), (1.55, -60)])
@@ -219,7 +246,8 @@ def test_a_body_at_rest_stays_so(m, light):
     assert np.abs(found[:, 2] / rest - 1).max() < 1e-6
 
 
-def test_energy_grows_by_no_more_than_its_allowance():
+@pytest.mark.parametrize("terms", [TERMS, SOFT_TERMS])
+def test_energy_grows_by_no_more_than_its_allowance(terms):
     """Bodies bounce on modes without loss, and chatter, with a law that has none either, however stiff."""
     random = np.random.default_rng(7)
     flat = np.tile([0.0, 0.0, 0.5, 0.0, 0.0], (32 * AHEAD, 1))
@@ -229,7 +257,7 @@ def test_energy_grows_by_no_more_than_its_allowance():
         light = 10 ** random.uniform(-2, 2)
         k = m * (math.pi * RATE / 10 ** random.uniform(-1.0, 2.0)) ** 2.5
         case = object_of(24, light, seed, m=m, k=k, mu=0.0, damped=0.0)
-        found = run(case, 10 ** random.uniform(-3, 0), flat)
+        found = run(case, 10 ** random.uniform(-3, 0), flat, terms)
         energy = found[:, 3]
         start = energy[0]
         scale = np.abs(found[:, 1]).max() ** 2 * 0.5 * m

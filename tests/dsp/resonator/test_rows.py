@@ -36,9 +36,9 @@ def test_rows_are_the_motion_of_all_modes_however_fast_they_turn(highest, groups
     point = bank.Point(random.normal(size=4 * count), count, 0, np.array([1.0, 0.3, 0.0, 0.0]))
     room, rows = np.full(ROOM_FOR_ROWS, np.nan), np.zeros(AHEAD * TERMS)
     kept = np.full(ROOM_FOR_FACTORS, np.nan)
-    begin = lay_motion(AHEAD, modes, point, Work(room, kept, False), rows)
+    begin = lay_motion(AHEAD, modes, point, Work(room, kept, False), rows, TERMS)
     again = np.zeros(AHEAD * TERMS)
-    assert lay_motion(AHEAD, modes, point, Work(room, kept, True), again) == begin
+    assert lay_motion(AHEAD, modes, point, Work(room, kept, True), again, TERMS) == begin
     assert np.array_equal(again, rows)
     seen, expected = np.zeros(FINE), []
     for _ in range(AHEAD):
