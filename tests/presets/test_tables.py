@@ -30,7 +30,8 @@ def test_a_table_is_read_as_it_was_written():
     assert np.abs(again.shapes - table.shapes).max() <= np.abs(table.shapes).max() / 32767
     assert table_bytes(again.arrays) == table_bytes(table_of(table_bytes(again.arrays), "").arrays)
     assert again == table_of(data, "elsewhere")
-    assert again == table  # steps are kept as they are
+    for name, value in table.arrays.items():  # steps are kept as they are; another zlib packs them otherwise
+        np.testing.assert_array_equal(again.arrays[name], value)
 
 
 @pytest.mark.parametrize("data", [b"", b"no table", b"PK\x05\x06" + bytes(18)])
