@@ -109,6 +109,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simu
 	$(BIN)/python -m tests.bench.meshes --json tests/measured/meshes.json
 	$(BIN)/python -m tests.bench.meshes --only accuracy --fine --json tests/measured/meshes.json
 	$(BIN)/python -m tests.bench.corpus --models
+	$(BIN)/python -m tests.bench.chances
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.extreme_groups
 	$(BIN)/python -m tests.bench.rests

@@ -1,9 +1,9 @@
 """Make-up: the level of a gesture for whoever plays, so that each pair of object and striker is heard and none is too
 loud.
 
-A gesture is measured at three values of its argument, in an engine beside, at the middle of a strike's path and at a
-gain of 0 dB. What is between two of these values follows from them. The numbers of its keys are taken on a grid, so
-that values that are hardly heard apart share a measurement, and the level never depends on what was played before.
+A gesture is measured at three to five values of its argument, in an engine beside, at the object's own position and
+at a gain of 0 dB. What is between two of these values follows from them. The numbers of its keys are taken on a grid,
+so that values that are hardly heard apart share a measurement, and the level never depends on what was played before.
 """
 
 import json
@@ -20,7 +20,8 @@ from ...dsp.bodies.modes import Modes
 from ...dsp.bodies.striker import StrikerSound
 from ...dsp.engine.memory.commands import Command
 from ...dsp.runtime.engine import NOW, Engine
-from ...dsp.runtime.loudness import Heard, heard
+from ...dsp.runtime.loudness import Heard, decibels, true_peak
+from ...dsp.runtime.meter import SILENCE
 from ...dsp.schema import DROPS, EXPONENT, GESTURES, VELOCITY, Gesture
 from ...dsp.schema_values import OWN
 from ...presets import BUILT_IN
@@ -35,9 +36,9 @@ _ALIKE = 10.0
 _STAYS = 0.25
 """Share of what lies beyond that stays, so that a feather on a bell is softer than a hammer; and at most:"""
 _MOST_STAYS = 6.0  # LU
-_CEILING = 0.5
-"""dB of full scale up to which the true peak of an ordinary strike is brought: the limiter hardly works."""
-_HARDER = 0.7
+_CEILING = -0.7
+"""dB of full scale up to which the true peak of an ordinary strike is brought: the limiter takes 1 dB at most."""
+_HARDER = 1.1
 """dB by which that rises for each LU that a harder strike is to be louder than MIDDLE."""
 MIDDLE = -18.0
 """LUFS of a strike at MIDI velocity 100, a forte."""
@@ -48,7 +49,9 @@ _MOST = 80.0
 _STRIKES = ((0.1554, -30.0), (0.5026, -24.0), (1.8566, -18.0), (5.0, -15.0))
 """Velocities (m/s) of strikes and the loudness (LUFS) that is aimed at: those of MIDI velocities 32, 64, 100 and 127.
 It rises by half of what physics would have it rise."""
-_LOWEST, _HIGHEST = -34.0, -14.0
+_OFTEN = 1.0
+"""m/s of most presets' strikes."""
+_LOWEST, _HIGHEST = -34.0, -15.0
 """LUFS that is aimed at beyond these velocities, at most."""
 _LASTING = (-29.0, -17.0)
 """LUFS at the lowest and the highest useful argument of all other gestures: on average a few LU below a strike."""
@@ -61,6 +64,8 @@ _RATE = 48_000
 _SECONDS = {"impact": 0.5, "bounce": 0.8, "slide": 2.0}
 """s of a gesture that are measured: friction builds up in time."""
 _USUAL_SECONDS = 1.0
+_SWELLING = 1.2  # s of a plate that swells, by when it is loudest
+_LOOK = 0.1  # s between looks at the momentary loudness, as ITU-R BS.1770 has it
 _GRID = 8.0
 """Steps an octave of the values of keys: 0.4 dB of a mass at most."""
 _WHOLE = 1_000.0
@@ -106,7 +111,7 @@ class Pair(NamedTuple):
 
     def measured(self) -> Measure:
         """Measure it, in an engine of its own."""
-        found = [self._heard_at(value) for value in measured_at(self.kind)]
+        found = [self._heard_at(value) for value in measured_at(self.kind, self.modes.sheet is not None)]
         return Measure(tuple(round(each.loudness, 1) for each in found), tuple(round(each.peak, 1) for each in found))
 
     def _heard_at(self, argument: float) -> Heard:
@@ -125,7 +130,13 @@ class Pair(NamedTuple):
         struck = Command(NOW, self.kind, handle, values, gesture=1, surface=self.surface)
         falls = struck._replace(values={**values, "stage": _ON_NOTHING}, gesture=2)
         engine.send([struck, falls] if GESTURES[self.kind].breaks else [struck])
-        return heard(engine.process(round(_SECONDS.get(self.kind, _USUAL_SECONDS) * _RATE)), _RATE)
+        engine.meter.start()
+        loudness, sound = -math.inf, []
+        seconds = _SWELLING if self.modes.sheet is not None else _SECONDS.get(self.kind, _USUAL_SECONDS)
+        for _ in range(round(seconds / _LOOK)):
+            sound.append(engine.process(round(_LOOK * _RATE)))
+            loudness = max(loudness, engine.meter.loudness)
+        return Heard(loudness if loudness > SILENCE else -math.inf, decibels(true_peak(np.concatenate(sound))))
 
 
 def argument_of(gesture: Gesture) -> str:
@@ -133,10 +144,12 @@ def argument_of(gesture: Gesture) -> str:
     return VELOCITY.name if gesture.falls else gesture.argument.name
 
 
-def measured_at(kind: str) -> tuple[float, ...]:
-    """Return the values of a gesture's argument at which it is measured."""
+def measured_at(kind: str, swells: bool = False) -> tuple[float, ...]:
+    """Return the values of a gesture's argument at which it is measured; swells: of a plate, whose loudness is no line
+    between them."""
     if argument_of(GESTURES[kind]) == VELOCITY.name:
-        return tuple(velocity for velocity, _ in (_STRIKES[0], *_STRIKES[2:]))
+        velocities = [velocity for velocity, _ in _STRIKES]
+        return tuple(sorted([*velocities, _OFTEN]) if swells else (velocities[0], *velocities[2:]))
     low, high = GESTURES[kind].argument.useful or (0.1, 10.0)
     return tuple(low * (high / low) ** share for share in _FRACTIONS)
 
@@ -155,10 +168,11 @@ def gain_of(kind: str, argument: float, measure: Measure, level: float) -> float
     """Return the gain (dB) of a gesture at a value of its argument, on an object of a preset's level (dB)."""
     if argument <= 0.0 or not all(map(math.isfinite, measure.loudness)):
         return 0.0
-    aim, arguments = aimed_at(kind, argument), measured_at(kind)
+    aim, arguments = aimed_at(kind, argument), measured_at(kind, len(measure.loudness) > len(_FRACTIONS))
     loudness = _at(arguments, measure.loudness, argument) + level
     peak = _at(arguments, measure.peak, argument) + level
-    apart = measure.loudness[1] + level - aimed_at(kind, arguments[1])
+    middle = len(arguments) // 2
+    apart = measure.loudness[middle] + level - aimed_at(kind, arguments[middle])
     beyond = math.copysign(max(0.0, abs(apart) - _ALIKE), apart)
     stays = min(max(_STAYS * beyond, -_MOST_STAYS), _MOST_STAYS)
     return round(min(aim + stays - loudness, _room(kind, aim) - peak, _MOST), 1)
@@ -194,7 +208,7 @@ def velocity_of(kind: str, velocity: float, measure: Measure, level: float) -> f
     aim, low, high = aimed_at(kind, velocity), velocity / _FASTER, min(velocity * _FASTER, _FASTEST)
     if not all(map(math.isfinite, measure.loudness)) or high <= low:
         return velocity
-    at = measured_at(kind)
+    at = measured_at(kind, swells=True)
     for _ in range(_HALVINGS):
         middle = math.sqrt(low * high)
         loudness, peak = (_at(at, each, middle) + level for each in measure)

@@ -70,7 +70,7 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
     level = min(scale.at(0.0), scale.object(to.obj.preset))  # of all of it: a strike's would be too loud
     own["own_level"] = motion["level"] = level / scale.object(to.obj.preset)
     own["level"] = level / scale.object(below.preset)
-    if to.is_played:
+    if to.is_played and to.obj.modes.sheet is None:  # a gain would have a plate swell as it never does
         whole = Command(NOW, "shatter", values={**motion, **own, "level": motion["level"]})
         measure = to.transaction.measured(
             to.transaction.makeup.pair(to.obj.modes, to.obj.preset.position, whole, sound)

@@ -30,7 +30,8 @@ def test_the_first_click_in_the_middle_of_the_page_sounds(play):
     table.page.mouse.click(640, 400)
     (struck,) = table.until("/impact")
     preset = Presets().object("church-bell")
-    assert struck.message == Message("/object/church-bell/impact", (preset.velocity, struck.message.args[1]))
+    args = preset.velocity, struck.message.args[1], "play", 1
+    assert struck.message == Message("/object/church-bell/impact", args)
     # Nothing else plays: the click has let the browser be heard.
     table.settle("carom.sound.isHeard && carom.sound.state.playing")
     table.settle("Math.max(...carom.sound.latest.map(Math.abs)) > 0.002")
@@ -51,7 +52,7 @@ def test_a_tap_strikes_where_the_finger_is(play):
         assert "e+" not in table.ask("document.querySelector('#force-note').textContent")
     table.page.get_by_role("radio", name="rubber").click()
     table.page.mouse.click(*table.spot("marimba-bar", 0.5))
-    assert keys(table.until("/impact", 5)[-1].message) == {"striker": "rubber"}
+    assert keys(table.until("/impact", 5)[-1].message) == {"striker": "rubber", "play": 1}
 
 
 @pytest.mark.parametrize("width", [1024, 1280, 1920])

@@ -142,3 +142,9 @@ def test_a_gain_follows_a_line_between_measurements() -> None:
         stays = gain_of("impact", argument, measure, 0.0) - (aimed_at("impact", argument) - loudness)
         assert stays == pytest.approx(0.25 * (-22.0 + 10.0), abs=0.1)
     assert gain_of("impact", 1.0, measure, 20.0) < gain_of("impact", 1.0, measure, 0.0)
+
+
+def test_a_plate_that_breaks_is_as_physics_has_it() -> None:
+    """A gain would have it swell as it never does."""
+    keys = {"seed": 290, "striker": "mute", "seconds": 1.0}
+    assert played("small-gong", "shatter", 0.0325, **keys) == played("small-gong", "shatter", 0.0325, play=0, **keys)
