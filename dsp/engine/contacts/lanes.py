@@ -10,6 +10,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...rolling.block_path import roll_evenly
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from .blocks import begin_net, run_alone
+from .slides import rubs
 
 
 @noinline_kernel
@@ -36,11 +37,12 @@ def solve_in_lanes(state: State) -> None:
 
 @kernel
 def _fits_a_lane(state: State, obj: Object) -> bool:
-    """True if an object's one contact is a roll or a rest that may be solved so."""
+    """True if an object's one contact is a roll, a slide without friction, or a rest that may be solved so."""
     if obj.spectral > 0 or obj.shares_contact == 1 or obj.contact < 0 or obj.has_contact == 0:
         return False
     contact = state.contacts[obj.contact]
-    lasts = (contact.trait.along == 1 and contact.trait.slips == 0) or contact.trait.rests == 1
+    rubbed = contact.trait.slips == 1 and rubs(contact)
+    lasts = (contact.trait.along == 1 and not rubbed) or contact.trait.rests == 1
     return lasts and contact.solver == COUPLING and contact.next < 0 and contact.asleep == 0
 
 
