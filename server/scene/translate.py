@@ -14,7 +14,18 @@ from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import (
-    BOUNCE, DROPS, GAIN, GESTURES, IMPULSE, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, VELOCITY, Gesture,
+    BOUNCE,
+    DROPS,
+    GAIN,
+    GESTURES,
+    IMPULSE,
+    ROLL,
+    SETTINGS,
+    SLIDE,
+    STEERABLE,
+    STRIKE,
+    VELOCITY,
+    Gesture,
 )  # fmt: skip
 from ...dsp.wording import MOST_COMPARED, there_are
 from ...presets.kinds import DRY
