@@ -33,8 +33,8 @@ class ImpactKeys(Keys, total=False):
     restitution: SupportsFloat
     by: str
     gain: SupportsFloat
-    impulse: SupportsFloat
     play: SupportsFloat
+    impulse: SupportsFloat
     direction: Sequence[SupportsFloat]
     by_direction: Sequence[SupportsFloat]
 
