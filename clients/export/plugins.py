@@ -11,13 +11,13 @@ import shutil
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import NamedTuple
 from uuid import NAMESPACE_URL, uuid5
 
 from ...dsp.engine.memory.state import QUANTUM
 from ...dsp.native.targets import system
-from . import c, turtle
+from . import c
 from .baking import maker_of
+from .instruments import Instrument, Macro, turtle_files
 from .scene import ExportError, Scene
 
 RATES = (44_100, 48_000, 88_200, 96_000)
@@ -31,16 +31,6 @@ HOMES = {"clap": "~/.clap", "vst3": "~/.vst3", "lv2": "~/.lv2"}
 FORMATS = tuple(HOMES)
 
 
-class Macro(NamedTuple):
-    """A parameter of an instrument. usual: NaN if it is the object's own; high: of STRIKER the last one's place."""
-
-    name: str
-    unit: str
-    low: float
-    high: float
-    usual: float
-
-
 MACROS = (
     Macro("Position", "", 0.0, 1.0, math.nan),
     Macro("Striker", "", 0.0, math.nan, 0.0),
@@ -52,29 +42,6 @@ MACROS = (
     Macro("Pan", "", -1.0, 1.0, 0.0),
 )
 """In the order of the enum in `clap/instrument.h`: hosts know them by their places."""
-
-
-class Instrument(NamedTuple):
-    """An object as a plug-in: the names by which hosts know it, and how the score makes it."""
-
-    name: str
-    description: str
-    id: str
-    position: float
-    gain: float
-    pan: float
-    decay: float
-    damp: float
-
-    @property
-    def title(self) -> str:
-        """The name that a host shows."""
-        return f"Carom {self.name}"
-
-    @property
-    def uri(self) -> str:
-        """Its name in LV2."""
-        return f"urn:{self.id.replace('.', ':')}"
 
 
 _FILES = Path(__file__).parent
@@ -126,7 +93,7 @@ def _bundle(folder: Path, title: str, form: str, instruments: Sequence[Instrumen
     if form == "lv2":
         strikers = [OWN_STRIKER, *scene.strikers.names]
         channels = scene.baked.engine.channels
-        for name, text in turtle.files(instruments, MACROS, strikers, channels, binary.name).items():
+        for name, text in turtle_files(instruments, MACROS, strikers, channels, binary.name).items():
             (folder / name).write_text(text, encoding="utf-8", newline="\n")
     return binary
 

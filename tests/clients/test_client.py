@@ -152,7 +152,14 @@ def say_everything(client: Client, at: float | None) -> None:
             value, *more = [0.5 if number.low <= 0.5 <= number.high else number.low for number in verb.required]
             value = [value, *more] if more else value
             client.steer("x", at=at, **{verb.address.rsplit("/", 1)[1]: value})
-    for verb, value in ((client.accuracy, "exact"), (client.bank, "float32"), (client.quality, 1), (client.limiter, 1)):
+    for verb, value in (
+        (client.accuracy, "exact"),
+        (client.bank, "float32"),
+        (client.quality, 1),
+        (client.limiter, 1),
+        (client.headroom, 1),
+        (client.play, 1),
+    ):
         verb(value, at=at)
     client.main_gain(1, at=at)
     client.budget(4, 8192, at=at)

@@ -107,10 +107,11 @@ def test_contacts_of_cut_sounds_are_those_of_the_whole():
 
 
 def test_stems_add_up_to_the_sound():
-    sound = carom.render(SCORE, seconds=0.4, stems=True)
+    quieter = f"0 /gain -6\n{SCORE}"  # the limiter has nothing to do
+    sound = carom.render(quieter, seconds=0.4, stems=True)
     assert set(sound.stems) == {"a", "b"} and sound.report.limited == ()
     np.testing.assert_allclose(sum(sound.stems.values()), sound.samples, atol=1e-6)
-    alone = carom.render("\n".join(SCORE.splitlines()[:4]), seconds=0.1)
+    alone = carom.render("\n".join(quieter.splitlines()[:5]), seconds=0.1)
     np.testing.assert_allclose(sound.stems["a"][:4800], alone.samples, atol=1e-7)
     assert np.abs(sound.stems["b"][:, 0]).max() > 1e-4 and np.abs(sound.stems["b"][:, 1]).max() < 1e-6
 

@@ -1,14 +1,11 @@
-"""What hosts of LV2 read of a plug-in before they load it: its ports and their ranges, in Turtle."""
+"""The instruments and parameters of a plug-in, and what hosts of LV2 read of them before they load it, in Turtle."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .plugins import Instrument, Macro
+from typing import NamedTuple
 
 _PREFIXES = """\
 @prefix atom: <http://lv2plug.in/ns/ext/atom#> .
@@ -38,7 +35,40 @@ a lv2:OutputPort , lv2:ControlPort ;
         lv2:name "Latency\""""
 
 
-def files(
+class Macro(NamedTuple):
+    """A parameter of an instrument. usual: NaN if it is the object's own; high: of STRIKER the last one's place."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    usual: float
+
+
+class Instrument(NamedTuple):
+    """An object as a plug-in: the names by which hosts know it, and how the score makes it."""
+
+    name: str
+    description: str
+    id: str
+    position: float
+    gain: float
+    pan: float
+    decay: float
+    damp: float
+
+    @property
+    def title(self) -> str:
+        """The name that a host shows."""
+        return f"Carom {self.name}"
+
+    @property
+    def uri(self) -> str:
+        """Its name in LV2."""
+        return f"urn:{self.id.replace('.', ':')}"
+
+
+def turtle_files(
     instruments: Sequence[Instrument], macros: Sequence[Macro], strikers: Sequence[str], channels: int, library: str
 ) -> dict[str, str]:
     """Return the texts of a bundle's files by their names. library: the name of its library."""
