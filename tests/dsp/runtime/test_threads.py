@@ -56,13 +56,13 @@ def sizes() -> dict[str, int]:
         **{f"J_{name.upper()}": place(JOB, name) for name in ("state", "out", "frames", "channels")},
         **{
             f"BOX_{name.upper()}": place(udp._BOX, name)
-            for name in ("written", "read", "stopped", "dropped", "done", "ring")
+            for name in ("written", "read", "stopped", "dropped", "done", "key", "ring")
         },
         "TRACE_SAMPLE": place(TRACE, "sample"), "TRACE_IMPULSE": place(TRACE, "impulse"),
         "STATE_BYTES": STATE.itemsize, "COMMAND_BYTES": COMMAND.itemsize, "HANDOVER_BYTES": HANDOVER.itemsize,
         "NOTE_BYTES": NOTE.itemsize, "TRACE_BYTES": TRACE.itemsize, "JOB_BYTES": JOB.itemsize,
         "BOX_BYTES": udp._BOX.itemsize, "BOX_WORDS": udp._WORDS, "BOX_LARGEST": udp._LARGEST, "BOX_GROUPS": udp._GROUPS,
-        "ROUNDS": ROUNDS,
+        "BOX_OF_HOST": udp._OF_HOST, "ROUNDS": ROUNDS,
         "RING": RING, "EVENTS": EVENTS, "TAP": TAP, "NOTES": NOTES, "TRACED": TRACED, "ENDED": ENDED,
         "QUANTUM": QUANTUM, "ENDS_FIRST": 3 * ENDED - 5,
     }  # fmt: skip
