@@ -16,6 +16,7 @@ from ..engine.memory.commands import (
     KIND_NEW,
     KIND_SET,
     KIND_STEER,
+    LEVEL,
     NUMBERS,
     Event,
     Kind,
@@ -103,7 +104,7 @@ _LONG = 1e12  # samples
 _EVERY: _Bounds = {
     "time": (-1.0, _LONG), "has_clock": (0, 0), "number": (0, MANY), "kind": (0, len(Kind) - 1),
     "slot": (0, OBJECTS - 1), "serial": (0, MANY), "value": _ANY, "gesture": (0, MANY),
-    "parameter": (0, max(len(STEERABLE), len(SETTINGS)) - 1), "channel": (-1, MOST_CHANNELS - 1),
+    "parameter": (0, max(LEVEL, len(SETTINGS) - 1)), "channel": (-1, MOST_CHANNELS - 1),
     "given": (0, 2.0 ** len(STEERABLE) - 1), "by_slot": (0, OBJECTS - 1), "by_serial": (0, MANY),
     "what": (0, len(GESTURES) - 1),
 }  # fmt: skip
@@ -180,7 +181,9 @@ def _steered(bounds: Iterable[Iterable[tuple[float, float]]]) -> np.ndarray[Any,
 
 
 _SETTING_BOUNDS = _steered([_bounds_of(each)] for each in SETTINGS.values())
-_STEER_BOUNDS = _steered(map(_bounds_of, gestures_steered_by(name).values()) for name in STEERABLE)
+_STEER_BOUNDS = _steered(
+    [*(map(_bounds_of, gestures_steered_by(name).values()) for name in STEERABLE), [_bounds_of(SHARED["level"])]]
+)
 
 
 @kernel

@@ -5,10 +5,12 @@ gestures may share an id. The engine reports the end of each that was sent once.
 """
 
 import math
+from bisect import bisect_right, insort
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...dsp.engine.memory.state import End
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 
 _REMEMBERED = 4_096  # ids: one that is given again soon has the number that it had
 _MOST_ENDS = 65_536  # that wait to be told
+_begin_of = itemgetter(0)
 _LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none
 
 
@@ -37,8 +40,12 @@ class GestureId:
     """Name of the object under its last rest; "" if that lies on a support, or there is none."""
     most_load: float = math.inf
     """N: up to which the load of its last rest may be steered."""
-    played: "Played | None" = None
-    """Make-up of its last gesture, if it has any that goes on with its argument."""
+    played: list[tuple[float, "Played | None"]] = field(default_factory=list)
+    """Times (samples) of its gestures, the earliest first, and the make-up of those that go on with their argument."""
+
+    def played_at(self, time: float) -> "Played | None":
+        """Return the make-up of the gesture that began last at a time (samples)."""
+        return next((played for begin, played in reversed(self.played) if begin <= time), None)
 
 
 class Ended(NamedTuple):
@@ -101,10 +108,16 @@ class GestureIds:
         """Remember what is under the rest that an id names, "" if that is a support, and its greatest load (N)."""
         self._known.names[name].under, self._known.names[name].most_load = under, most_load
 
-    def play(self, number: int, played: "Played | None") -> None:
-        """Remember the make-up of the last gesture of a number; None: it has none."""
-        if number in self._numbers:
-            self._numbers[number].played = played
+    def play(self, number: int, begin: float, played: "Played | None") -> Callable[[], object]:
+        """Remember the make-up of a gesture that begins at a time (samples), None if it has none; return how to undo
+        it. What is over is forgotten."""
+        if number not in self._numbers:
+            return lambda: None
+        known, now = self._numbers[number].played, float(self._engine.position)
+        del known[: max(0, bisect_right(known, now, key=_begin_of) - 1)]
+        entry = max(begin, now), played
+        insort(known, entry, key=_begin_of)
+        return lambda: known.remove(entry)
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""

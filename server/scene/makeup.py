@@ -22,7 +22,7 @@ from ...dsp.engine.memory.commands import Command
 from ...dsp.runtime.engine import NOW, Engine
 from ...dsp.runtime.loudness import Heard, decibels, true_peak
 from ...dsp.runtime.meter import SILENCE
-from ...dsp.schema import DROPS, EXPONENT, GESTURES, VELOCITY, Gesture
+from ...dsp.schema import DROPS, EXPONENT, GAIN, GESTURES, VELOCITY, Gesture
 from ...dsp.schema_values import OWN
 from ...presets import BUILT_IN
 from .limits import LAW
@@ -179,22 +179,16 @@ def gain_of(kind: str, argument: float, measure: Measure, level: float) -> float
 
 
 class Played(NamedTuple):
-    """The make-up of a gesture that goes on: it follows the argument as that is steered."""
+    """What the make-up of a gesture that goes on follows from, as its argument is steered."""
 
     kind: str
     measure: Measure
-    level: float
+    preset_level: float
     """dB of the object's preset."""
-    first: float
-    """The argument that the gesture began with."""
-    argument: float
-    gain: float
-    """dB that was asked for."""
 
-    def gain_at(self, argument: float) -> float:
-        """Return the gain (dB) at a value of the argument, over the make-up that the gesture began with."""
-        now, before = (gain_of(self.kind, each, self.measure, self.level) for each in (argument, self.first))
-        return self.gain + now - before
+    def level_at(self, argument: float) -> float:
+        """Return the gesture's level in the engine at a value of its argument."""
+        return GAIN.in_engine(gain_of(self.kind, argument, self.measure, self.preset_level))
 
 
 def _room(kind: str, aim: float) -> float:

@@ -5,7 +5,7 @@ from itertools import islice
 
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BY_POINT, BY_POSITION, GAIN, GESTURES, LOAD, POINT, POSITION
+from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT, POSITION
 from ...dsp.wording import MOST_COMPARED, expected, suggestion, there_are
 from ..osc.addresses import Call
 from ..osc.arguments import GestureEnded, Refused, Values, shown
@@ -20,7 +20,7 @@ from .transaction import Transaction
 _ON_SURFACE = ("point", *(each.name for each in POINT))
 _ON_OTHER = ("by_point", *(each.name for each in BY_POINT))
 _LEAST = 1e-6
-"""Of an argument, for whose logarithm a gain follows."""
+"""Of an argument, whose logarithm a level follows."""
 CHANGE_WORK = 80
 """Work of carrying out a change on one gesture or object, as in patterns.work."""
 
@@ -63,26 +63,12 @@ def _made_up(
     transaction: Transaction, id: GestureId, action: str, values: Values, commands: list[Command]
 ) -> list[Command]:
     """Return the commands that steer a gesture, with those by which its make-up follows its argument."""
-    played = id.played
-    if played is None or not values.points:
+    played = id.played_at(max(transaction.time, float(transaction.engine.position)))
+    if played is None or action != argument_of(GESTURES[played.kind]) or values.points[-1].value <= 0.0:
         return commands
-    if action == GAIN.name:
-        changed = played._replace(gain=values.points[-1].value)
-        gains = [each.value + played.gain_at(played.argument) - played.gain for each in values.points]
-        commands = [each._replace(value=GAIN.in_engine(gain)) for each, gain in zip(commands, gains, strict=True)]
-    elif action == argument_of(GESTURES[played.kind]) and values.points[-1].value > 0.0:
-        changed = played._replace(argument=values.points[-1].value)
-        gains = [played.gain_at(max(each.value, _LEAST)) for each in values.points]
-        follow = [
-            each._replace(parameter=GAIN.name, value=GAIN.in_engine(gain))
-            for each, gain in zip(commands, gains, strict=True)
-        ]
-        commands = [*commands, *follow]
-    else:
-        return commands
-    id.played = changed
-    transaction.on_undo(lambda: setattr(id, "played", played))
-    return commands
+    levels = [played.level_at(max(each.value, _LEAST)) for each in values.points]
+    follow = [each._replace(parameter="level", value=level) for each, level in zip(commands, levels, strict=True)]
+    return [*commands, *follow]
 
 
 def _warn_of_nothing(transaction: Transaction, call: Call, ids: list[GestureId]) -> None:

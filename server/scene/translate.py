@@ -38,7 +38,7 @@ from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
 from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed, speed_by
-from .makeup import Played, argument_of, gain_of, velocity_of
+from .makeup import Played, argument_of, velocity_of
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
 from .objects import PlayedObject
@@ -322,26 +322,25 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
         **place_values(to, by),
         "gain": GAIN.in_engine(to.values.number("gain")),
     }
-    transaction.gestures.play(command.gesture, None)
+    played = None
     if to.is_played and not GESTURES[str(command.kind)].held:
-        values |= _make_up(to, command._replace(values=values), sound)
+        made_up, played = _make_up(to, command._replace(values=values), sound)
+        values |= made_up
+    transaction.on_undo(transaction.gestures.play(command.gesture, transaction.time, played))
     _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
 
 
-def _make_up(to: ObjectCall, command: Command, sound: StrikerSound | None) -> dict[str, float]:
-    """Return the values that make a gesture as loud as suits players."""
+def _make_up(to: ObjectCall, command: Command, sound: StrikerSound | None) -> tuple[dict[str, float], Played | None]:
+    """Return the values that make a gesture as loud as suits players, and what its level follows from if it lasts."""
     kind, preset, swells = str(command.kind), to.obj.preset, to.obj.modes.sheet is not None
     name = argument_of(GESTURES[kind])
     if swells and name != VELOCITY.name:
-        return {}
+        return {}, None
     measure = to.transaction.measured(to.transaction.makeup.pair(to.obj.modes, preset.position, command, sound))
     if swells:
-        return {name: velocity_of(kind, command.values[name], measure, preset.level)}
-    value = command.values[name]
-    if GESTURES[kind].lasts:
-        played = Played(kind, measure, preset.level, value, value, to.values.number("gain"))
-        to.transaction.gestures.play(command.gesture, played)
-    return {"level": GAIN.in_engine(gain_of(kind, value, measure, preset.level))}
+        return {name: velocity_of(kind, command.values[name], measure, preset.level)}, None
+    played = Played(kind, measure, preset.level)
+    return {"level": played.level_at(command.values[name])}, played if GESTURES[kind].lasts else None
 
 
 def _work(call: Call, values: Values, transaction: Transaction) -> int:

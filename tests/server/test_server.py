@@ -10,6 +10,7 @@ import soundfile
 
 from carom.clients.actions import CommandError
 from carom.clients.client import Client
+from carom.server.options import Options
 from carom.server.osc.score import read
 from tests.server.support import counted, onsets
 from tests.support import Running, limited, serving
@@ -142,7 +143,7 @@ def test_files_that_can_not_be_written_on_are_told_for_good(tmp_path):
             client.ask("/quit")
         assert process.wait(timeout=10) == 0
     lines = read(tmp_path / "log.txt")
-    assert 100 < len(lines) < 800 and lines[6].message.address == "/object/new"
+    assert 100 < len(lines) < 800 and lines[len(Options().head)].message.address == "/object/new"
 
 
 def test_what_is_an_age_late_counts_an_hour(server: Running):

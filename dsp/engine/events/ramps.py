@@ -21,8 +21,9 @@ from ..memory.state import QUANTUM, State
 from .steering import set_target, target_of
 
 _STEERED_BY_RATIOS: View[bool] = np.array(
-    [any(each.by_ratios for each in gestures_steered_by(name).values()) for name in STEERABLE]
+    [*(any(each.by_ratios for each in gestures_steered_by(name).values()) for name in STEERABLE), True]
 )
+"""The last is that of a level."""
 _SET_BY_RATIOS: View[bool] = np.array([setting.by_ratios for setting in SETTINGS.values()])
 _GAIN_BY_RATIOS = MAIN_GAIN.by_ratios
 _STRAIGHT = 1e-3  # a curve below it is as good as a straight line

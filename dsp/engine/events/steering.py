@@ -7,6 +7,7 @@ from ..contacts.swarms import steer_swarm
 from ..memory.commands import (
     IN_VALUES,
     KIND_STEER,
+    LEVEL,
     STEERS,
     Event,
 )
@@ -36,6 +37,10 @@ def steer_existing(state: State, event: Event) -> bool:
                 if n == _SPEED or event.given >> n & 1:
                     drop_ramps(state, KIND_STEER, n, i, contact.command)
                     set_target(state, contact, n, field(event.values, IN_VALUES[n]))
+            if field(event.values, IN_VALUES[_SPEED]) > 0.0:  # else it halts, at its own level
+                drop_ramps(state, KIND_STEER, LEVEL, i, contact.command)
+                if contact.level != event.values.level:
+                    set_target(state, contact, LEVEL, event.values.level)
     return found
 
 
@@ -46,16 +51,27 @@ def steer(state: State, event: Event) -> None:
         contact = state.contacts[i]
         if _takes(state, contact, event):
             _count_command(state, i)
-            if STEERS[contact.kind, event.parameter] and not takes_time(state, event, i, contact.command):
+            if _is_steered_by(contact, event.parameter) and not takes_time(state, event, i, contact.command):
                 set_target(state, contact, event.parameter, event.value)
                 if contact.trait.swarms > 0:
                     steer_swarm(state, contact, event.time)
 
 
 @kernel
+def _is_steered_by(contact: Contact, parameter: int) -> bool:
+    """True if a contact takes a parameter anew; pieces keep the level at which they sound alike."""
+    if parameter == LEVEL:
+        return contact.trait.breaks == 0
+    steers: bool = STEERS[contact.kind, parameter]
+    return steers
+
+
+@kernel
 def target_of(state: State, contact: Contact, parameter: int) -> float:
     """Return the value that one parameter of a contact was last set to; for a roll's speed, as far as friction has
     slowed it; for a gain, what was requested."""
+    if parameter == LEVEL:
+        return contact.level
     target = state.rolls[contact.roll].target if contact.trait.rolls == 1 else contact.target
     value: float = field(target, parameter)
     return value / contact.level if parameter == _GAIN and contact.level > 0.0 else value
@@ -63,7 +79,9 @@ def target_of(state: State, contact: Contact, parameter: int) -> float:
 
 @kernel
 def set_target(state: State, contact: Contact, parameter: int, value: float) -> None:
-    """Give one parameter of a contact a new target."""
+    """Give one parameter of a contact a new target; its level is part of its gain's."""
+    if parameter == LEVEL:
+        parameter, value, contact.level = _GAIN, target_of(state, contact, _GAIN), value
     value = value * contact.level if parameter == _GAIN else value
     set_field(contact.target, parameter, value)
     if parameter == _POSITION:

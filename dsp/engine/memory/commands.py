@@ -73,6 +73,9 @@ NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 IN_VALUES = np.array([(VALUES.names or ()).index(name) for name in STEERABLE])
 """The place in VALUES of each steerable parameter."""
 
+LEVEL = len(STEERABLE)
+"""The number of the level of a running gesture, which no message names: its make-up, beside the gain."""
+
 STEERS = np.array([[name in gesture.steerable for name in STEERABLE] for gesture in GESTURES.values()])
 """True where a gesture can be steered by a parameter."""
 
@@ -125,7 +128,7 @@ class Event(Record):
     waits_until: float  # samples: for an object that is yet to come; set by the engine, -1 before
     value: float  # as Kind says
     gesture: int  # its number, 0: none
-    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS
+    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS, or LEVEL
     channel: int  # of a place
     given: int  # of a gesture along a surface: bits of the places in schema.STEERABLE that were given
     by_slot: int  # of the object that strikes, if one does
@@ -208,6 +211,7 @@ _FIELDS = {kind: [(name, tuple(COMMAND[name].names or ())) for name in names] fo
 _TAKEN = {kind: {name for _, names in records for name in names} for kind, records in _FIELDS.items()}
 _VALUE_NAMES = VALUES.names or ()
 _PLACES = {name: place for place, name in enumerate(STEERABLE)}
+_STEERED_PLACES = _PLACES | {"level": LEVEL}
 _SETTING_PLACES = {name: place for place, name in enumerate(SETTINGS)}
 
 
@@ -222,7 +226,7 @@ def write(entry: np.void, number: int, command: Command) -> None:
     entry["by_slot"], entry["by_serial"] = (command.by.slot, command.by.serial) if command.by else (0, 0)
     entry["value"], entry["gesture"], entry["channel"] = command.value, command.gesture, command.channel
     if kind in (Kind.STEER, Kind.SET):
-        places = _PLACES if kind is Kind.STEER else _SETTING_PLACES
+        places = _STEERED_PLACES if kind is Kind.STEER else _SETTING_PLACES
         if command.parameter not in places:
             raise ValueError(f"{kind.name}: parameter = {command.parameter!r}: expected one of {', '.join(places)}")
         entry["parameter"] = places[command.parameter]

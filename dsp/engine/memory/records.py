@@ -70,7 +70,7 @@ class Contact(Record):
     w: float  # mu v_in, where a restitution was given: each contact then has a mu of its own; else 0
     now: Steered  # what can be steered, gliding
     target: Steered  # to this
-    level: float  # by which a gain that is asked for counts: of pieces, which sound as loud as they are; else 1
+    level: float  # by which a gain that is asked for counts: its make-up; of pieces, so that all sound alike; else 1
     start: int  # sample at or before the contact's beginning
     fraction: float  # from there to the beginning
     origin: float  # samples: when the gesture began
@@ -196,7 +196,7 @@ class Ramp(Record):
     """A ramp that runs or waits."""
 
     kind: int  # STEER, SET or GAIN: what it changes
-    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS
+    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS, or commands.LEVEL
     place: int  # of the contact, or the slot of the object
     serial: int  # number of the command that brought that contact, or the object's serial
     begun: int  # 1: `first` is known

@@ -2,9 +2,17 @@
 
 import random
 
+import numpy as np
+import pytest
+
+from carom.dsp.runtime.engine import NOW
+from carom.server.files.log import Log
 from carom.server.options import Options as Serving
+from carom.server.osc.score import read
 from carom.server.osc.wire import Message
-from tests.server.files.test_log import replay
+from carom.server.scene.session import Session
+from tests.server.files.test_log import PRESETS, replay
+from tests.support import render_lines
 
 
 def test_what_is_played_with_make_up_and_headroom(tmp_path):
@@ -25,3 +33,31 @@ def test_what_is_played_with_make_up_and_headroom(tmp_path):
     lines = replay(tmp_path, rng, messages, 30, Serving())
     struck = [line.message for line in lines if line.message.address.endswith(("/impact", "/roll"))]
     assert struck and all("play" in message.args for message in struck)
+
+
+@pytest.mark.parametrize("first", ["gain", "roll"])
+def test_make_up_follows_times_and_not_the_order_of_sending(tmp_path, first):
+    """What is sent first and comes later changes nothing of what comes before it: not the gain of a roll, nor the
+    make-up of another that has its id."""
+    begin = Message("/object/floor/roll", (0.1, "id", "r", "seed", 2, "striker", "steel", "play", 1))
+    later = {
+        "gain": Message("/gesture/r/gain", (-9.0,)),
+        "roll": Message("/object/board/roll", (0.5, "id", "r", "seed", 3, "striker", "wood", "play", 1)),
+    }
+    engine = Serving().engine()
+    scene = Session(engine, PRESETS)
+    log = Log(engine, tmp_path / "log.txt", Serving().head)
+    scene.on_sent = log.expect
+    log.start()
+    made = [Message("/object/new", each) for each in (("floor", "wooden-floor"), ("board", "wood-board"))]
+    scene.perform([*made, begin], NOW)
+    sound = [engine.process(1_000)]
+    scene.perform([later[first]], 5_000.0)
+    for time, speed in ((3_000.0, 1.0), (7_000.0, 0.3)):
+        scene.perform([Message("/gesture/r/speed", (speed, "over", 0.02))], time)
+    sound.append(engine.process(20_000))
+    log.close()
+    heard = np.concatenate(sound)[engine.delay :]
+    assert heard[10_000:].any()
+    lines = read(tmp_path / "log.txt")
+    np.testing.assert_array_equal(render_lines(lines, seconds=len(heard) / 48_000), heard)
