@@ -29,9 +29,9 @@ _MOST = 7.0  # of 2 (a - 1) that lanes take
 def _point(u: float, weight: float) -> tuple[Three, Three, Three]:
     """Return a point of the quadrature: by what v_l add to the way up to it and to the rate there, and what a force
     there adds to f_l."""
-    values = 1.0, u, 1.5 * u * u - 0.5
-    ways = 0.5 * (u + 1.0), (values[2] - 1.0) / 6.0, u * (values[2] - 1.0) / 6.0
-    return ways, values, (0.5 * weight, 1.5 * weight * u, 2.5 * weight * values[2])
+    bent = 1.5 * u * u - 0.5
+    ways = 0.5 * (u + 1.0), (bent - 1.0) / 6.0, u * (bent - 1.0) / 6.0
+    return ways, (1.0, u, bent), (0.5 * weight, 1.5 * weight * u, 2.5 * weight * bent)
 
 
 _NEARER, _FARTHER = (math.sqrt((3.0 + sign * 2.0 * math.sqrt(1.2)) / 7.0) for sign in (-1.0, 1.0))

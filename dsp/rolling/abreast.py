@@ -12,7 +12,7 @@ from ..native.typed import View
 from ..numerics.indices import index_of
 from ..numerics.legendre import AHEAD
 from .abreast_record import STEERS, Abreast
-from .body import is_even, modulate, stand, steer
+from .body import is_even, modulate, share_of, stand, steer
 from .contact_step import path_at
 from .path import BATCH, PIECES, Path, make_pieces
 from .roll_record import Roll
@@ -62,7 +62,7 @@ def _know(abreast: Abreast, k: int, roll: Roll) -> None:
     """Note the law of a body's contact."""
     abreast.stiffness[k], abreast.mu[k], abreast.mobility[k] = roll.stiffness, roll.mu, roll.mobility
     abreast.weight[k], abreast.lightness[k] = roll.m * roll.g, roll.lightness
-    abreast.gravity[k], abreast.fade[k] = roll.g, roll.fade
+    abreast.gravity[k], abreast.fade[k] = roll.g, share_of(roll)
 
 
 @kernel

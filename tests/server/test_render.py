@@ -165,10 +165,11 @@ def test_sampled_methods_can_be_heard_and_measured(render_text):
 
 
 def test_verlet_makes_energy_of_a_contact_shorter_than_a_sample(render_text):
-    score = "0 /object/new a steel-plate level -4\n0.01 /object/a/impact 1 0.3 striker steel\n"
+    # So soft that the limiter, which holds what verlet makes loud, leaves all as it is.
+    score = "0 /object/new a steel-plate level -4 gain -20\n0.01 /object/a/impact 1 0.3 striker steel\n"
     reference = render_text(score, seconds=1.0)
     gained = 10 * np.log10((render_text(score, seconds=1.0, contact=("verlet",)) ** 2).sum() / (reference**2).sum())
-    assert gained > 6
+    assert gained > 9
     mended = render_text(score, seconds=1.0, contact=("verlet", "correction", "both"))
     assert abs(10 * np.log10((mended**2).sum() / (reference**2).sum())) < 1.0
 

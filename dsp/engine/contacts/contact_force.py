@@ -14,7 +14,6 @@ from ...native.typed import View
 from ...numerics.indices import index_of
 from ...numerics.legendre import FINE, KEPT, MOMENTS, add_held
 from ...resonator.bank import inject, inject_fine, inject_kept, observe, receptance, transfer_receptance
-from ...rolling.body import share_of
 from ..bodies.bends import find_static
 from ..bodies.glide import tighten
 from ..bodies.objects import modes_of, point_of
@@ -26,7 +25,7 @@ from ..memory.records import Contact, ContactPoint
 from ..memory.state import COUPLING, SAMPLING, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
-from .coupled_rolls import put_on_line
+from .coupled_rolls import put_on_line, share_driven
 from .solver_choice import choose_solver, find_speed, soften_pulse, tolerance_of
 from .trace import trace_blow, trace_snap, trace_touches
 
@@ -211,10 +210,8 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
 
 @kernel
 def gain_of(state: State, contact: Contact) -> float:
-    """Return the factor on the force that the modes get: the gesture's gain, and what is left of a roll that has
-    stopped."""
-    share = share_of(state.rolls[contact.roll]) if contact.trait.along == 1 else 1.0
-    return contact.now.gain * share
+    """Return the factor on the force that the modes get: the gesture's gain, and the share that drives them."""
+    return contact.now.gain * share_driven(state, contact)
 
 
 @kernel

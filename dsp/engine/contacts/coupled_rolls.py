@@ -29,6 +29,7 @@ from ...contact.block_records import TOGETHER
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...resonator.fed import LINE
+from ...rolling.body import share_of
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
 from ..bodies.objects import is_felt, shape_at, weigh
@@ -209,6 +210,12 @@ def lead_roll(state: State, contact: Contact) -> None:
         put_on_line(state, contact, frame, state.scratch.drift)
         if passed_by(state, contact) > PASSED or frame % LINE == 0 or frame == contact.ahead:
             contact.unsettled = 1
+
+
+@kernel
+def share_driven(state: State, contact: Contact) -> float:
+    """Return the share of a contact's force that drives its objects: what is left of a roll that has stopped."""
+    return share_of(state.rolls[contact.roll]) if contact.trait.along == 1 else 1.0
 
 
 @kernel

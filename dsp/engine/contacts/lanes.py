@@ -10,6 +10,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...rolling.block_path import roll_evenly
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from .blocks import begin_net, run_alone
+from .coupled_rolls import share_driven
 from .slides import rubs
 
 
@@ -86,13 +87,14 @@ def _lay(state: State, i: int, n: int) -> None:
 
 @kernel
 def _hand_on(state: State, i: int, n: int) -> None:
-    """Hand on the moments of a lane's force over sample n."""
+    """Hand on the moments of the share of a lane's force over sample n that drives its object."""
     lanes = state.scratch.lanes
+    share = share_driven(state, state.contacts[lanes.contact[i]])
     feed, felt = state.feeds[lanes.block[i], BEHIND + n], SOFT_TERMS * (n % TILE)
     for j in range(len(feed)):
         feed[j] = 0.0
     for j in range(SOFT_TERMS):
-        feed[j] = lanes.felt[felt + j, i] = lanes.moments[j, i]
+        feed[j] = lanes.felt[felt + j, i] = share * lanes.moments[j, i]
 
 
 @kernel

@@ -3,12 +3,11 @@
 from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel
 from ...native.typed import View, View2D
-from ...rolling.body import share_of
 from ..bodies.strikers import left_of_blow, share_of_blow
 from ..memory.records import Contact, Slide
 from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
 from ..memory.striker_state import Voice
-from .coupled_rolls import line_position_of
+from .coupled_rolls import line_position_of, share_driven
 
 
 @kernel
@@ -36,8 +35,7 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
     moments = state.scratch.fine
     if contact.trait.along == 1 or contact.trait.rests == 1:
         point = contact.point[0]
-        share = share_of(state.rolls[contact.roll]) if contact.trait.along == 1 else 1.0
-        place = _placed(state, contact, point.row, point.weights)
+        place, share = _placed(state, contact, point.row, point.weights), share_driven(state, contact)
         if _trace_moving(state, contact, sample, place, share, moments) >= 0:
             _publish(state)
         return
