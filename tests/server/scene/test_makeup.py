@@ -106,14 +106,18 @@ def test_a_steered_roll_keeps_near_its_aim() -> None:
 
 
 def test_steering_the_gain_of_a_played_roll_is_relative_to_its_make_up() -> None:
-    levels = []
-    for gain in (0.0, -12.0):
+    """A gain of 0 dB changes no bit; one of -12 dB is heard as such, but for the chance of a body that hops, which
+    feels the object."""
+    sounds = []
+    for gain in (None, 0.0, -12.0):
         with carom.Scene(RATE, limiter=False) as scene:
             scene.play(True)
             scene.new("a", "wooden-floor").roll(0.5, id="r", seed=3)
-            scene.steer("r", at=0.2, gain=gain)
-            levels.append(heard(scene.render(2.0).samples[RATE // 2 :], RATE).loudness)
-    assert levels[0] - levels[1] == pytest.approx(12.0, abs=0.5)
+            if gain is not None:
+                scene.steer("r", at=0.2, gain=gain)
+            sounds.append(scene.render(2.0).samples[RATE // 2 :])
+    assert np.array_equal(sounds[0], sounds[1])
+    assert heard(sounds[0], RATE).loudness - heard(sounds[2], RATE).loudness == pytest.approx(12.0, abs=2.0)
 
 
 @pytest.mark.parametrize("name, kind", [("goblet", "shatter"), ("tin-lid", "rain"), ("plastic-cup", "shake")])
