@@ -17,8 +17,9 @@ from ...dsp.engine.memory.state import QUANTUM
 from ...dsp.native.targets import system
 from . import c
 from .baking import maker_of
-from .instruments import Instrument, Macro, turtle_files
+from .instruments import MACROS, Instrument
 from .scene import ExportError, Scene
+from .turtle import turtle_files
 
 RATES = (44_100, 48_000, 88_200, 96_000)
 """The sampling rates that a plug-in plays at: its scene is baked for each."""
@@ -29,19 +30,6 @@ OWN_STRIKER = "the object's own"
 HOMES = {"clap": "~/.clap", "vst3": "~/.vst3", "lv2": "~/.lv2"}
 """Where hosts look for a user's plug-ins, by format."""
 FORMATS = tuple(HOMES)
-
-
-MACROS = (
-    Macro("Position", "", 0.0, 1.0, math.nan),
-    Macro("Striker", "", 0.0, math.nan, 0.0),
-    Macro("Tune", "semitones", -24.0, 24.0, 0.0),
-    Macro("Decay", "times", 0.1, 10.0, 1.0),
-    Macro("Damp", "", 0.0, 1.0, 0.0),
-    Macro("Release damp", "", 0.0, 1.0, 0.0),
-    Macro("Gain", "dB", -40.0, 12.0, 0.0),
-    Macro("Pan", "", -1.0, 1.0, 0.0),
-)
-"""In the order of the enum in `clap/instrument.h`: hosts know them by their places."""
 
 
 _FILES = Path(__file__).parent
@@ -93,7 +81,7 @@ def _bundle(folder: Path, title: str, form: str, instruments: Sequence[Instrumen
     if form == "lv2":
         strikers = [OWN_STRIKER, *scene.strikers.names]
         channels = scene.baked.engine.channels
-        for name, text in turtle_files(instruments, MACROS, strikers, channels, binary.name).items():
+        for name, text in turtle_files(instruments, strikers, channels, binary.name).items():
             (folder / name).write_text(text, encoding="utf-8", newline="\n")
     return binary
 

@@ -211,7 +211,7 @@ _ENGINE = (
     Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
     Verb(
         "/limiter",
-        "turns the limiter on or off; it keeps true peaks 1 dB below full scale",
+        "turns the limiter on or off; it keeps true peaks about 1 dB below full scale",
         (Either("limiter", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(

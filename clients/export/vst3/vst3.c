@@ -60,7 +60,6 @@ typedef struct {
     const struct v3_midi_mapping *mapping;
     const struct expressions *expressions;
     _Atomic uint32_t references;
-    uint32_t place; /* among the plug-ins */
     double rate;
     int32_t most;
     guest of;
@@ -600,7 +599,6 @@ static v3_result V3_API create(void *self, const v3_tuid id, const v3_tuid iid, 
     own->mapping = &mapping;
     own->expressions = &expressions;
     own->references = 1;
-    own->place = place;
     own->rate = 48000.0;
     own->most = 4096;
     v3_result found = guest_open(&own->of, place) ? find(own, iid, made) : V3_INTERNAL_ERR;

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from carom.clients.commands.export import PLUGINS, read_scene
 from carom.clients.export import plugins
+from carom.clients.export.instruments import MACROS
 from carom.presets import Presets
 from carom.server.osc.score import ScoreError, parse
 from tests import needs
@@ -274,7 +275,7 @@ def by_vst3(folder: Path, block: int, state: bytes | None = None) -> tuple[Any, 
     load = needs.module("pedalboard").load_plugin  # which waits as long as said for silence; there is none
     bell = load(str(folder / "two-of-them.vst3"), plugin_name="Carom bell", initialization_timeout=0.1)
     if state is None:
-        for name, value, macro in zip(KEYS, CONTROLS, plugins.MACROS, strict=True):
+        for name, value, macro in zip(KEYS, CONTROLS, MACROS, strict=True):
             share = (value - macro.low) / (macro.high - macro.low)
             if share == float(np.float32(share)):  # but for the striker, and Decay, which stays as it is
                 bell.parameters[name].raw_value = share

@@ -75,13 +75,14 @@ def rolled(numbers, level):
     return {n: np.array(each) for n, each in states.items()}, int((lanes["ended"] == QUANTUM).sum())
 
 
-def test_bodies_roll_as_they_do_alone_whoever_else_rolls():
+@pytest.mark.parametrize("level", ["-50", "-60"])
+def test_bodies_roll_as_they_do_alone_whoever_else_rolls(level):
     """Bodies that hop, begin late, are steered, stop, or have a law that lanes don't take: the same bits."""
-    together, in_lanes = rolled(range(len(ROLLS)), "-60")
+    together, in_lanes = rolled(range(len(ROLLS)), level)
     assert LANES >= in_lanes > 1
-    few, _ = rolled([5, 1, 8, 9], "-60")
+    few, _ = rolled([5, 1, 8, 9], level)
     for n in range(len(ROLLS)):
-        states, in_lanes = rolled([n], "-60")
+        states, in_lanes = rolled([n], level)
         assert in_lanes == (ROLLS[n][1] != UNLIKE) or n == STOPPED
         assert np.abs(states[n][-1]).max() > 0.0
         np.testing.assert_array_equal(together[n], states[n], err_msg=f"body {n}")
