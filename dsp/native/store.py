@@ -42,7 +42,7 @@ _MOST = 200e6  # bytes in the cache before what was not used for longest goes, a
 _IN_USE = 30 * 86_400.0  # s since a list was used last, in which its units and images stay
 _FRESH = 3_600.0  # s in which what was made or used stays: another process may compile, whose list is not written yet
 _VERSIONS_KEPT = 8  # of a module's list of units
-_COMPILERS_KEPT = 2
+_COMPILERS_KEPT = 2  # of those that were not used lately
 
 
 def user_cache() -> Path:
@@ -135,6 +135,7 @@ class Store:
             content = file.read_bytes()
             if content[:20] == digest(content[20:]).encode():
                 _touch(file)
+                _touch(self._translations)
                 return content[20:]
         return None
 
@@ -271,6 +272,7 @@ def _size(path: Path) -> int:
 
 
 def _remove_but(folders: Iterator[Path], kept: int) -> None:
-    """Remove all but a number of folders: those that were used last stay."""
+    """Remove all but a number of folders: those that were used last stay, and what another process may be using."""
     for folder in sorted((each for each in folders if each.is_dir()), key=_last_used, reverse=True)[kept:]:
-        shutil.rmtree(folder, ignore_errors=True)
+        if time.time() - _last_used(folder) >= _FRESH:
+            shutil.rmtree(folder, ignore_errors=True)

@@ -103,6 +103,21 @@ def test_a_list_that_nobody_used_for_long_holds_nothing(doubling, tmp_path, monk
     assert doubled(doubling) == (42, "cache")
 
 
+def test_translations_that_were_used_lately_stay_however_many_compilers_there_are(tmp_path):
+    compilers = {name: Store(tmp_path, name) for name in "abcdef"}
+    for name, each in compilers.items():
+        each.write_translation("kernel", b"code")
+        os.utime(tmp_path / "translations" / name, (1e9 + ord(name), 1e9 + ord(name)))
+    assert compilers["a"].read_translation("kernel") == b"code"
+    compilers["b"].write_translation("another", b"code")
+    compilers["c"].prune()
+    assert sorted(path.name for path in tmp_path.glob("translations/*")) == ["a", "b"]
+    for each in compilers.values():
+        each.write_translation("kernel", b"code")
+    compilers["c"].prune()
+    assert len(list(tmp_path.glob("translations/*"))) == 6
+
+
 @pytest.fixture
 def asking(monkeypatch):
     """A function that asks for a level by the environment, or for none."""
