@@ -278,11 +278,6 @@ class RoomKeys(TypedDict, total=False):
     t60_high: SupportsFloat
     late: SupportsFloat
 
-class ContactKeys(TypedDict, total=False):
-    """Keys of `/contact`."""
-
-    correction: str
-
 class PairKeys(TypedDict, total=False):
     """Keys of `/world/pair`."""
 

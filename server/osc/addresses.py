@@ -196,13 +196,6 @@ _ENGINE = (
         (Either("bank", FORMS, "float64, within -115 dB; float32, within -95 dB and faster", "float64"),),
     ),
     Verb(
-        "/contact",
-        "sets how contacts are solved, to compare methods",
-        (Word("method", "closed (exact), am1, verlet, heun or rk4", "closed"),),
-        (Number("oversampling", 1, 64, "", "steps per sample of a sampled method", default=1, whole=True),),
-        (Word("correction", "none, hybrid, release, both, paper-release or paper-both", "none"),),
-    ),
-    Verb(
         "/budget",
         "bounds the cost of contacts that are coupled to modes. A score begins with 0 0, without bounds, a server with "
         "16 8192",
@@ -288,6 +281,8 @@ _SERVER = (
 
 VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *LISTENING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
 
+GONE = {"/contact": "the sampled methods are in `carom chart` alone, which compares them: leave it out"}
+"""Addresses of earlier versions, and what came of each."""
 
 _SHOWN = 60  # characters of what stands in an address, in an error
 
@@ -363,6 +358,8 @@ def _matched(pattern: str) -> list[str]:
 
 def unknown(address: str) -> Refused:
     """Return the error for an address that nothing has."""
+    if address in GONE:
+        return Refused(GONE[address])
     first, *rest = address.split(maxsplit=1)
     if rest:
         return Refused(

@@ -130,7 +130,7 @@ export class Messages {
   /** True if a command of the file is about no object and no gesture. */
   isOfEngine(at) {
     const { kinds } = this.map;
-    return ["METHOD", "ACCURACY", "QUALITY", "GAIN", "LIMITER", "HEADROOM", "BUDGET", "BANK"].some((name) => kinds[name] === this.said(at, "kind"));
+    return ["ACCURACY", "QUALITY", "GAIN", "LIMITER", "HEADROOM", "BUDGET", "BANK"].some((name) => kinds[name] === this.said(at, "kind"));
   }
 
   /** Carry out a message at a sample, or now; the id of a gesture that it begins. Refused says why not. */

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...contact.sampled import METHODS
 from ..comparison import BANDS
+from ..sampled import METHODS
 from .style import COLOURS
 from .tables import TITLES, Row
 

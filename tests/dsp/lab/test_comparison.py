@@ -7,12 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from carom.dsp.contact.sampled import METHODS
 from carom.dsp.lab import cost
 from carom.dsp.lab.comparison import BANDS, Score, band_cases, scores, touched
 from carom.dsp.lab.coupled import Case, random_cases, simulate, simulation_loop
 from carom.dsp.lab.coupled_closed import asking_loop, strike, striking_loop
 from carom.dsp.lab.coupled_sampled import sample, sampling_loop
+from carom.dsp.lab.sampled import METHODS
 from carom.dsp.lab.wall import path
 
 pytestmark = pytest.mark.slow

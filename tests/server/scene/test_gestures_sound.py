@@ -189,8 +189,8 @@ def test_a_roll_sounds_the_same_beside_other_contacts(render):
 0.01 /object/pane/roll 0.4 striker glass-marble surface glass travel 0.3 seed 1 id one
 0.02 /object/pane/roll 0.3 by glass surface wood radius 0.01 gain 6 seed 2 id other
 """
-    # 50 ms long, and not coupled to what rings
-    soft = "0.05 /contact heun\n0.05 /object/*/impact 0.01 0.3 mass 1e-3 stiffness 1 exponent 1 gain -120\n"
+    # 50 ms long, and too faint to be heard
+    soft = "0.05 /object/*/impact 1 0.3 mass 2.5e-7 stiffness 1e-3 exponent 1 gain -80\n"
     alone, beside = render(rolls, 0.2), render(rolls + soft, 0.2)
     np.testing.assert_allclose(beside, alone, atol=2e-6 * np.abs(alone).max())
     assert np.abs(alone).max() > 1e-3 and not np.array_equal(beside, alone)
