@@ -182,7 +182,7 @@ class Actions(Gestures, ABC):
         self.send(f"/sensor/{sensor}/free", at=at)
 
     def accuracy(self, level: str | int, at: SupportsFloat | None = None) -> None:
-        """Set the accuracy of later contacts with objects that yield: -40, -50, -60 (dB, the default), -80 or "exact".
+        """Set the accuracy of later contacts with objects that yield: -50, -60 (dB, the default), -80 or "exact".
 
         It is the error of the object's velocity, as a share of its greatest, in nine contacts of ten.
         """

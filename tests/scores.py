@@ -16,7 +16,7 @@ from carom.server.osc.wire import Message
 from carom.server.scene.session import Session
 
 RATES = (22_050, 32_000, 44_100, 48_000, 96_000, 192_000)
-ACCURACIES = ("-40", "-50", "-60", "-80", "exact")
+ACCURACIES = ("-50", "-60", "-80", "exact")
 SUPPORTS = ("felt", "foam", "finger", "palm", "table")
 LIVELY = 0.3
 """The part of a wide range, as its logarithm goes, that swarms keep to: some hundred blows a second."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache, lru_cache
 from typing import NamedTuple
 
-from ...dsp.contact.accuracy import LEVELS
+from ...dsp.contact.accuracy import LEVELS, NUMBERS
 from ...dsp.schema import (
     BY_DIRECTION,
     BY_POINT,
@@ -183,7 +183,7 @@ _ENGINE = (
     Verb(
         "/accuracy",
         "sets how exact contacts with objects that yield are",
-        (Either("accuracy", LEVELS, "error of the sound, dB", "-60"),),
+        (Either("accuracy", LEVELS, "error of the sound, dB", "-60", tuple(NUMBERS)),),
     ),
     Verb(
         "/quality",

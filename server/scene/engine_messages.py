@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-from ...dsp.contact.accuracy import LEVELS
+from ...dsp.contact.accuracy import NUMBERS
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import CURVE, FORMS, MAIN_GAIN, OVER, Parameter
@@ -44,8 +44,7 @@ def _quality(transaction: Transaction, call: Call, values: Values) -> None:
 
 
 def _accuracy(transaction: Transaction, call: Call, values: Values) -> None:
-    accuracy = LEVELS.index(values.words["accuracy"])
-    send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
+    send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=NUMBERS[values.words["accuracy"]]))
 
 
 def _bank(transaction: Transaction, call: Call, values: Values) -> None:

@@ -162,8 +162,8 @@ export class Messages {
     const kind = address.slice(1).toUpperCase();
     if (verb.changes) return this.change({ time, kind }, points(verb, args));
     const [word] = Object.values(parsed(address, verb, args).given);
-    const places = { ACCURACY: this.map.levels, BANK: this.map.forms };
-    if (kind in places) this.send({ time, kind, value: places[kind].indexOf(word) });
+    if (kind === "ACCURACY") this.send({ time, kind, value: this.map.levels[word] });
+    else if (kind === "BANK") this.send({ time, kind, value: this.map.forms.indexOf(word) });
     else if (kind === "LIMITER") this.send({ time, kind, value: ["on", "1"].includes(word) ? 1 : 0 });
     else this.send({ time, kind, value: word ?? 0 });
   }

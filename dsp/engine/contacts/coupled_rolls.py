@@ -40,7 +40,7 @@ from ..memory.state import COUPLING, QUANTUM, State
 from .contact_list import share_object
 from .solver_choice import price_of, tolerance_of
 
-GIVING = np.array([1e-3, 1e-3, 3e-4, 1e-6, 0.0])
+GIVING = np.array([1e-3, 3e-4, 1e-6, 0.0])
 """Sum, by accuracy, above which a roll feels each of the object's modes even where no block follows it. Where four
 modes ring for seconds a dashpot is 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 

@@ -64,7 +64,7 @@ class Quality(IntEnum):
 
     FULL = 0
     HELD = 1  # coupled contacts take one step per sample but in blocks, which cost less, and the closed form where that
-    # errs by no more than -40 dB; forces of plates' stretching are computed every third sample at most
+    # errs by no more than -50 dB; forces of plates' stretching are computed every third sample at most
     QUIET = 2  # modes below -80 dB are put to rest; half as many modes of plates are coupled
     COARSE = 3  # plates are linear; rolls have fewer and stronger micro-impacts; they and presses act on the 256
     # longest ringing modes

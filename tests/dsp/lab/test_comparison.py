@@ -81,7 +81,7 @@ def scored() -> dict[tuple[str, float], Score]:
 
 
 def test_scores_tell_solvers_apart(scored):
-    assert len(scored) == 2 * len(METHODS) + 1 + 4 + 1 + 4
+    assert len(scored) == 2 * len(METHODS) + 1 + 4 + 1 + 3
     for (solver, setting), score in scored.items():
         assert score.median <= score.ninety and score.ns > 10
         assert 0.0 <= score.wrong_counts <= 1.0

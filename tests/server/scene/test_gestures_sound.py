@@ -84,7 +84,7 @@ def test_a_roll_sounds_the_same_at_any_rate(render, roll):
     a dashpot."""
 
     def spectrum(rate: int) -> np.ndarray:
-        begin = "0 /accuracy -40\n0 /quality 1\n0 /object/new a seven\n"
+        begin = "0 /accuracy -50\n0 /quality 1\n0 /object/new a seven\n"
         text = f"{begin}0.01 /object/a/roll {roll.format('silent-')} seed 3\n"
         return faded_spectrum(render(text, 2.0, rate)[:, 0], rate)[:32_000]
 
@@ -182,7 +182,7 @@ def test_a_ringing_striker_rests_too(render):
 
 def test_a_roll_sounds_the_same_beside_other_contacts(render):
     """Other contacts cut an object's time into single samples; a roll's own is several of them at a time."""
-    rolls = """0 /accuracy -40
+    rolls = """0 /accuracy -50
 0 /quality 1
 0 /object/new pane glass-plate
 0 /object/new glass wine-glass
