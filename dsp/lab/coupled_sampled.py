@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numba import njit
 
-from ..contact.collocation import elastic, law
+from ..contact.law import elastic, law
 from ..native.jit import simd_kernel
 from ..native.typed import View, View2D
 from ..numerics.checks import Array

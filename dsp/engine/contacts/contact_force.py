@@ -8,6 +8,7 @@ import math
 
 from ...contact.closed_form import advance_pulse, state_of_pulse
 from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
+from ...contact.law import compression_at
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import FINE, KEPT, MOMENTS
@@ -101,7 +102,7 @@ def _resting_speed(contact: Contact) -> float:
     A restitution is that of blows. Slower ones, near rest, get the dissipation of this speed.
     """
     push = contact.push_target
-    return math.sqrt(push / contact.m * (push / contact.k) ** (1.0 / contact.a)) if push > 0.0 else 0.0
+    return math.sqrt(push / contact.m * compression_at(push, contact.k, contact.a)) if push > 0.0 else 0.0
 
 
 @kernel

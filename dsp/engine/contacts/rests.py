@@ -17,6 +17,7 @@ that a rest that slept and one that did not are the same to the bit, but for wha
 import math
 
 from ...contact.coupled import begin_at_rest
+from ...contact.law import compression_at
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.constants import HARDEST_REST
 from ..bodies.objects import is_heard, least_heard
@@ -53,7 +54,7 @@ def _press(contact: Contact, load: float) -> None:
     """Put a load (N) on a contact."""
     coupled = contact.coupled
     coupled.push = coupled.rest_force = load
-    coupled.rest_compression = (load / contact.k) ** (1.0 / contact.a)
+    coupled.rest_compression = compression_at(load, contact.k, contact.a)
     coupled.swing = math.sqrt(contact.a * load / (contact.m * coupled.rest_compression))
 
 
