@@ -394,6 +394,9 @@ class SteerKeys(TypedDict, total=False):
     irregularity: SupportsFloat
     speed: SupportsFloat
     mass: SupportsFloat
+    stiffness: SupportsFloat
+    dissipation: SupportsFloat
+    exponent: SupportsFloat
     radius: SupportsFloat
     roughness: SupportsFloat
     asymmetry: SupportsFloat

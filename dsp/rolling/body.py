@@ -110,12 +110,27 @@ def steer(roll: Roll) -> None:
         return
     roll.m = _nearer(roll.m, roll.target.mass, near)
     roll.g = _nearer(roll.g, roll.target.gravity, near)
-    # The compression at rest, the square of the swing's frequency there, and the stiffness, which counts up to a bound.
+    weigh(roll)
+
+
+@kernel
+def weigh(roll: Roll) -> None:
+    """Find the compression at rest, the square of the swing's frequency there, and the stiffness, which counts up to a
+    bound."""
     stiffest = roll.m * roll.g / (roll.a * roll.g / (_STIFFEST * _STIFFEST)) ** roll.a
     roll.stiffness = min(roll.k, stiffest)
     roll.rest_compression = compression_at(roll.m * roll.g, roll.stiffness, roll.a)
     roll.swing = roll.a * roll.g / roll.rest_compression
     roll.lightness = 1.0 / roll.m
+
+
+@kernel
+def change_law(roll: Roll, k: float, mu: float, a: float) -> None:
+    """Give a body that rolls another contact law."""
+    roll.k, roll.mu, roll.a = k, mu, a
+    roll.energy_share = 1.0 / (a + 1.0)
+    if roll.stiffness > 0.0:
+        weigh(roll)
 
 
 @kernel

@@ -94,10 +94,10 @@ _WORDS: dict[str, tuple[Word | Vector, ...]] = {
 }
 """Keys of gestures that are not numbers."""
 
-_RESTING: tuple[Number | Word | Vector, ...] = (*LAW, ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])
+_RESTING: tuple[Number | Word | Vector, ...] = (ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])
 _SHARED = {key.name for key in STRIKE}
 KEYS: dict[str, tuple[Number | Word | Vector, ...]] = {
-    name: (*_RESTING, gesture.argument, *gesture.keys)
+    name: (*gesture.keys[: len(LAW)], *_RESTING, gesture.argument, *gesture.keys[len(LAW) :])
     if gesture.what
     else (*(key for key in gesture.keys if key.name not in _SHARED), *_WORDS.get(name, ()))
     for name, gesture in GESTURES.items()

@@ -194,3 +194,20 @@ def test_a_roll_sounds_the_same_beside_other_contacts(render):
     alone, beside = render(rolls, 0.2), render(rolls + soft, 0.2)
     np.testing.assert_allclose(beside, alone, atol=2e-6 * np.abs(alone).max())
     assert np.abs(alone).max() > 1e-3 and not np.array_equal(beside, alone)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("accuracy", ["-60", "-80"])
+@pytest.mark.parametrize("preset", ["glass-plate", "church-bell"])
+def test_a_roll_whose_law_is_steered_is_as_loud_as_one_that_began_with_it(render, preset, accuracy):
+    """On an object that gives way, and on one that is as good as a wall."""
+    begin = f"0 /accuracy {accuracy}\n0 /object/new a {preset}\n"
+    roll = "0 /object/a/roll 0.1 striker glass-marble mass 1e-4 surface glass seed 1 id r"
+    soft = {"stiffness": 1e5, "dissipation": 5.0, "exponent": 1.3}
+    keys = "".join(f" {name} {value}" for name, value in soft.items())
+    steers = "".join(f"0 /gesture/r/{name} {value}\n" for name, value in soft.items())
+    levels = [
+        20 * np.log10(np.std(render(begin + each, 1.5)[24_000:]))
+        for each in (f"{roll}\n", f"{roll}{keys}\n", f"{roll}\n{steers}")
+    ]
+    assert levels[0] - levels[1] > 20.0 and abs(levels[2] - levels[1]) < 1.0
