@@ -19,7 +19,6 @@ from ..memory.commands import (
     KIND_HEADROOM,
     KIND_LIMITER,
     KIND_LISTEN,
-    KIND_METHOD,
     KIND_MOUNT,
     KIND_NEW,
     KIND_PANIC,
@@ -249,8 +248,6 @@ def _choose(choices: Choices, event: Event) -> None:
         choices.accuracy = int(event.value)
     elif event.kind == KIND_BANK:
         choices.bank = int(event.value)
-    elif event.kind == KIND_METHOD:
-        choices.method = event.method
     elif event.kind == KIND_BUDGET:
         choices.budget = event.budget
     elif event.kind == KIND_LIMITER:

@@ -67,7 +67,7 @@ from tests.server.scene.support import refusal, say
         ("/object/a/free", (0.5,), "at_once = 0.5: expected a whole number"),
         ("/quality", (1.5,), "quality = 1.5: expected a whole number"),
         ("/bank", ("double",), "bank = double: expected one of float64, float32"),
-        ("/accuracy", (-55,), "accuracy = -55: expected one of -40, -50, -60, -80, exact"),
+        ("/accuracy", (-55,), "accuracy = -55: expected one of -50, -60, -80, exact"),
         ("/object/a/damp", (2.0,), "damp = 2: expected a number from 0 to 1"),
         ("/object/a/pan", (-2.0,), "pan = -2"),
         ("/object/new", ("b", "glass-ball", "radius", 0.005, "note", 60), "note: it has no mode that is heard"),
