@@ -55,6 +55,7 @@ class Kind(IntEnum):
     LISTEN = 18  # the listener, with all its values (value 1) or its pose alone (0)
     FURNISH = 19  # walls, and a late part
     HEADROOM = 20  # value 1: on; 0: off
+    RELEVEL = 21  # a gesture: its levels that were sent before and wait are none, others come instead
 
 
 # The same as plain numbers, which kernels compare with.
@@ -65,7 +66,7 @@ KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
 KIND_BUDGET, KIND_BANK, KIND_MOUNT = int(Kind.BUDGET), int(Kind.BANK), int(Kind.MOUNT)
 KIND_POSE, KIND_LISTEN, KIND_FURNISH = int(Kind.POSE), int(Kind.LISTEN), int(Kind.FURNISH)
-KIND_HEADROOM = int(Kind.HEADROOM)
+KIND_HEADROOM, KIND_RELEVEL = int(Kind.HEADROOM), int(Kind.RELEVEL)
 
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""
