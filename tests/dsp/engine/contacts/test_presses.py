@@ -264,21 +264,6 @@ def test_the_record_of_a_press_in_blocks_is_what_the_hand_gives(striker):
     assert found["impulse"].sum() == pytest.approx(given, rel=1e-9) and len(found) == 50 * QUANTUM
 
 
-@pytest.mark.parametrize("striker", ["felt", "wood"])
-def test_the_bits_of_a_press_are_the_same_in_any_blocks_and_with_others(striker):
-    """Other objects ring beside it, at no gain."""
-    sounds = []
-    for blocks, others in (([9_600], 0), ([QUANTUM] * 150, 0), ([37, 1_000, 8_563], 2)):
-        engine = Engine(RATE)
-        handles = [engine.add(body(), 0.0) for _ in range(others)]
-        press_preset(engine, "wood-block", 5.0, striker)
-        engine.send([gesture("press", each, HAND, velocity=0.1, force=1.0) for each in handles])
-        sounds.append(np.concatenate([engine.process(frames) for frames in blocks]))
-        assert engine.state["objects"]["ahead"][0].sum() == 1 + others
-    np.testing.assert_array_equal(sounds[0], sounds[1])
-    np.testing.assert_array_equal(sounds[0], sounds[2])
-
-
 def contact_pressed(engine):
     """Return a copy of the contact of the only command that brought a striker."""
     return max(engine.state["contacts"][0], key=lambda each: each["command"]).copy()
