@@ -53,6 +53,7 @@ def test_balls_at_rest_together_push_with_their_weights(accuracy):
     assert excess("polycarbonate-sheet", accuracy, *BALLS) < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", ("-40", "-60", "-80"))
 @pytest.mark.parametrize("held", ({}, {"by": "b"}), ids=("a hand", "another object"))
 @pytest.mark.parametrize("name", ("wood-block", "plastic-cup", "steel-plate"))

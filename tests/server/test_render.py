@@ -265,6 +265,7 @@ def test_a_score_that_says_its_end_is_as_long(render_text, ends, length):
     assert seconds == pytest.approx(length) if length else seconds > 5.0
 
 
+@pytest.mark.slow
 def test_more_events_than_the_queue_holds_are_played_in_turn(render_text):
     """A striker waits behind twice as many changes of a gain as the queue holds."""
     lines = ["0 /object/new a wood-block"]

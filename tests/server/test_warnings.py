@@ -89,6 +89,7 @@ def overwritten(server: Server, client: Client) -> None:
     server.engine.state["ends"]["written"] += ENDED + 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
