@@ -244,9 +244,9 @@ def test_rebounds_add_up(charted):
             assert float(row["err_H"]) > 10
 
 
-def test_a_file_in_its_place_is_said(carom, tmp_path):
+def test_a_file_in_its_place_is_said(carom_here, tmp_path):
     (tmp_path / "out").write_text("")
-    run = carom("chart", "out", "--quick")
+    run = carom_here("chart", "out", "--quick")
     assert (run.returncode, run.stderr) == (1, "carom chart: out: expected a folder, and a file is there\n")
 
 
