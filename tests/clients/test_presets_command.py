@@ -12,21 +12,21 @@ GLASS = (BUILT_IN / "objects" / "glass-plate.toml").read_text()
 
 
 @pytest.fixture
-def carom_here(carom_here):
+def carom(carom_here):
     """Run the command line in this process."""
     return carom_here
 
 
-def test_json_lists_every_preset(carom_here):
-    listed = json.loads(carom_here("presets", "--json", check=True).stdout)
+def test_json_lists_every_preset(carom):
+    listed = json.loads(carom("presets", "--json", check=True).stdout)
     assert list(listed) == list(KINDS)
     for kind, presets in listed.items():
         assert [each["name"] for each in presets] == Presets().names(kind)
         assert all(each["description"] and each["file"].endswith(f"{kind}/{each['name']}.toml") for each in presets)
 
 
-def test_json_shows_presets_of_every_kind_of_that_name(carom_here):
-    shown = json.loads(carom_here("presets", "steel", "glass-plate", "--json", check=True).stdout)
+def test_json_shows_presets_of_every_kind_of_that_name(carom):
+    shown = json.loads(carom("presets", "steel", "glass-plate", "--json", check=True).stdout)
     assert [(each["kind"], each["name"]) for each in shown] == [
         ("strikers", "steel"),
         ("surfaces", "steel"),
@@ -36,14 +36,14 @@ def test_json_shows_presets_of_every_kind_of_that_name(carom_here):
     assert shown[-1]["data"]["geometry"]["thickness"] == 0.004
 
 
-def test_names_alone_are_for_other_programs(carom_here):
-    names = carom_here("presets", "--names", check=True).stdout.split("\n")
+def test_names_alone_are_for_other_programs(carom):
+    names = carom("presets", "--names", check=True).stdout.split("\n")
     assert {"glass-plate", "wood", "ice"} <= set(names) and not any(" " in name for name in names)
 
 
-def test_all_that_is_built_in_passes_the_check(carom_here):
+def test_all_that_is_built_in_passes_the_check(carom):
     files = sorted(BUILT_IN.glob("*/*.toml"))
-    lines = carom_here("presets", "--check", *files, check=True).stdout.splitlines()
+    lines = carom("presets", "--check", *files, check=True).stdout.splitlines()
     assert len(lines) == len(files) > 70
     count = Presets().object("glass-plate").modes(20_000.0).frequency.size
     glass = next(line for line in lines if "glass-plate" in line)
@@ -67,41 +67,41 @@ def test_all_that_is_built_in_passes_the_check(carom_here):
         ("x.toml", 'description = "d"', "source is missing: expected a text"),
     ],
 )
-def test_a_wrong_file_is_told_in_one_line(carom_here, tmp_path, path, text, error):
+def test_a_wrong_file_is_told_in_one_line(carom, tmp_path, path, text, error):
     (tmp_path / path).parent.mkdir(exist_ok=True)
     (tmp_path / path).write_text(text)
-    run = carom_here("presets", "--check", path)
+    run = carom("presets", "--check", path)
     assert (run.returncode, run.stdout) == (1, "")
     assert run.stderr.startswith(f"carom presets: {path}: ") and error in run.stderr and run.stderr.count("\n") == 1
-    (result,) = json.loads(carom_here("presets", "--check", path, "--json").stdout)
+    (result,) = json.loads(carom("presets", "--check", path, "--json").stdout)
     assert result["file"] == path and error in result["error"] and result["holds"] == ""
 
 
-def test_files_of_ones_own_may_name_each_other(carom_here, tmp_path):
+def test_files_of_ones_own_may_name_each_other(carom, tmp_path):
     (tmp_path / "mine" / "materials").mkdir(parents=True)
     (tmp_path / "mine" / "materials" / "jelly.toml").write_text((BUILT_IN / "materials" / "rubber.toml").read_text())
     (tmp_path / "x.toml").write_text(GLASS.replace('"glass"', '"jelly"'))
-    assert "material = 'jelly': expected one of" in carom_here("presets", "--check", "x.toml").stderr
-    assert "plate of jelly" in carom_here("presets", "--check", "x.toml", "--presets", "mine", check=True).stdout
+    assert "material = 'jelly': expected one of" in carom("presets", "--check", "x.toml").stderr
+    assert "plate of jelly" in carom("presets", "--check", "x.toml", "--presets", "mine", check=True).stdout
 
 
-def test_a_missing_file_is_told_with_the_near_one(carom_here, tmp_path):
+def test_a_missing_file_is_told_with_the_near_one(carom, tmp_path):
     (tmp_path / "plate.toml").write_text(GLASS)
-    run = carom_here("presets", "--check", "plat.toml")
+    run = carom("presets", "--check", "plat.toml")
     assert run.stderr == "carom presets: plat.toml: No such file or directory; did you mean plate.toml?\n"
-    run = carom_here("presets", "--check", "glass-plate")
+    run = carom("presets", "--check", "glass-plate")
     file = BUILT_IN / "objects" / "glass-plate.toml"
     assert run.stderr == f"carom presets: glass-plate: a preset's name; expected a file, as {file}\n"
-    assert carom_here("presets", "--check").stderr == "carom presets: --check: no file; expected one or more\n"
+    assert carom("presets", "--check").stderr == "carom presets: --check: no file; expected one or more\n"
 
 
-def test_a_folder_is_checked_whole(carom_here, tmp_path):
+def test_a_folder_is_checked_whole(carom, tmp_path):
     (tmp_path / "mine" / "objects").mkdir(parents=True)
     (tmp_path / "none").mkdir()
     (tmp_path / "mine" / "objects" / "a.toml").write_text(GLASS)
     (tmp_path / "mine" / "objects" / "b.toml").write_text("shape =")
-    run = carom_here("presets", "--check", "mine")
+    run = carom("presets", "--check", "mine")
     assert run.returncode == 1 and run.stdout.startswith("mine/objects/a.toml: an object: plate of glass")
     assert run.stderr.startswith("carom presets: mine/objects/b.toml: not TOML")
-    run = carom_here("presets", "--check", "none")
+    run = carom("presets", "--check", "none")
     assert run.stderr.startswith("carom presets: none: expected a preset, or a folder of presets")
