@@ -40,6 +40,7 @@ def test_flipped_doubled_and_flat_triangles_are_mended():
     assert "flipped triangles turned over" in text
 
 
+@pytest.mark.slow
 def test_a_body_turned_inside_out_is_turned_back_and_a_cavity_is_not():
     mended, notes = cleaned(BALL.points, BALL.faces[:, ::-1])
     assert volume_of(mended) == pytest.approx(volume_of(BALL))
