@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "21"
+EDITION = "22"
 """Edition of the computation: tables of another one are made anew."""
 
 _BLOCKS = ("box", "cylinder")
