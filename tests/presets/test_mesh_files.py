@@ -268,7 +268,7 @@ def test_a_strip_and_a_node_that_mirrors_keep_faces_outward(tmp_path):
         ({"nodes": [{"mesh": 3}]}, "meshes has no number 3: expected 0 to 0"),
         (
             {"nodes": [{"mesh": 0, "rotation": [0, 0, 0, 0]}]},
-            "a node's place: expected numbers .rotation = .* turns nothing",
+            "expected numbers .rotation = .* turns nothing",
         ),
         ({"buffers": [{"uri": "../a.bin"}]}, "a buffer in '../a.bin': expected a file in its folder"),
         ({"buffers": [{"uri": "b.bin"}]}, "its buffer b.bin: No such file"),
