@@ -153,9 +153,10 @@ def _oriented(surface: Surface, notes: list[str]) -> Surface:
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(2 * count, 2 * count))
     part = connected_components(graph, directed=False)[1]
     twisted = part[:count] == part[count:]
-    # Of the two halves of a part, the one that holds more faces as they are.
+    # Of the two halves of a part, the one that holds more faces as they are; of halves that hold as many, the first.
     as_is = np.bincount(part[:count], minlength=part.max() + 1)
-    over = (as_is[part[count:]] > as_is[part[:count]]) & ~twisted
+    own, other = part[:count], part[count:]
+    over = ((as_is[other] > as_is[own]) | ((as_is[other] == as_is[own]) & (other < own))) & ~twisted
     _said(notes, int(over.sum()), "flipped triangle", "turned over")
     if twisted.any():
         _said(notes, int(twisted.sum()), "triangle", "of a surface with one side only, as a Möbius strip")

@@ -41,6 +41,14 @@ def test_flipped_doubled_and_flat_triangles_are_mended():
     assert "flipped triangles turned over" in text
 
 
+def test_a_body_half_of_whose_triangles_are_flipped_is_whole():
+    for body in (BALL, BRICK):
+        half = RNG.permutation(len(body.faces)) < len(body.faces) // 2
+        mended, notes = cleaned(body.points, np.where(half[:, None], body.faces[:, ::-1], body.faces))
+        assert volume_of(mended) == pytest.approx(volume_of(body))
+        assert notes[0] == f"{half.sum()} flipped triangles turned over"
+
+
 def test_a_body_turned_inside_out_is_turned_back_and_a_cavity_is_not():
     mended, notes = cleaned(BALL.points, BALL.faces[:, ::-1])
     assert volume_of(mended) == pytest.approx(volume_of(BALL))
