@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .gesture_methods import (
-        ContactKeys,
         FloorKeys,
         ListenerKeys,
         MacroKeys,
@@ -212,7 +211,7 @@ class Actions(Gestures, ABC):
         self.send(f"/sensor/{sensor}/free", at=at)
 
     def accuracy(self, level: str | int, at: SupportsFloat | None = None) -> None:
-        """Set the accuracy of later contacts with objects that yield: -40, -50, -60 (dB, the default), -80 or "exact".
+        """Set the accuracy of later contacts with objects that yield: -50, -60 (dB, the default), -80 or "exact".
 
         It is the error of the object's velocity, as a share of its greatest, in nine contacts of ten.
         """
@@ -236,15 +235,11 @@ class Actions(Gestures, ABC):
         """Set how much is left out from then on to save time, from 0 (nothing, the default) to 8."""
         self.send("/quality", level, at=at)
 
-    def contact(
-        self, method: str, oversampling: int | None = None, at: SupportsFloat | None = None, **keys: Unpack[ContactKeys]
-    ) -> None:
-        """Choose the solver of contacts from then on: closed (exact, the default), am1, verlet, heun or rk4.
+    def contact(self, *_given: object, **_keys: object) -> None:
+        """Raise CommandError: the solver of contacts is no choice any more."""
+        from ..server.osc.addresses import GONE
 
-        oversampling: steps per sample of a sampled method, 1 to 64. The key `correction`: none, hybrid, release, both,
-        paper-release or paper-both.
-        """
-        self._send_keyed("/contact", method, oversampling, at, keys)
+        raise CommandError(f"/contact: {GONE['/contact']}")
 
     def main_gain(self, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set the level of everything (dB)."""

@@ -278,11 +278,6 @@ class RoomKeys(TypedDict, total=False):
     t60_high: SupportsFloat
     late: SupportsFloat
 
-class ContactKeys(TypedDict, total=False):
-    """Keys of `/contact`."""
-
-    correction: str
-
 class PairKeys(TypedDict, total=False):
     """Keys of `/world/pair`."""
 
@@ -399,6 +394,9 @@ class SteerKeys(TypedDict, total=False):
     irregularity: SupportsFloat
     speed: SupportsFloat
     mass: SupportsFloat
+    stiffness: SupportsFloat
+    dissipation: SupportsFloat
+    exponent: SupportsFloat
     radius: SupportsFloat
     roughness: SupportsFloat
     asymmetry: SupportsFloat

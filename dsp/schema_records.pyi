@@ -16,6 +16,9 @@ class Steered(Record):
     irregularity: float
     speed: float  # m/s
     mass: float  # kg
+    stiffness: float  # N/m^a
+    dissipation: float  # s/m
+    exponent: float
     radius: float  # m
     roughness: float  # times
     asymmetry: float

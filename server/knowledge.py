@@ -10,7 +10,6 @@ import numpy as np
 from ..dsp.bodies.material import Array
 from ..dsp.bodies.mesh import Table
 from ..dsp.bodies.modes import Modes
-from ..dsp.contact.sampled import METHODS
 from ..dsp.macros import MACROS
 from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, TRAIT_NAMES, Parameter
 from ..presets import ObjectPreset, PresetError, Presets
@@ -43,7 +42,6 @@ class Knowledge:
             "NAME": dict.fromkeys(self._session.objects),
             "ID": {id.name: None for id in self._session.gestures.running()},
             "preset": library.names("objects"),
-            "method": ("closed", *METHODS),
             "what": (*SUPPORTS, *self._session.objects),
             **{kind[:-1]: library.names(kind) for kind in ("strikers", "surfaces", "materials")},
         }

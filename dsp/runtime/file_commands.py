@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ..contact.accuracy import LEVELS as ACCURACIES
-from ..contact.sampled import CORRECTIONS, METHODS
 from ..engine.memory.capacity import FACE, MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES
 from ..engine.memory.commands import (
     COMMAND,
@@ -118,10 +117,6 @@ _BY_KIND: dict[Kind, _Bounds] = {
     Kind.GESTURE: {f"surface.{name}": (min(low, 0.0), high) for name, (low, high) in _SURFACE.items()},
     Kind.STEER: _RAMP,
     Kind.SET: _RAMP | {"parameter": (0, len(ENGINE_SETTINGS) - 1)},
-    Kind.METHOD: {
-        "method.method": (0, len(METHODS)), "method.correction": (0, len(CORRECTIONS) - 1),
-        "method.oversampling": (0, 1024),
-    },
     Kind.ACCURACY: {"value": (0, len(ACCURACIES) - 1)},
     Kind.QUALITY: {"value": (0, len(Quality) - 1)},
     Kind.GAIN: _RAMP | {"value": _bounds_of(MAIN_GAIN)},

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache, lru_cache
 from typing import NamedTuple
 
-from ...dsp.contact.accuracy import LEVELS
+from ...dsp.contact.accuracy import LEVELS, NUMBERS
 from ...dsp.schema import (
     BY_DIRECTION,
     BY_POINT,
@@ -95,10 +95,10 @@ _WORDS: dict[str, tuple[Word | Vector, ...]] = {
 }
 """Keys of gestures that are not numbers."""
 
-_RESTING: tuple[Number | Word | Vector, ...] = (*LAW, ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])
+_RESTING: tuple[Number | Word | Vector, ...] = (ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])
 _SHARED = {key.name for key in STRIKE}
 KEYS: dict[str, tuple[Number | Word | Vector, ...]] = {
-    name: (*_RESTING, gesture.argument, *gesture.keys)
+    name: (*gesture.keys[: len(LAW)], *_RESTING, gesture.argument, *gesture.keys[len(LAW) :])
     if gesture.what
     else (*(key for key in gesture.keys if key.name not in _SHARED), *_WORDS.get(name, ()))
     for name, gesture in GESTURES.items()
@@ -185,7 +185,7 @@ _ENGINE = (
     Verb(
         "/accuracy",
         "sets how exact contacts with objects that yield are",
-        (Either("accuracy", LEVELS, "error of the sound, dB", "-60"),),
+        (Either("accuracy", LEVELS, "error of the sound, dB", "-60", tuple(NUMBERS)),),
     ),
     Verb(
         "/quality",
@@ -196,13 +196,6 @@ _ENGINE = (
         "/bank",
         "sets the numbers that freely ringing modes are kept in",
         (Either("bank", FORMS, "float64, within -115 dB; float32, within -95 dB and faster", "float64"),),
-    ),
-    Verb(
-        "/contact",
-        "sets how contacts are solved, to compare methods",
-        (Word("method", "closed (exact), am1, verlet, heun or rk4", "closed"),),
-        (Number("oversampling", 1, 64, "", "steps per sample of a sampled method", default=1, whole=True),),
-        (Word("correction", "none, hybrid, release, both, paper-release or paper-both", "none"),),
     ),
     Verb(
         "/budget",
@@ -290,6 +283,8 @@ _SERVER = (
 
 VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *LISTENING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
 
+GONE = {"/contact": "the sampled methods are in `carom chart` alone, which compares them: leave it out"}
+"""Addresses of earlier versions, and what came of each."""
 
 _SHOWN = 60  # characters of what stands in an address, in an error
 
@@ -365,6 +360,8 @@ def _matched(pattern: str) -> list[str]:
 
 def unknown(address: str) -> Refused:
     """Return the error for an address that nothing has."""
+    if address in GONE:
+        return Refused(GONE[address])
     first, *rest = address.split(maxsplit=1)
     if rest:
         return Refused(

@@ -44,7 +44,6 @@ _VERBS = {
     "Listener": "/listener",
     "Floor": "/floor",
     "Room": "/room",
-    "Contact": "/contact",
     "Pair": "/world/pair",
 }
 """An address for each set of keys of other methods."""

@@ -43,31 +43,31 @@ class Kind(IntEnum):
     SET = 5  # a setting of an object
     PANIC = 6
     SYNC = 7  # value: a number that appears in the stats
-    METHOD = 8  # how contacts with objects that do not give way are solved
-    ACCURACY = 9  # value: a place in accuracy.LEVELS
-    QUALITY = 10  # value: a Quality
-    GAIN = 11  # of everything; value: amplitude
-    LIMITER = 12  # value 1: on; 0: off
-    PLACE = 13  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
-    BUDGET = 14  # of contacts that are coupled to modes
-    BANK = 15  # value: a place in schema.FORMS
-    MOUNT = 16  # a sensor, its number in `channel`, on an object; on none: value 0
-    POSE = 17  # an object, where it goes in space (value 1), or in space no more (0)
-    LISTEN = 18  # the listener, with all its values (value 1) or its pose alone (0)
-    FURNISH = 19  # walls, and a late part
-    HEADROOM = 20  # value 1: on; 0: off
-    RESHAPE = 21  # an object; value: first value of the table by which settings change its modes
+    ACCURACY = 8  # value: a place in accuracy.LEVELS
+    QUALITY = 9  # value: a Quality
+    GAIN = 10  # of everything; value: amplitude
+    LIMITER = 11  # value 1: on; 0: off
+    PLACE = 12  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
+    BUDGET = 13  # of contacts that are coupled to modes
+    BANK = 14  # value: a place in schema.FORMS
+    MOUNT = 15  # a sensor, its number in `channel`, on an object; on none: value 0
+    POSE = 16  # an object, where it goes in space (value 1), or in space no more (0)
+    LISTEN = 17  # the listener, with all its values (value 1) or its pose alone (0)
+    FURNISH = 18  # walls, and a late part
+    HEADROOM = 19  # value 1: on; 0: off
+    RESHAPE = 20  # an object; value: first value of the table by which settings change its modes
+    RELEVEL = 21  # a gesture: its levels that were sent before and wait are none, others come instead
 
 
 # The same as plain numbers, which kernels compare with.
 KIND_NEW, KIND_FREE, KIND_GESTURE = int(Kind.NEW), int(Kind.FREE), int(Kind.GESTURE)
 KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
-KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
+KIND_PANIC, KIND_SYNC = int(Kind.PANIC), int(Kind.SYNC)
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
 KIND_BUDGET, KIND_BANK, KIND_MOUNT = int(Kind.BUDGET), int(Kind.BANK), int(Kind.MOUNT)
 KIND_POSE, KIND_LISTEN, KIND_FURNISH = int(Kind.POSE), int(Kind.LISTEN), int(Kind.FURNISH)
-KIND_HEADROOM, KIND_RESHAPE = int(Kind.HEADROOM), int(Kind.RESHAPE)
+KIND_HEADROOM, KIND_RESHAPE, KIND_RELEVEL = int(Kind.HEADROOM), int(Kind.RESHAPE), int(Kind.RELEVEL)
 
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""
@@ -101,14 +101,6 @@ class Layout(Record):
     sheet: int  # place of a plate whose modes can be coupled, -1: it is none
 
 
-class Method(Record):
-    """The method by which contacts are solved."""
-
-    method: int  # 0: closed form, else 1 + method
-    correction: int
-    oversampling: int  # steps per sample
-
-
 class Budget(Record):
     """Bounds on the cost of contacts that are coupled to modes; 0: any number."""
 
@@ -140,7 +132,6 @@ class Event(Record):
     surface: Profile  # of a gesture along a surface
     settings: Settings  # of a new object
     layout: Layout  # of a new object
-    method: Method
     budget: Budget
     ramp: RampValues  # of a change: how it takes its time
     mounted: Mounted  # of a sensor
@@ -203,7 +194,6 @@ _OF_RECORDS: dict[str, dict[str, float]] = {
 }
 _RECORDS = {
     Kind.NEW: ("layout", "settings"),
-    Kind.METHOD: ("method",),
     Kind.BUDGET: ("budget",),
     Kind.MOUNT: ("mounted",),
     **dict.fromkeys((Kind.POSE, Kind.LISTEN, Kind.FURNISH), ("told",)),
