@@ -106,7 +106,8 @@ def converted(page: str, text: str) -> str:
         return f"```text\n{found[1]}```\n{player}"
 
     text = _SCORE.sub(score, text).replace("```recipe\n", "```toml\n")
-    return re.sub(r"^Listen (<audio .*?</audio>)\.? ?", r"\1\n\n", _LINK.sub(link, text), flags=re.MULTILINE)
+    text = re.sub(r"^Listen (<audio .*?</audio>)\.? ?", r"\1\n\n", _LINK.sub(link, text), flags=re.MULTILINE)
+    return re.sub(r"</audio>[,.]\s*", "</audio><br>", text)  # sounds in a sentence: a line for each
 
 
 def _put(name: str, source: Path | None = None) -> None:
