@@ -463,8 +463,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the roll of that
-        id (NAME if none)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0; the `id` of a running roll
+        (default: NAME) steers it."""
 
     def press(
         self,
@@ -495,8 +495,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until the speed is 0, or steers the slide of that
-        id (NAME if none)."""
+        """Begin a gesture that drags the striker over the object until its speed is 0; the `id` of a running slide
+        (default: NAME) steers it."""
 
     def rest(
         self,
@@ -506,8 +506,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another one or on a support, until it is stopped: both ring
-        shorter, and may buzz."""
+        """Begin a gesture that lays the object on another or on a support, until it is stopped: both ring for less
+        time, and may buzz."""
 
     def rain(
         self,
@@ -527,8 +527,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many of the striker hit the object at random times, until it is stopped:
-        gravel, dice in a cup."""
+        """Begin a gesture that lets many copies of the striker hit the object at random times, until it is stopped:
+        dice in a cup."""
 
     def crumple(
         self,
@@ -549,7 +549,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[PourKeys],
     ) -> None:
-        """Begin a gesture that pours many of the striker on the object, until it is stopped: rice, gravel, coins."""
+        """Begin a gesture that pours many copies of the striker on the object, until it is stopped: rice, gravel,
+        coins."""
 
     def step(
         self,
@@ -601,8 +602,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the roll of that
-        id (NAME if none)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0; the `id` of a running roll
+        (default: NAME) steers it."""
 
     def press(
         self,
@@ -630,8 +631,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until the speed is 0, or steers the slide of that
-        id (NAME if none)."""
+        """Begin a gesture that drags the striker over the object until its speed is 0; the `id` of a running slide
+        (default: NAME) steers it."""
 
     def rest(
         self,
@@ -640,8 +641,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another one or on a support, until it is stopped: both ring
-        shorter, and may buzz."""
+        """Begin a gesture that lays the object on another or on a support, until it is stopped: both ring for less
+        time, and may buzz."""
 
     def rain(
         self,
@@ -659,8 +660,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many of the striker hit the object at random times, until it is stopped:
-        gravel, dice in a cup."""
+        """Begin a gesture that lets many copies of the striker hit the object at random times, until it is stopped:
+        dice in a cup."""
 
     def crumple(
         self,
@@ -679,7 +680,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[PourKeys],
     ) -> None:
-        """Begin a gesture that pours many of the striker on the object, until it is stopped: rice, gravel, coins."""
+        """Begin a gesture that pours many copies of the striker on the object, until it is stopped: rice, gravel,
+        coins."""
 
     def step(
         self,
@@ -709,31 +711,31 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[NoteKeys],
     ) -> None:
-        """Strike a copy of an object that is tuned to a note: a MIDI number, or a name such as C#4."""
+        """Strike a copy of an object that is tuned to a note. It is named NAME.NOTE."""
 
     def damp(self, amount: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Lay a hand on an object: 0 none, 1 the firmest."""
+        """Damp an object, as a hand on it does."""
 
     def gain(self, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Set an object's level (dB)."""
+        """Set an object's level."""
 
     def pan(self, place: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Place an object between left (-1) and right (1)."""
+        """Place an object between left and right."""
 
     def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
-        """Place an object by a factor for each channel, one by one or as a list."""
+        """Set a factor for each channel, in place of the pan. Without any the pan counts again."""
 
     def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Set how far (m) the listener is from an object: twice as far is half the pressure."""
+        """Set the distance from an object to the listener."""
 
     def tune(self, semitones: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Move all frequencies of an object by some semitones from the preset's."""
+        """Shift all frequencies of an object."""
 
     def decay(self, ratio: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Multiply all decay times of the preset by a ratio."""
+        """Multiply all decay times of an object."""
 
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
-        """Remove an object and the copies for its notes, once silent or at once, with a fade; its name is free."""
+        """Remove an object and the copies for its notes, once they are silent. Its name is free immediately."""
 
     def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
-        """Put an object into space at x, y, z (m), one by one or as a list, or have it go there."""
+        """Place an object in space, or move it. Without a place its pan counts again."""

@@ -91,7 +91,7 @@ _FAMILIES = {
     "objects": ("/object/",),
     "gestures": ("/gesture/",),
     "space and sensors": ("/listener", "/floor", "/room", "/sensor"),
-    "the whole": (
+    "everything": (
         "/gain",
         "/limiter",
         "/headroom",
@@ -103,10 +103,10 @@ _FAMILIES = {
         "/contact",
         "/budget",
     ),
-    "scores": ("/channels", "/full_scale"),
+    "scores": ("/channels", "/full_scale", "/end"),
     "simulations": ("/world/",),
     "midi": ("/midi/",),
-    "questions": ("/",),
+    "questions and the server": ("/",),
 }
 """The first words of the addresses of each part; an address belongs to the first part that has it."""
 
