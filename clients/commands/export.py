@@ -28,7 +28,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     text = "folder for the files; it is made if missing (the score's name, then the kind of files)"
     parser.add_argument("folder", metavar="OUT", nargs="?", help=text)
-    text = "kind of files: a web page, a C library, or a plug-in (CLAP, VST3, LV2); all but pages for this machine"
+    text = "kind of files: a web page, or for this machine a C library or a plug-in (CLAP, VST3, LV2)"
     parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")
     parser.add_argument("--install", action="store_true", help="put the plug-in where hosts look for it")
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
