@@ -82,7 +82,7 @@ FIELDS = {
     "take": "file that `/record` writes, no, or why the last one ended",
     "midi": "MIDI inputs that are open, or no",
     "pages": "clients of web sockets",
-    "untold": "contacts that `/notify` left out, as there were too many",
+    "reports_dropped": "reports of contacts to `/notify` that were left out, as there were too many",
     "time": "time of the sound since the server's start, s",
 }
 """The names that follow in /status.reply and their meanings; an empty one is that of the engine's statistics."""
