@@ -350,7 +350,7 @@ def _time_tag(at: SupportsFloat | None) -> int:
 
 
 def _error(reply: wire.Message) -> CommandError:
-    """Return the error that a /fail tells."""
+    """Return the error of a /fail."""
     return CommandError(": ".join(map(str, reply.args)))
 
 

@@ -16,7 +16,7 @@ from .scene.session import Session
 from .subscribers import Subscribers
 
 CHANGES, LEVELS = 2, 3
-"""Levels of /notify from which on contacts, and levels, are told."""
+"""Levels of /notify from which on contacts, and levels, are reported."""
 _MOST_BLOWS = 64  # told at a look
 _MOST_SAMPLES = 1 << 16  # of contacts that are looked at: 70 may go on all the time; more would take too long
 _MOST_FORCES = 128  # values of a force
@@ -55,7 +55,7 @@ class Teller:
         return self._dropped + (self._watch.lost if self._watch else 0)
 
     def look(self) -> dict[str, str]:
-        """Tell what is new; return the objects that are there, with the names of their presets."""
+        """Report what is new; return the objects that are there, with the names of their presets."""
         there = {name: self._session.objects[name].preset.name for name in self._session.objects.there(0.0)}
         self._tell_objects(there)
         self._tell_contacts(self._subscribers.of(CHANGES))

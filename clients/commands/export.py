@@ -116,7 +116,7 @@ def _require(target: str, installs: bool) -> None:
 
 
 def _prepare(target: str) -> None:
-    """Have the machine code that an export is made of: what did not come along is compiled now, and told."""
+    """Have the machine code that an export is made of: what did not come along is compiled now, and reported."""
     from ...dsp.native.wasm import object_file
     from ...dsp.runtime import callback, engine
     from ..export import c

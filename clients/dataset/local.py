@@ -96,7 +96,7 @@ def _begin(stop: Event, plan: Plan, out: Path) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this process where the first one was killed, which could not tell it to."""
+    """End this process where the first one was killed, which could not ask it to."""
     from multiprocessing import parent_process
 
     parent = parent_process()

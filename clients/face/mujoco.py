@@ -312,7 +312,7 @@ class Bridge(Closing):
         return self.world.block()
 
     def _take(self, step: Callable[[], None], count: int) -> None:
-        """Take so many steps, and tell each."""
+        """Take so many steps, and report each."""
         self.restart_if_set_back()
         for _ in range(count):
             step()

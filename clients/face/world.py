@@ -410,7 +410,7 @@ class World(Grained, Closing):
             ride(self.simulation, tuple(self.simulation.hearing.microphones), self.simulation.microphones)
 
     def _move(self, before: float) -> None:
-        """Tell how bodies and the listener have moved since the time of the step before."""
+        """Report how bodies and the listener have moved since the time of the step before."""
         if self._listening is None:
             return
         told = list(self._listening.moved(max(self.time - before, 0.0)))

@@ -7,7 +7,7 @@ LISTENER, ROOM, FLOOR, PLACE = "/listener", "/room", "/floor", "/object/NAME/pla
 
 _FAR = 1e5
 LAYOUTS = ("pan", "binaural", "ambisonics")
-"""Ways in which directions are told to channels; their places are their numbers."""
+"""Ways in which directions become channels; their places are their numbers."""
 
 
 def _metres(name: str, help: str, default: float | None = None, low: float = -_FAR) -> Parameter:

@@ -20,7 +20,7 @@ _PLACE = Parameter("metres", -_FAR, _FAR, "m")
 _LENGTH = Parameter("x", 1e-5, 1e3, "m", "first edge, or radius", useful=(0.01, 1.0))
 _GIVEN = ("roughness", "patch", "static", "dynamic", "stribeck", "tangential", "along")
 PAIRED = (*(key for key in SLIDE.keys if key.name in _GIVEN), RESTITUTION)
-"""The numbers that may be said of a pair of bodies."""
+"""The numbers that may be set for a pair of bodies."""
 
 
 def _number(
