@@ -267,7 +267,7 @@ export class Messages {
 
   /** The number of the table of a swarm's blows. */
   pulses(gesture, law, given) {
-    if (given.by !== undefined) refuse(`by = ${given.by}: many small ones hit it; expected a striker`);
+    if (given.by !== undefined) refuse(`by = ${given.by}: grains hit it; expected a striker`);
     const exponent = gesture.drops ? 0 : law.exponent;
     const table = this.map.pulses.find(([each]) => each === exponent);
     return table?.[1] ?? refuse(`exponent = ${exponent}: expected a swarm of that in the scene's score, as it has tables for its own alone`);
