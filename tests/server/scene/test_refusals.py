@@ -70,8 +70,8 @@ from tests.server.scene.support import refusal, say
         ("/accuracy", (-55,), "accuracy = -55: expected one of -40, -50, -60, -80, exact"),
         ("/object/a/damp", (2.0,), "damp = 2: expected a number from 0 to 1"),
         ("/object/a/pan", (-2.0,), "pan = -2"),
-        ("/object/new", ("b", "glass-ball", "radius", 0.005, "note", 60), "note: it has no mode that is heard"),
-        ("/object/new", ("b", "glass-ball", "radius", 0.005, "pitch", 60), "pitch: it has no mode that is heard"),
+        ("/object/new", ("b", "glass-ball", "radius", 0.005, "note", 60), "note: it has no audible mode"),
+        ("/object/new", ("b", "glass-ball", "radius", 0.005, "pitch", 60), "pitch: it has no audible mode"),
         ("/world/body", ("b", "mesh", "wood", 1, 1, 1), "size, of shape (3,): expected its vertices"),
         ("/object/a/distance", (0.0,), "distance = 0: expected a number from 0.1 to 1000 m"),
         ("/object/a/gains", (0.1, 0.2, 0.3), "3 gains: expected at most 2, one for each channel"),
@@ -101,7 +101,7 @@ def test_a_sensor_on_an_object_that_is_not_there_is_refused(session):
 
 def test_a_note_on_what_has_no_mode_is_refused(session):
     say(session, "/object/new", "b", "glass-ball", "radius", 0.005)
-    assert "it has no mode that is heard" in refusal(session, "/object/b/note", 60, 100)
+    assert "it has no audible mode" in refusal(session, "/object/b/note", 60, 100)
 
 
 def test_a_copy_for_a_note_has_the_modes_of_its_object_and_makes_none(session, monkeypatch):
