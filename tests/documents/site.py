@@ -107,7 +107,7 @@ def converted(page: str, text: str) -> str:
 
     text = _SCORE.sub(score, text).replace("```recipe\n", "```toml\n")
     text = re.sub(r"^Listen (<audio .*?</audio>)\.? ?", r"\1\n\n", _LINK.sub(link, text), flags=re.MULTILINE)
-    return re.sub(r"</audio>[,.]\s*", "</audio><br>", text)  # sounds in a sentence: a line for each
+    return re.sub(r"</audio>[,.](?:\s(?=\S))?", "</audio><br>", text)  # sounds in a sentence: a line for each
 
 
 def _put(name: str, source: Path | None = None) -> None:

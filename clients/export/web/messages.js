@@ -354,7 +354,7 @@ export class Messages {
   copy(object, name, note, time) {
     const { state, command, settings, verbs } = this.map;
     const { scene } = this;
-    if (!object.pitch) refuse("note: it has no mode that is heard, and so no pitch");
+    if (!object.pitch) refuse("note: it has no audible mode, and so no pitch");
     const size = this.said(object.made, "layout.size");
     if (this.mode + size > state.modes || this.slot + 1 >= state.objects) refuse(`note = ${note}: no room for another object`);
     const first = scene.live || object.batch < scene.next ? this.said(object.made, "layout.first") : refuse(`${name}: its object is not there yet`);
