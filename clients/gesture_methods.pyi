@@ -11,6 +11,7 @@ Value = Any
 _Class = TypeVar("_Class", bound=type)
 
 def with_gestures(cls: _Class) -> _Class: ...
+def with_shared_help(cls: _Class) -> _Class: ...
 def with_methods_of(scene: type) -> Callable[[_Class], _Class]: ...
 
 class Keys(TypedDict, total=False):
@@ -463,8 +464,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0; the `id` of a running roll
-        (default: NAME) steers it."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the running one of
+        that `id` (or NAME)."""
 
     def press(
         self,
@@ -495,8 +496,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0; the `id` of a running slide
-        (default: NAME) steers it."""
+        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the running one of
+        that `id` (or NAME)."""
 
     def rest(
         self,
@@ -602,8 +603,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0; the `id` of a running roll
-        (default: NAME) steers it."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the running one of
+        that `id` (or NAME)."""
 
     def press(
         self,
@@ -631,8 +632,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0; the `id` of a running slide
-        (default: NAME) steers it."""
+        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the running one of
+        that `id` (or NAME)."""
 
     def rest(
         self,

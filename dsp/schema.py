@@ -198,8 +198,7 @@ BOUNCE = Gesture(
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll",
-    "rolls the striker over the object until its speed is 0; the `id` of a running roll (default: NAME) steers it",
+    "roll", "rolls the striker over the object until its speed is 0, or steers the running one of that `id` (or NAME)",
     SPEED,
     (
         replace(MASS, steerable=True, glide=0.02),
@@ -248,8 +247,7 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide",
-    "drags the striker over the object until its speed is 0; the `id` of a running slide (default: NAME) steers it",
+    "slide", "drags the striker over the object until its speed is 0, or steers the running one of that `id` (or NAME)",
     replace(SPEED, help="slip speed of the striker over the surface; 0 stops it"),
     (
         replace(FORCE, otherwise="the striker's weight"),
