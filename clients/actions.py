@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .gesture_methods import (
-        ContactKeys,
         FloorKeys,
         ListenerKeys,
+        MacroKeys,
         NoteKeys,
         PlaceKeys,
         RampKeys,
@@ -203,6 +203,59 @@ class Actions(Gestures, ABC):
         ramp = {key: value for key, value in (("over", over), ("curve", curve)) if value is not None}
         self._send([message_of(f"/gesture/{id}/{name}", (value,), ramp) for name, value in values.items()], at)
 
+    def macro(
+        self, name: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None,
+        **values: Unpack[MacroKeys],
+    ) -> None:  # fmt: skip
+        """Turn macros of an object, all of them together: `macro("bell", size=0.7, brightness=0.2)`.
+
+        Parameters
+        ----------
+        over : float, optional
+            Duration of the change, s.
+        curve : float, -20 to 20, optional
+            Shape of the change: 0 even, below 0 fast at first, above 0 slow at first.
+        **values : float or list, 0 to 1
+            Macros, with their new values; 0.5 changes nothing.
+
+        Raises
+        ------
+        CommandError
+            No macro is named.
+        """
+        if not values:
+            raise CommandError(f"/object/{name}/macro: expected a macro, such as size=0.7")
+        ramp = {key: value for key, value in (("over", over), ("curve", curve)) if value is not None}
+        self._send([message_of(f"/object/{name}/macro/{macro}", (each,), ramp) for macro, each in values.items()], at)
+
+    def dice(self, name: str, seed: int | None = None, at: SupportsFloat | None = None) -> None:
+        """Turn all macros of an object at random, within what sounds good.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Equal seeds choose the same. Default: another each time.
+        """
+        self.send(f"/object/{name}/dice", *([] if seed is None else [seed]), at=at)
+
+    def undo(self, name: str, at: SupportsFloat | None = None) -> None:
+        """Take back the last throw of the dice of an object."""
+        self.send(f"/object/{name}/undo", at=at)
+
+    def morph(
+        self, name: str, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]
+    ) -> None:
+        """Bring an object some of the way to another preset of its shape.
+
+        Parameters
+        ----------
+        preset : str
+            Name of the preset.
+        share : float, 0 to 1
+            Share of the way.
+        """
+        self.send(f"/object/{name}/morph", preset, share, at=at, **keys)
+
     def stop(self, id: str, at: SupportsFloat | None = None) -> None:
         """End running gestures."""
         self.send(f"/gesture/{id}/stop", at=at)
@@ -293,7 +346,7 @@ class Actions(Gestures, ABC):
 
         Parameters
         ----------
-        level : {"-40", "-50", "-60", "-80", "exact"}
+        level : {"-50", "-60", "-80", "exact"}
             Error of the object's velocity, dB of its maximum, in nine contacts of ten. At first: -60.
         """
         self.send("/accuracy", level, at=at)
@@ -330,15 +383,11 @@ class Actions(Gestures, ABC):
         """
         self.send("/quality", level, at=at)
 
-    def contact(
-        self, method: str, oversampling: int | None = None, at: SupportsFloat | None = None, **keys: Unpack[ContactKeys]
-    ) -> None:
-        """Choose the solver of contacts from then on: closed (exact, the default), am1, verlet, heun or rk4.
+    def contact(self, *_given: object, **_keys: object) -> None:
+        """Raise CommandError: the solver of contacts is no choice any more."""
+        from ..server.osc.addresses import GONE
 
-        oversampling: steps per sample of a sampled method, 1 to 64. The key `correction`: none, hybrid, release, both,
-        paper-release or paper-both.
-        """
-        self._send_keyed("/contact", method, oversampling, at, keys)
+        raise CommandError(f"/contact: {GONE['/contact']}")
 
     def main_gain(self, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set the level of everything.
