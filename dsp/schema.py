@@ -177,8 +177,7 @@ SEED = Parameter(
 OTHER_SEED = 2.0**40
 """What the seed of a shatter's thick parts is above that of its other pieces."""
 ROUGHNESS = Parameter(
-    "roughness", 0.0, 100.0, "times", "factor of the surface's roughness", default=1.0, useful=(0.0, 10.0),
-    steerable=True,
+    "roughness", 0.0, 100.0, "times", "factor of the roughness", default=1.0, useful=(0.0, 10.0), steerable=True,
 )  # fmt: skip
 TRAVEL = Parameter(
     "travel", 0.0, 1e3, "m", "length of the strike path, along which it goes to and fro; 0: it stays in place",
@@ -207,8 +206,7 @@ ROLL = Gesture(
         RADIUS,
         ROUGHNESS,
         Parameter(
-            "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, as a share of the radius",
-            default=0.0, steerable=True,
+            "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, over the radius", default=0.0, steerable=True,
         ),
         Parameter(
             "friction", 0.0, 10.0, "", "share of the body's weight that slows it down", default=0.0, useful=(0.0, 0.2),
@@ -314,8 +312,7 @@ EXCITATION = Parameter(
     "excitation", 0.0, 0.98, "", "share of the blows that other blows set off", default=0.0, steerable=True
 )
 MEMORY = Parameter(
-    "memory", 1e-4, 10.0, "s", "time for which a blow sets off others", default=0.05, useful=(0.001, 0.1),
-    steerable=True,
+    "memory", 1e-4, 10.0, "s", "time for which blows set off others", default=0.05, useful=(0.001, 0.1), steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
     "rain", "lets drops fall on the object until it is stopped", replace(RATE, help="drops per second, on average"),

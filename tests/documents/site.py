@@ -39,7 +39,7 @@ _THEORY = (
 )
 NAVIGATION = {
     "Play": ("clients/tutorial", "server/gestures", *(f"server/gestures/{each}" for each in _GESTURES), "server/space",
-             "server/midi", "server/sensors", "clients/index", "server/unattended"),
+             "server/midi", "server/macros", "server/sensors", "clients/index", "server/unattended"),
     "Presets": ("presets/index", "presets/built-in", "presets/meshes", "presets/shapes", "presets/object-keys",
                 "presets/other-keys", "presets/levels"),
     "Program": ("clients/python", "clients/simulators", "clients/grains", "clients/knocking", "clients/data",
