@@ -26,6 +26,14 @@ _begin_of = itemgetter(0)
 _LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none
 
 
+class Begun(NamedTuple):
+    """What macros change of a gesture: its kind, the serial of its object, and values as its message has them."""
+
+    kind: str
+    serial: int
+    values: dict[str, float]
+
+
 @dataclass(eq=False, slots=True)
 class GestureId:
     """A name of gestures and its number in the engine."""
@@ -40,6 +48,8 @@ class GestureId:
     """Name of the object under its last rest; "" if that lies on a support, or there is none."""
     most_load: float = math.inf
     """N: up to which the load of its last rest may be steered."""
+    begun: "Begun | None" = None
+    """The gesture that began last with it."""
     played: list[tuple[float, "Played | None"]] = field(default_factory=list)
     """Times (samples) of its gestures, the earliest first, and the make-up of those that go on with their argument."""
 
@@ -118,6 +128,11 @@ class GestureIds:
         entry = max(begin, now), played
         insort(known, entry, key=_begin_of)
         return lambda: known.remove(entry)
+
+    def begin(self, number: int, begun: Begun) -> None:
+        """Remember what macros change of a gesture that begins with the id of a number."""
+        if number in self._numbers:
+            self._numbers[number].begun = begun
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""

@@ -7,8 +7,8 @@ from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT, POSITION
 from ...dsp.wording import MOST_COMPARED, expected, suggestion, there_are
-from ..osc.addresses import Call
-from ..osc.arguments import GestureEnded, Refused, Values, shown
+from ..osc.addresses import VERBS, Call
+from ..osc.arguments import GestureEnded, Point, Refused, Values, shown
 from ..osc.points import Change, Move
 from ..osc.wire import Message
 from .engine_messages import changes, send
@@ -19,6 +19,8 @@ from .transaction import Transaction
 
 _ON_SURFACE = ("point", *(each.name for each in POINT))
 _ON_OTHER = ("by_point", *(each.name for each in BY_POINT))
+_STEERED = {verb.action: verb.number for verb in VERBS.values() if isinstance(verb, Change) and verb.target == "ID"}
+"""Numbers that steer gestures, by name."""
 _LEAST = 1e-6
 """Of an argument, whose logarithm a level follows."""
 CHANGE_WORK = 80
@@ -57,6 +59,13 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
         for command in elsewhere.get(id.number, _made_up(transaction, id, action, values, commands)):
             send(transaction, message, command._replace(gesture=id.number))
+
+
+def steered_by(transaction: Transaction, id: GestureId, name: str, points: tuple[Point, ...]) -> list[Command]:
+    """Return the commands that steer a number of a gesture along points, its make-up too."""
+    values = Values({name: points[-1].value}, points=points)
+    commands = [each._replace(parameter=name) for each in changes(Kind.STEER, _STEERED[name], values)]
+    return _made_up(transaction, id, name, values, commands)
 
 
 def _made_up(

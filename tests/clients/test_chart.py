@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from carom.clients.cli import main
-from carom.dsp.contact.sampled import CORRECTIONS, METHODS
 from carom.dsp.lab import wall
 from carom.dsp.lab.bowing import schelleng_limit
 from carom.dsp.lab.bristle import METHODS as METHODS_OF_FRICTION
 from carom.dsp.lab.chart.report import PRINTED
 from carom.dsp.lab.comparison import BANDS
+from carom.dsp.lab.sampled import CORRECTIONS, METHODS
 from carom.dsp.lab.wall import PAPER_CASES, PAPER_RATE
 from tests.accuracy import RINGING
 

@@ -121,6 +121,7 @@ def rendering(tmp_path: Path, text: str, out: str = "x.wav", **options) -> None:
         ("0 /object/new a wood-bloc\n", r"score.txt:1: /object/new: no object 'wood-bloc'"),
         (STRIKE + "3 /object/b/impact 1\n", r"score.txt:3: /object/b/impact: b: no such object"),
         (STRIKE + "x /object/a/impact 1\n", r"score.txt:3: time 'x'"),
+        (STRIKE + "1 /contact closed\n", r"score.txt:3: /contact: the sampled methods are in `carom chart`"),
         (STRIKE + "1 /status\n", r"score.txt:3: /status: .*server-only message"),
     ],
 )
@@ -141,53 +142,6 @@ def test_other_failures_are_told(tmp_path):
         rendering(tmp_path, STRIKE, out="x.flac", format="float")
     with pytest.raises(RenderError, match=r"x.wav: there is no folder .*no/such/folder"):
         rendering(tmp_path, STRIKE, out="no/such/folder/x.wav")
-
-
-HARD = (
-    "0 /accuracy -40\n0 /object/new a steel-plate thickness 0.05 level 66\n"
-    "0.01 /object/a/impact 1 0.2 striker steel mass 0.01 stiffness 1e9 dissipation 0.5 exponent 1.5\n"
-)
-"""The paper's case 2, some 6 samples long, on a steel plate too thick to give way."""
-
-
-def difference(sound: np.ndarray, reference: np.ndarray) -> float:
-    """Return the difference of two sounds' spectra, in dB of the second."""
-    a, b = (np.abs(np.fft.rfft(s[:, 0].astype(float))) for s in (sound, reference))
-    return 20 * np.log10(np.linalg.norm(a - b) / np.linalg.norm(b))
-
-
-def test_sampled_methods_can_be_heard_and_measured(render_text):
-    """Each method renders the hard case next to the closed form; they agree as steps are added."""
-    reference = render_text(HARD, seconds=1.0)
-    for method in ("am1", "verlet", "heun", "rk4"):
-        apart = difference(render_text(HARD, seconds=1.0, contact=(method,)), reference)
-        closer = difference(render_text(HARD, seconds=1.0, contact=(method, 64)), reference)
-        assert -40 < apart < -15 and closer < apart - 5, (method, apart, closer)
-
-
-def test_verlet_makes_energy_of_a_contact_shorter_than_a_sample(render_text):
-    # So soft that the limiter, which holds what verlet makes loud, leaves all as it is.
-    score = "0 /object/new a steel-plate level -4 gain -20\n0.01 /object/a/impact 1 0.3 striker steel\n"
-    reference = render_text(score, seconds=1.0)
-    gained = 10 * np.log10((render_text(score, seconds=1.0, contact=("verlet",)) ** 2).sum() / (reference**2).sum())
-    assert gained > 9
-    mended = render_text(score, seconds=1.0, contact=("verlet", "correction", "both"))
-    assert abs(10 * np.log10((mended**2).sum() / (reference**2).sum())) < 1.0
-
-
-@pytest.mark.parametrize(
-    ("contact", "reason"),
-    [
-        (("euler",), "method = euler: expected one of closed, am1, verlet, heun, rk4"),
-        (("heun", "correction", "magic"), "correction = magic: expected one of none, hybrid"),
-        (("heun", 0), "oversampling = 0: expected a number from 1 to 64"),
-        (("heun", 1.5), "oversampling = 1.5: expected a whole number"),
-        (("closed", 2), "closed: it is exact already"),
-    ],
-)
-def test_impossible_contacts_are_refused(render_text, contact, reason):
-    with pytest.raises(ScoreError, match=reason):
-        render_text(HARD, contact=contact)
 
 
 def test_lines_may_stand_in_any_order_of_time(render_text):

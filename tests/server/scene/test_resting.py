@@ -107,7 +107,7 @@ def test_an_object_that_has_a_supports_name_is_meant(played):
     assert contact["point"][1]["slot"] == played.objects["table"].handle.slot
 
 
-LEVELS = ("-40", "-60")
+LEVELS = ("-50", "-60")
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from carom.server.osc.wire import Message
 from carom.server.scene.session import Session
 from tests.dsp.engine.contacts.test_coupling import PRESETS, body, energy, modal
 from tests.dsp.engine.contacts.test_rests import contact_of
-from tests.dsp.engine.support import gesture, strike
+from tests.dsp.engine.support import gesture, steer, strike
 
 RATE = 48_000
 HAND = (0.03, 3e5, 2.0, 1.5)
@@ -320,3 +320,14 @@ def test_a_hand_that_moves_under_its_load_makes_no_sound_of_its_own(name, strike
     spectrum = np.fft.rfft(sound * np.hanning(len(sound)))
     above = np.fft.rfftfreq(len(sound), 1 / RATE) > 60
     assert 2.0 * np.linalg.norm(spectrum[above]) / len(sound) < bound
+
+
+def test_a_press_whose_law_is_steered_sinks_in_as_far_as_that_lets_it():
+    engine, _ = pressed()
+    engine.process(2 * RATE)
+    k, a = 0.2 * HAND[1], 1.2
+    engine.send([steer(7, "stiffness", k), steer(7, "exponent", a), steer(7, "mass", 0.1)])
+    engine.process(4 * RATE)
+    (coupled,) = (each["coupled"] for each in engine.state["contacts"][0] if each["gesture"] == 7)
+    assert float(coupled["m"]) == pytest.approx(0.1, rel=1e-9)
+    assert float(coupled["motion"][0]) == pytest.approx((FORCE / k) ** (1 / a), rel=1e-3)

@@ -341,3 +341,17 @@ def test_three_that_rest_on_each_other_are_solved_in_blocks(level, bound):
     right = states("exact")
     wrong = np.abs(states(level) - right).max(axis=0)
     assert np.all(20 * np.log10(wrong / np.abs(right).max(axis=0)) < bound)
+
+
+def test_a_still_rest_whose_law_is_steered_lies_still_under_it():
+    engine = engine_at()
+    handle = engine.add(plate())
+    engine.send([rest(handle, FELT, 2.0, 0.2, 7)])
+    engine.process(9_600)
+    k, mu, a = 4.0 * FELT[0], 0.5 * FELT[1], 2.5
+    for name, value in (("stiffness", k), ("dissipation", mu), ("exponent", a), ("mass", 0.4)):
+        engine.send([steer(7, name, value)])
+    assert np.abs(engine.process(96_000)).max() == 0.0
+    coupled = contact_of(engine)["coupled"]
+    assert [float(coupled[name]) for name in ("k", "mu", "a", "m")] == pytest.approx([k, mu, a, 0.4], rel=1e-9)
+    assert float(coupled["motion"][0]) == pytest.approx((2.0 / k) ** (1 / a), rel=1e-9)
