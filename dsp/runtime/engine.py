@@ -14,7 +14,7 @@ from ..contact.accuracy import LEVELS
 from ..counters import Stats
 from ..engine.memory.capacity import SHAPE_VALUES, USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.memory.commands import Command, Handle, Kind
-from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
+from ..engine.memory.state import COUPLING, ENDED, QUANTUM, RING, TAP, End, Quality
 from ..native.addresses import address_of, as_bytes
 from ..native.atomics import confirm, observe, publish
 from ..native.code import Code, load
@@ -273,6 +273,15 @@ class Engine:
         lasting = state["contacts"][state["last_command"] > 0]
         friction = state["rolls"]["target"]["friction"][lasting["roll"][lasting["trait"]["rolls"] == 1]]
         return len(lasting) == 0 or bool((friction > 0.0).any() or lasting["trait"]["repeats"].any())
+
+    def most_coupled(self) -> int:
+        """Return the slot of the object whose contact is solved together with the most modes now, -1 if none is."""
+        contacts = self._record["contacts"]
+        coupled = np.flatnonzero((contacts["touching"] == 1) & (contacts["solver"] == COUPLING))
+        if not coupled.size:
+            return -1
+        most = coupled[contacts["modes"][coupled].argmax()]
+        return int(contacts["point"]["slot"][most, 0])
 
     def room(self) -> int:
         """Return how many commands can be sent now."""

@@ -245,7 +245,7 @@ def _steer_running(to: ObjectCall, message: Message, macro: str) -> None:
                     for point, value in zip(to.values.points, moved, strict=True)
                 )
                 for command in steered_by(to.transaction, id, name, points):
-                    _add(to, message, command._replace(gesture=id.number))
+                    _add(to, message, command)
 
 
 def begun_as(kind: str, values: Values, obj: PlayedObject) -> Begun:

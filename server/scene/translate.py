@@ -337,9 +337,13 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
     if to.is_played and not GESTURES[str(command.kind)].held:
         made_up, played = _make_up(to, command._replace(values=values), sound)
         values |= made_up
-    transaction.on_undo(transaction.gestures.play(command.gesture, transaction.time, played))
     transaction.gestures.begin(command.gesture, begun_as(str(command.kind), to.given, to.obj))
     _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
+    if GESTURES[str(command.kind)].lasts:
+        begin = transaction.time
+        transaction.on_undo(transaction.gestures.play(command.gesture, begin, played))
+        for each in transaction.gestures.levels_anew(command.gesture, begin):
+            transaction.add(each, transaction.sent[-1])
 
 
 def _make_up(to: ObjectCall, command: Command, sound: StrikerSound | None) -> tuple[dict[str, float], Played | None]:

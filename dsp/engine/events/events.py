@@ -25,16 +25,18 @@ from ..memory.commands import (
     KIND_PLACE,
     KIND_POSE,
     KIND_QUALITY,
+    KIND_RELEVEL,
     KIND_RESHAPE,
     KIND_SET,
     KIND_STEER,
     KIND_STOP,
     KIND_SYNC,
+    LEVEL,
     Event,
 )
 from ..memory.order import wake
 from ..memory.ramp_list import takes_time
-from ..memory.state import END_GONE, NOTES, QUANTUM, RING, Choices, Object, State
+from ..memory.state import END_GONE, NOTES, QUANTUM, RING, Choices, Object, Queue, State
 from ..output.late import furnish
 from ..output.space_lines import leave_space, listen, place_object
 from ..panic import let_fade
@@ -220,6 +222,8 @@ def carry_out(state: State, event: Event) -> None:
         stop_gestures_on(state, obj, event.time)
     elif kind == KIND_PANIC:
         _panic(state, event.order)
+    elif kind == KIND_RELEVEL:
+        _forget_levels(state.queue, event)
     elif kind == KIND_SYNC:
         state.stats.synced = int(event.value)
     elif kind == KIND_GAIN:
@@ -295,6 +299,20 @@ def _new(state: State, event: Event) -> None:
     for i in range(obj.first, obj.first + obj.size):
         state.bank.a2[i] = 0.0
     wake(state, event.slot)
+
+
+@kernel
+def _forget_levels(queue: Queue, event: Event) -> None:
+    """Forget the levels of a gesture that arrived before and still wait."""
+    kept = 0
+    for i in range(queue.size):
+        other = queue.events[queue.heap[i]]
+        levels = other.kind == KIND_STEER and other.parameter == LEVEL and other.gesture == event.gesture
+        if not levels or other.order > event.order:
+            swap(queue, kept, i)
+            kept += 1
+    queue.size = kept
+    order_heap(queue)
 
 
 @kernel

@@ -56,6 +56,7 @@ class Kind(IntEnum):
     FURNISH = 18  # walls, and a late part
     HEADROOM = 19  # value 1: on; 0: off
     RESHAPE = 20  # an object; value: first value of the table by which settings change its modes
+    RELEVEL = 21  # a gesture: its levels that were sent before and wait are none, others come instead
 
 
 # The same as plain numbers, which kernels compare with.
@@ -66,7 +67,7 @@ KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
 KIND_BUDGET, KIND_BANK, KIND_MOUNT = int(Kind.BUDGET), int(Kind.BANK), int(Kind.MOUNT)
 KIND_POSE, KIND_LISTEN, KIND_FURNISH = int(Kind.POSE), int(Kind.LISTEN), int(Kind.FURNISH)
-KIND_HEADROOM, KIND_RESHAPE = int(Kind.HEADROOM), int(Kind.RESHAPE)
+KIND_HEADROOM, KIND_RESHAPE, KIND_RELEVEL = int(Kind.HEADROOM), int(Kind.RESHAPE), int(Kind.RELEVEL)
 
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""
