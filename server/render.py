@@ -61,7 +61,7 @@ def _is_rate(value: SupportsIndex) -> bool:
 @dataclass(frozen=True)
 class Options:
     """Options of a render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
-    seconds (None: until the score's /end, or silence), and the arguments of a /contact to begin with.
+    seconds (None: until the score's /end, or silence).
 
     channels, gain (dB), limiter and bank (one of FORMS) hold from the start, in place of what the score says of them at
     time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). full_scale: the pressure (Pa) of a sample of 1.0,
@@ -74,7 +74,6 @@ class Options:
     block: int = 16_384
     format: str | None = None
     seconds: float | None = None
-    contact: tuple[Argument, ...] = ()
     channels: int | None = None
     gain: float | None = None
     limiter: bool | None = None
@@ -122,7 +121,6 @@ class Options:
         """The messages with which the render begins."""
         limiter = False if self.calibrated or (self.normalize is not None and self.limiter is None) else self.limiter
         return [
-            *([Message("/contact", self.contact)] if self.contact else []),
             *([Message("/limiter", ("on" if limiter else "off",))] if limiter is not None else []),
             *([Message("/gain", (self.gain,))] if self.gain is not None else []),
             *([Message("/bank", (self.bank,))] if self.bank is not None else []),

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bodies.macros import Change
 from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
@@ -401,6 +402,13 @@ class Engine:
             self.release(handle)
             raise
         return handle
+
+    def lay_out_macros(self, handle: Handle, modes: Modes, level: float, axes: Sequence[Sequence[Change]]) -> int:
+        """Lay out the table of an object's macros: the changes of its modes by setting of SHAPING and place.
+
+        `level` as in `lay_out`. Returns the value of the command RESHAPE. EngineFull if there is no room.
+        """
+        return self._memory.lay_out_macros(handle, modes, level, self.top_frequency, axes)
 
     def lay_out_striker(self, sound: StrikerSound) -> dict[str, float]:
         """Find the place of a striker that sounds, or give it one.

@@ -27,6 +27,14 @@ _begin_of = itemgetter(0)
 _LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none
 
 
+class Begun(NamedTuple):
+    """What macros change of a gesture: its kind, the serial of its object, and values as its message has them."""
+
+    kind: str
+    serial: int
+    values: dict[str, float]
+
+
 @dataclass(eq=False, slots=True)
 class GestureId:
     """A name of gestures and its number in the engine."""
@@ -41,6 +49,8 @@ class GestureId:
     """Name of the object under its last rest; "" if that lies on a support, or there is none."""
     most_load: float = math.inf
     """N: up to which the load of its last rest may be steered."""
+    begun: "Begun | None" = None
+    """The gesture that began last with it."""
     played: list[tuple[float, "Played | None"]] = field(default_factory=list)
     """Times (samples) of its gestures that last, the earliest first, and the make-up of those that have one."""
     ahead: list[tuple[float, list[Command]]] = field(default_factory=list)
@@ -126,6 +136,11 @@ class GestureIds:
         entry = max(begin, now), played
         insort(known, entry, key=_begin_of)
         return lambda: known.remove(entry)
+
+    def begin(self, number: int, begun: Begun) -> None:
+        """Remember what macros change of a gesture that begins with the id of a number."""
+        if number in self._numbers:
+            self._numbers[number].begun = begun
 
     def send_ahead(self, id: GestureId, time: float, commands: list[Command]) -> Callable[[], object]:
         """Remember a change of a gesture if it is sent ahead of its time (samples); return how to undo that. What is

@@ -7,8 +7,8 @@ from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT, POSITION
 from ...dsp.wording import MOST_COMPARED, expected, suggestion, there_are
-from ..osc.addresses import Call
-from ..osc.arguments import GestureEnded, Refused, Values, shown
+from ..osc.addresses import VERBS, Call
+from ..osc.arguments import GestureEnded, Point, Refused, Values, shown
 from ..osc.points import Change, Move
 from ..osc.wire import Message
 from .engine_messages import changes, send
@@ -19,6 +19,8 @@ from .transaction import Transaction
 
 _ON_SURFACE = ("point", *(each.name for each in POINT))
 _ON_OTHER = ("by_point", *(each.name for each in BY_POINT))
+_STEERED = {verb.action: verb.number for verb in VERBS.values() if isinstance(verb, Change) and verb.target == "ID"}
+"""Numbers that steer gestures, by name."""
 CHANGE_WORK = 80
 """Work of carrying out a change on one gesture or object, as in patterns.work."""
 
@@ -56,6 +58,14 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
         own = [each._replace(gesture=id.number) for each in elsewhere.get(id.number, commands)]
         for command in (*own, *_levels(transaction, id, own)):
             send(transaction, message, command)
+
+
+def steered_by(transaction: Transaction, id: GestureId, name: str, points: tuple[Point, ...]) -> list[Command]:
+    """Return the commands that steer a number of a gesture along points, its make-up too."""
+    values = Values({name: points[-1].value}, points=points)
+    steered = changes(Kind.STEER, _STEERED[name], values)
+    commands = [each._replace(parameter=name, gesture=id.number) for each in steered]
+    return [*commands, *_levels(transaction, id, commands)]
 
 
 def _levels(transaction: Transaction, id: GestureId, commands: list[Command]) -> list[Command]:

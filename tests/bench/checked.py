@@ -39,7 +39,7 @@ def scores(seed: int, pairs: int) -> Iterator[str]:
     """Yield the names of what is played, without an end: `pair SEED`, then `SEED` and, as long as there are some,
     `NAME ACCURACY` of a preset score by turns."""
     yield from (f"pair {number}" for number in range(seed, seed + pairs))
-    preset = ((path.stem, each) for path in sorted(PRESETS.glob("*.txt")) for each in ("", "-40", "exact"))
+    preset = ((path.stem, each) for path in sorted(PRESETS.glob("*.txt")) for each in ("", "-50", "exact"))
     while True:
         yield str(seed) if seed % EVERY else f"pair {seed}"
         yield from (f"{stem} {accuracy}" for stem, accuracy in islice(preset, 1))

@@ -3,7 +3,7 @@
 from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import clear_record
-from ..bodies.objects import set_of
+from ..bodies.reshaping import give_time, reshape, set_of
 from ..bodies.sensing import mount
 from ..contacts.contact_list import is_running, refuse_gesture
 from ..memory.channels import ask_gains
@@ -19,7 +19,6 @@ from ..memory.commands import (
     KIND_HEADROOM,
     KIND_LIMITER,
     KIND_LISTEN,
-    KIND_METHOD,
     KIND_MOUNT,
     KIND_NEW,
     KIND_PANIC,
@@ -27,6 +26,7 @@ from ..memory.commands import (
     KIND_POSE,
     KIND_QUALITY,
     KIND_RELEVEL,
+    KIND_RESHAPE,
     KIND_SET,
     KIND_STEER,
     KIND_STOP,
@@ -203,8 +203,11 @@ def carry_out(state: State, event: Event) -> None:
     elif kind == KIND_STOP:
         stop_gesture(state, event)
     elif kind == KIND_SET:
+        give_time(state.objects[event.slot], event)
         if not takes_time(state, event, event.slot, event.serial):
-            set_of(state.objects[event.slot], event.parameter, event.value)
+            set_of(state, state.objects[event.slot], event.parameter, event.value)
+    elif kind == KIND_RESHAPE:
+        reshape(state, state.objects[event.slot], int(event.value))
     elif kind == KIND_PLACE:
         _place(state.objects[event.slot], event)
     elif kind == KIND_MOUNT:
@@ -253,8 +256,6 @@ def _choose(choices: Choices, event: Event) -> None:
         choices.accuracy = int(event.value)
     elif event.kind == KIND_BANK:
         choices.bank = int(event.value)
-    elif event.kind == KIND_METHOD:
-        choices.method = event.method
     elif event.kind == KIND_BUDGET:
         choices.budget = event.budget
     elif event.kind == KIND_LIMITER:
@@ -287,7 +288,8 @@ def _new(state: State, event: Event) -> None:
     obj.level = event.layout.level
     obj.glide, obj.cone = event.layout.glide, event.layout.cone
     obj.sheet = event.layout.sheet
-    obj.amplified = 1.0
+    obj.amplified = obj.amplitude = obj.lowered = obj.stiffened = 1.0
+    obj.reshaped = -1
     obj.settings = event.settings
     obj.stale_modes = obj.size
     obj.contact = obj.voice = -1
@@ -316,7 +318,7 @@ def _forget_levels(queue: Queue, event: Event) -> None:
 @kernel
 def _outlasts(kind: int) -> bool:
     """True if a command is carried out after a panic, too, that it arrived before."""
-    return kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH)
+    return kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH, KIND_RESHAPE)
 
 
 @kernel

@@ -35,6 +35,7 @@ def test_what_is_played_with_make_up_and_headroom(tmp_path):
     assert struck and all("play" in message.args for message in struck)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["gain", "roll"])
 def test_make_up_follows_times_and_not_the_order_of_sending(tmp_path, first):
     """What is sent first and comes later changes nothing of what comes before it: not the gain of a roll, nor the
