@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .gesture_methods import (
         FloorKeys,
         ListenerKeys,
+        MacroKeys,
         NoteKeys,
         PlaceKeys,
         RampKeys,
@@ -129,6 +130,34 @@ class Actions(Gestures, ABC):
             raise CommandError(f"/gesture/{id}: expected a value to steer, such as speed=0.5")
         ramp = {key: value for key, value in (("over", over), ("curve", curve)) if value is not None}
         self._send([message_of(f"/gesture/{id}/{name}", (value,), ramp) for name, value in values.items()], at)
+
+    def macro(
+        self, name: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None,
+        **values: Unpack[MacroKeys],
+    ) -> None:  # fmt: skip
+        """Turn macros of an object, all of them together: `macro("bell", size=0.7, brightness=0.2)`.
+
+        Each goes from 0 to 1; at 0.5 it changes nothing. The change takes `over` s, by a `curve`, if these are given.
+        CommandError if no macro is named.
+        """
+        if not values:
+            raise CommandError(f"/object/{name}/macro: expected a macro, such as size=0.7")
+        ramp = {key: value for key, value in (("over", over), ("curve", curve)) if value is not None}
+        self._send([message_of(f"/object/{name}/macro/{macro}", (each,), ramp) for macro, each in values.items()], at)
+
+    def dice(self, name: str, seed: int | None = None, at: SupportsFloat | None = None) -> None:
+        """Turn all macros of an object at random, within what sounds good; equal seeds choose the same."""
+        self.send(f"/object/{name}/dice", *([] if seed is None else [seed]), at=at)
+
+    def undo(self, name: str, at: SupportsFloat | None = None) -> None:
+        """Take back the last throw of the dice of an object."""
+        self.send(f"/object/{name}/undo", at=at)
+
+    def morph(
+        self, name: str, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]
+    ) -> None:
+        """Bring an object a share (0 to 1) of the way to another preset of its shape."""
+        self.send(f"/object/{name}/morph", preset, share, at=at, **keys)
 
     def stop(self, id: str, at: SupportsFloat | None = None) -> None:
         """End the running gestures of an id or pattern."""

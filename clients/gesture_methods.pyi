@@ -430,6 +430,18 @@ class SteerKeys(TypedDict, total=False):
     point: Sequence[SupportsFloat]
     by_point: Sequence[SupportsFloat]
 
+class MacroKeys(TypedDict, total=False):
+    """The macros of an object."""
+
+    size: SupportsFloat | Sequence[SupportsFloat]
+    material: SupportsFloat | Sequence[SupportsFloat]
+    brightness: SupportsFloat | Sequence[SupportsFloat]
+    damping: SupportsFloat | Sequence[SupportsFloat]
+    hardness: SupportsFloat | Sequence[SupportsFloat]
+    force: SupportsFloat | Sequence[SupportsFloat]
+    place: SupportsFloat | Sequence[SupportsFloat]
+    roughness: SupportsFloat | Sequence[SupportsFloat]
+
 class Gestures:
     """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
 
@@ -732,6 +744,20 @@ class ObjectMethods:
 
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove an object and the copies for its notes, once silent or at once, with a fade; its name is free."""
+
+    def macro(
+        self, at: SupportsFloat | None = None, over: Value = None, curve: Value = None, **values: Unpack[MacroKeys]
+    ) -> None:
+        """Turn macros of an object, all of them together: `macro("bell", size=0.7, brightness=0.2)`."""
+
+    def dice(self, seed: int | None = None, at: SupportsFloat | None = None) -> None:
+        """Turn all macros of an object at random, within what sounds good; equal seeds choose the same."""
+
+    def undo(self, at: SupportsFloat | None = None) -> None:
+        """Take back the last throw of the dice of an object."""
+
+    def morph(self, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
+        """Bring an object a share (0 to 1) of the way to another preset of its shape."""
 
     def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
         """Put an object into space at x, y, z (m), one by one or as a list, or have it go there."""

@@ -79,24 +79,28 @@ def read(path: Path, mixed: bool = False) -> Recording:
     if mixed:
         samples = samples.mean(axis=1, keepdims=True)
     elif samples.shape[1] > 1:
-        taken = int(np.argmax(_unsteady(samples, rate)))
+        taken = int(np.argmax(_struck(samples, rate)))
         notes.append(f"{path}: {samples.shape[1]} channels: channel {taken + 1} is taken, where most rises and decays")
     if rate < 32_000:
         notes.append(f"{path}: {rate} Hz: nothing is known above {rate / 2000:g} kHz")
     return Recording(path, np.ascontiguousarray(samples[:, taken]), rate, tuple(notes))
 
 
-def _unsteady(samples: NDArray[np.float64], rate: float) -> NDArray[np.float64]:
-    """Return the energy (channels,) of samples (n, channels) above what each channel has all along, as hum and hiss.
+def _struck(samples: NDArray[np.float64], rate: float) -> NDArray[np.float64]:
+    """Return how much of a strike each channel of samples (n, channels) has: rises less falls.
 
-    It is summed over windows of a period of 50 Hz that exceed by 3 dB the level that nine of ten windows exceed: noise
-    alone does not. Where no channel rises so far, the loudest has most.
+    Levels are those of pairs of windows of a period of 50 Hz, each without its mean and trend. A strike rises at once
+    and decays in many steps, so that the squares of its rises add up to more; hum, hiss, and what swells and fades,
+    buzzes on and off or drops out rise as they fall. Where no channel is like a strike, the loudest has most.
     """
     window = min(int(rate / 50), len(samples))
     count = len(samples) // window
     plain = np.nan_to_num(samples[: count * window]).reshape(count, window, -1)
-    energies = np.sum(np.square(plain - plain.mean(axis=(0, 1))), axis=1)
-    steady = np.quantile(energies, 0.1, axis=0)
-    risen = np.where(energies > 2.0 * steady, energies - steady, 0.0)
-    found: NDArray[np.float64] = np.sum(risen + 1e-9 * energies, axis=0)
+    line = np.linspace(-1, 1, window)[None, :, None]
+    plain = plain - plain.mean(axis=1, keepdims=True)
+    plain = plain - line * (plain * line).sum(axis=1, keepdims=True) / max(float(np.sum(line**2)), 1e-300)
+    powers = np.pad(np.mean(plain**2, axis=1), ((1, 1), (0, 0)))
+    levels = np.sqrt((powers[1:] + powers[:-1]) / 2)
+    steps = np.diff(levels, axis=0, prepend=0.0, append=0.0)
+    found: NDArray[np.float64] = np.maximum((steps * np.abs(steps)).sum(axis=0), 0) + 1e-9 * (levels**2).sum(axis=0)
     return found

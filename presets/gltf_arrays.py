@@ -23,6 +23,7 @@ MAGIC, VERSION, JSON, BIN = b"glTF", 2, 0x4E4F534A, 0x004E4942
 KINDS: dict[int, str] = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+_EXPONENTS = "EXPONENTIAL"
 _MOST = 1 << 28  # values of an array
 
 Numbers = npt.NDArray[Any]
@@ -37,7 +38,9 @@ class Document:
         self._own = b""
         try:
             self.said = self._chunks(data) if data[:4] == MAGIC else json.loads(data)
-        except (ValueError, KeyError, struct.error) as error:
+        except MeshError:
+            raise
+        except (ValueError, struct.error) as error:
             raise self.error(f"expected JSON, as all glTF files hold ({error})") from None
         if not isinstance(self.said, dict):
             raise self.error("expected a JSON object")
@@ -63,6 +66,8 @@ class Document:
                 raise self.error(f"cut short: {len(data)} bytes: expected {at + 8 + size} at least")
             found.setdefault(kind, data[at + 8 : at + 8 + size])
             at += 8 + size
+        if JSON not in found:
+            raise self.error("it holds no JSON: expected a whole .glb file")
         self._own = found.get(BIN, b"")
         return json.loads(found[JSON])
 
@@ -136,13 +141,22 @@ class Document:
         begin, size = self.whole(packed, "byteOffset", 0), self.whole(packed, "byteLength", -1)
         mode, sieve = packed.get("mode"), packed.get("filter", "NONE")
         data = np.frombuffer(self.buffer(self.whole(packed, "buffer", -1))[begin : begin + size], np.uint8)
-        if sieve != "NONE" or mode not in ("ATTRIBUTES", "TRIANGLES", "INDICES") or count * stride > _MOST * 4:
+        if (
+            sieve not in (("NONE", _EXPONENTS) if stride % 4 == 0 else ("NONE",))
+            or mode not in ("ATTRIBUTES", "TRIANGLES", "INDICES")
+            or count * stride > _MOST * 4
+        ):
             raise self.error(
-                f"{name} of mode {mode}, filter {sieve}: expected ATTRIBUTES, TRIANGLES or INDICES, no filter"
+                f"{name} of mode {mode}, filter {sieve}: expected ATTRIBUTES, TRIANGLES or INDICES, no filter but "
+                f"{_EXPONENTS}"
             )
         try:
             if mode == "ATTRIBUTES":
-                return decoder.decode_vertex_buffer(count, stride, data, np.dtype((np.void, stride))).tobytes(), stride
+                rows = decoder.decode_vertex_buffer(count, stride, data, np.dtype((np.void, stride))).tobytes()
+                if sieve == _EXPONENTS:
+                    bits = np.frombuffer(rows, "<i4")  # an exponent of 8 bits, and a mantissa of 24
+                    rows = np.ldexp((bits << 8 >> 8).astype("<f4"), bits >> 24).astype("<f4").tobytes()
+                return rows, stride
             decode = decoder.decode_index_buffer if mode == "TRIANGLES" else decoder.decode_index_sequence
             return decode(count, 4, data).astype(f"<u{stride}").tobytes(), 0
         except (RuntimeError, ValueError, TypeError) as error:

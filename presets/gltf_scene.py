@@ -99,7 +99,11 @@ def _matrix(document: Document, node: Mapping[str, Any]) -> Array:
         if "matrix" in node:
             return np.array(node["matrix"], float).reshape(4, 4).T
         made = np.eye(4)
-        x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), float)
+        turn = np.array(node.get("rotation", (0, 0, 0, 1)), float).reshape(4)
+        length = float(np.linalg.norm(turn))
+        if not 0 < length < np.inf:
+            raise ValueError(f"rotation = {turn.tolist()} turns nothing")
+        x, y, z, w = turn / length
         made[:3, :3] = [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
@@ -135,6 +139,8 @@ def _primitive(document: Document, primitive: Mapping[str, Any]) -> tuple[Number
             if "indices" not in primitive
             else document.array(primitive["indices"], as_stored=True)
         )
+        if mode == _TRIANGLES and len(at) % 3:
+            raise document.error(f"{len(at)} corners of triangles: expected a multiple of 3")
         corners = _corners(np.asarray(at).astype(np.int64).ravel(), mode)
     if points.ndim != 2 or points.shape[1] != 3:
         raise document.error(f"accessors[{attributes['POSITION']}]: expected VEC3, as all places are")
@@ -145,7 +151,7 @@ def _primitive(document: Document, primitive: Mapping[str, Any]) -> tuple[Number
 def _corners(at: Indices, mode: int) -> Indices:
     """Return the corners (m,) of triangles that are separate, or a strip or a fan."""
     if mode == _TRIANGLES:
-        return at[: len(at) // 3 * 3]
+        return at
     count = max(len(at) - 2, 0)
     number = np.arange(count)
     if mode == _FAN:

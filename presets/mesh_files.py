@@ -26,15 +26,25 @@ _PLY = {
                ("i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8"), strict=True)),
 }  # fmt: skip
 _PLY_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+_LEFT = 2  # bytes of an end of a line
 _INDICES = ("vertex_indices", "vertex_index")
+
+
+def _text(data: bytes) -> str | None:
+    """Return the text of a file, its lines ended by \\n; None if its bytes are no text."""
+    wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    if b"\0" in data and not wide:
+        return None
+    text = data.decode("utf-16" if wide else "utf-8-sig", "replace")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def read_obj(where: str, data: bytes) -> Polygons:
     """Return the faces of an .obj file; its parts are those of an object, a group and a material."""
-    encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
-    if b"\0" in data and encoding != "utf-16":
+    text = _text(data)
+    if text is None:
         raise MeshError(f"{where}: its bytes are no text: expected an .obj file")
-    text = data.decode(encoding, "replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    text = text.replace("\\\n", " ")
     points: list[tuple[float, ...]] = []
     corners: list[int] = []
     sizes: list[int] = []
@@ -97,8 +107,9 @@ def _index(where: str, number: int, text: str, count: int) -> int:
 
 def read_stl(where: str, data: bytes) -> Polygons:
     """Return the triangles of an .stl file, of bytes or of text."""
-    if data.lstrip()[:5].lower() == b"solid" and b"\0" not in data and b"vertex" in data.lower():
-        return _read_text_stl(where, data)
+    text = _text(data)
+    if text is not None and text.lstrip()[:5].lower() == "solid" and "vertex" in text.lower():
+        return _read_text_stl(where, text)
     if len(data) < _STL_HEAD:
         raise MeshError(f"{where}: {len(data)} bytes: expected a whole .stl file, of {_STL_HEAD} at least")
     said = int.from_bytes(data[80:_STL_HEAD], "little")
@@ -114,13 +125,14 @@ def read_stl(where: str, data: bytes) -> Polygons:
     return _soup(points, np.full(count, 3, np.int64))
 
 
-def _read_text_stl(where: str, data: bytes) -> Polygons:
-    found = re.findall(rb"vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)|(endloop)", data, re.IGNORECASE)
+def _read_text_stl(where: str, text: str) -> Polygons:
+    found = re.findall(r"vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)|(endloop)", text, re.IGNORECASE)
     ends = np.flatnonzero([bool(each[3]) for each in found])
-    if len(found) and (not len(ends) or ends[-1] != len(found) - 1):
+    begun = len(re.findall(r"^\s*facet\b", text, re.IGNORECASE | re.MULTILINE))
+    if len(found) and (not len(ends) or ends[-1] != len(found) - 1 or begun > len(ends)):
         raise MeshError(f"{where}: cut short: its last facet has no endloop")
     try:
-        points = np.array([each[:3] for each in found if not each[3]], "S").astype(float)
+        points = np.array([each[:3] for each in found if not each[3]]).astype(float)
     except ValueError as error:
         raise MeshError(f"{where}: a vertex that is no number: expected three numbers ({error})") from None
     sizes = np.diff(np.r_[-1, ends]) - 1
@@ -158,6 +170,14 @@ class _Rows:
             raise MeshError(f"{self.where}: cut short: its head counts more than there is")
         self.at += used
         return values
+
+    def require_end(self) -> None:
+        """Raise MeshError if more follows than an end of a line."""
+        left, what = (
+            (len(self.words) - self.at, "numbers") if self.order is None else (len(self.body) - self.at, "bytes")
+        )
+        if left > _LEFT:
+            raise MeshError(f"{self.where}: {left:,} {what} follow the rows that its head counts: expected none")
 
     def alike(self, kinds: list[tuple[str, str]], count: int) -> list[Array] | None:
         """Return the columns of the next rows if their lists are all as long as the first row's; else None, and
@@ -231,6 +251,7 @@ def read_ply(where: str, data: bytes) -> Polygons:
                 raise MeshError(f"{where}: vertex of {', '.join(names)}: expected x, y and z")
             points = np.concatenate([values[names.index(axis)] for axis in "xyz"], axis=1).astype(float)
     require_indices(where, corners, len(points))
+    rows.require_end()
     return Polygons(points, corners, sizes, np.zeros(len(sizes), np.int64), ((),))
 
 

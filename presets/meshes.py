@@ -30,9 +30,10 @@ if TYPE_CHECKING:
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "21"
+EDITION = "22"
 """Edition of the computation: tables of another one are made anew."""
 
+_POINTER = b"version https://git-lfs"
 _BLOCKS = ("box", "cylinder")
 _MOST_BYTES = 500_000_000
 _USUAL = (0.003, 3.0)  # m: sizes of which nobody is asked
@@ -86,6 +87,10 @@ def _read(path: Path, scale: float | None) -> Triangles:
     if size > _MOST_BYTES:
         raise MeshError(f"{path}: {size / 1e6:.0f} MB: expected at most {_MOST_BYTES / 1e6:.0f} MB")
     data = path.read_bytes()
+    if data.startswith(_POINTER):
+        raise MeshError(
+            f"{path}: a pointer of Git LFS, not the file: expected the file itself; git lfs pull fetches it"
+        )
     if suffix == ".glb" and data[: len(MAGIC)] != MAGIC:
         raise MeshError(f"{path}: begins with {data[: len(MAGIC)]!r}: expected {MAGIC!r}, as all .glb files do")
     try:

@@ -12,6 +12,8 @@ from ..dsp.errors import MissingLibrary
 from ..dsp.mesh.surface import Indices, MeshError
 
 _STRAIGHT = 1e-7  # rad: a polygon that turns by less goes straight on
+_CROSSED = 1e-3  # of the area, or of the square of half the size: triangles cover as much of a polygon as it has
+_FOLDED = 2.0  # times its area: the most of a fan's triangles; a polygon that crosses itself has more
 _LEAST = 1e-9  # of a polygon's area: triangles of a fan that have less of it, or are turned over, make no fan
 
 
@@ -57,6 +59,7 @@ def triangulated(polygons: Polygons) -> Triangles:
             whole = each.sum(axis=1)
             square = np.einsum("ij,ij->i", whole, whole)
             plain = ~(np.einsum("ikj,ij->ik", each, whole) < _LEAST * square[:, None]).any(axis=1)
+            plain &= np.linalg.norm(each, axis=2).sum(axis=1) <= _FOLDED * np.sqrt(square)
             plain |= ~np.isfinite(square)  # the clean-up says it
         faces.append(fans[plain].reshape(-1, 3))
         own.append(np.repeat(some[plain], size - 2))
@@ -79,20 +82,37 @@ def _clipped(points: Array, ring: Indices) -> Indices:
     at = points[ring] - points[ring[0]]
     look = np.cross(at, np.roll(at, -1, axis=0)).sum(axis=0)
     length = float(np.linalg.norm(look))
-    if not length > 0:
-        return np.zeros((0, 3), np.int64)  # it has no area
+    size = float(np.abs(at).max())
+    if not length > _CROSSED * size**2:
+        if np.linalg.norm(np.cross(at[:-1], at[1:]), axis=1).max() > _CROSSED * size**2:
+            raise _crossed(points[ring])
+        if not length > 0:
+            return np.zeros((0, 3), np.int64)  # it has no area
     across = np.linalg.svd(look[None] / length)[2][1:]
     if np.cross(*across) @ look < 0:
         across = across[::-1]
     flat = np.ascontiguousarray(at @ across.T)
-    flat /= max(float(np.abs(flat).max()), 1e-300)
+    unit = max(float(np.abs(flat).max()), 1e-300)
+    flat /= unit
     some = _bent(flat)
     made = triangulate_float64(flat[some], np.array([len(some)], np.uint32)).reshape(-1, 3).astype(np.int64)
     made = some[made]
     a, b, c = flat[made].transpose(1, 0, 2)
     twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    whole, covered = length / unit**2, float(np.abs(twice).sum())
+    if abs(covered - whole) > _CROSSED * max(covered, 1.0):
+        raise _crossed(points[ring])
     made = np.where((twice < 0)[:, None], made[:, ::-1], made)
     return ring[_with_all(made, len(ring))]
+
+
+def _crossed(corners: Array) -> MeshError:
+    """Return the error of a polygon that goes over itself."""
+    x, y, z = corners.mean(axis=0)
+    return MeshError(
+        f"a face of {len(corners)} corners about ({x:.3g}, {y:.3g}, {z:.3g}) crosses itself: expected polygons that do "
+        "not, or triangles"
+    )
 
 
 def _bent(flat: Array) -> Indices:

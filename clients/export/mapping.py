@@ -141,7 +141,8 @@ def _laid(name: str, kind: np.dtype[Any]) -> Iterator[str]:
 
 
 def _is_played(verb: Verb) -> bool:
-    return verb.address in _OF_ENGINE or (verb.target != "" and verb.action in _PLAYED and verb.scored)
+    parts = verb.address.count("/")
+    return verb.address in _OF_ENGINE or (verb.target != "" and parts == 3 and verb.action in _PLAYED and verb.scored)
 
 
 def _state() -> dict[str, Any]:

@@ -30,7 +30,7 @@ def cleaned(points: Array, faces: Indices, wall: bool = False) -> tuple[Surface,
     if not np.isfinite(points[used]).all():
         raise MeshError("a point is not finite: expected numbers in m")
     notes: list[str] = []
-    surface = _welded(points, faces, notes)
+    surface = _welded(points, faces, wall, notes)
     surface = _oriented(surface, notes)
     loops = openings(surface)
     if loops and not wall:
@@ -41,14 +41,17 @@ def cleaned(points: Array, faces: Indices, wall: bool = False) -> tuple[Surface,
     return surface, tuple(notes)
 
 
-def _welded(points: Array, faces: Indices, notes: list[str]) -> Surface:
-    """Return the surface without doubled points, flat faces and doubled faces."""
+def _welded(points: Array, faces: Indices, wall: bool, notes: list[str]) -> Surface:
+    """Return the surface without doubled points, flat faces and doubled faces. Of a solid, faces that two parts share
+    go, too."""
     size = float(np.ptp(points[faces.ravel()], axis=0).max())
     if not size > 0:
         raise MeshError("all points are one: expected a surface")
     _, first, number = np.unique(np.round(points / (_WELD * size)), axis=0, return_index=True, return_inverse=True)
-    faces = number.reshape(-1)[faces]
+    before, faces = faces, number.reshape(-1)[faces]
     points = points[first]
+    if not wall:
+        faces = _touching_outward(Surface(points, faces), before, notes)
     distinct = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     faces = faces[distinct]
     keep = faces_of(Surface(points, faces)).areas > _FLAT * size**2
@@ -56,11 +59,51 @@ def _welded(points: Array, faces: Indices, notes: list[str]) -> Surface:
     faces = faces[keep]
     if not len(faces):
         raise MeshError("no triangle has an area: expected a surface")
-    once = np.sort(np.unique(np.sort(faces, axis=1), axis=0, return_index=True)[1])
-    _said(notes, len(faces) - len(once), "doubled triangle", "left out")
-    faces = faces[once]
+    _, once, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    between = np.zeros(len(once), bool) if wall else _between_parts(faces[once], count > 1)
+    _said(notes, int(count[between].sum()), "triangle", "between parts that touch left out")
+    _said(notes, int((count[~between] - 1).sum()), "doubled triangle", "left out")
+    faces = faces[np.sort(once[~between])]
     used = np.unique(faces)
     return Surface(np.ascontiguousarray(points[used]), np.searchsorted(used, faces))
+
+
+def _touching_outward(surface: Surface, before: Indices, notes: list[str]) -> Indices:
+    """Return the faces of a surface whose points are welded with parts turned outward that were closed `before` that,
+    and have a face's corners in common with another part."""
+    part = parts_of(before)
+    count = int(part.max()) + 1
+    faces = surface.faces.copy()
+    if not 1 < count < len(faces):
+        return faces
+    _, sides, upward = edges_of(before)
+    once = np.bincount(sides.ravel()) == 2
+    round_alike = np.bincount(sides.ravel(), np.where(upward, 1, -1).ravel()) == 0
+    closed = np.bincount(part, ~(once & round_alike)[sides].all(axis=1), count) == 0
+    a, b, c = surface.points[faces].transpose(1, 0, 2)
+    inward = np.bincount(part, np.einsum("ij,ij->i", a, np.cross(b, c)), count) < 0
+    pairs = np.unique(np.stack([faces.ravel(), np.repeat(part, 3)], axis=1), axis=0)
+    shared = np.bincount(pairs[:, 0])[pairs[:, 0]] > 1
+    touches = np.bincount(pairs[:, 1], shared, count) > 2
+    turned = closed & inward & touches
+    _said(notes, int(turned.sum()), "part", "turned inside out")
+    return np.where(turned[part, None], faces[:, ::-1], faces)
+
+
+def _between_parts(faces: Indices, doubled: Flags) -> Flags:
+    """Return which of the doubled faces are a wall between two parts: at its edges others meet, and none is left alone
+    without it."""
+    found = np.zeros(len(faces), bool)
+    if doubled.any():
+        some = np.flatnonzero(doubled)
+        _, sides, _ = edges_of(faces)
+        others = np.bincount(sides[~doubled].ravel(), minlength=int(sides.max()) + 1)
+        wall = parts_of(faces[some])
+        beside = others[sides[some]]
+        opens = np.bincount(wall, (beside == 1).any(axis=1)) > 0
+        held = np.bincount(wall, (beside > 1).any(axis=1)) > 0
+        found[some] = (held & ~opens)[wall]
+    return found
 
 
 def _said(notes: list[str], count: int, of: str, became: str) -> None:
@@ -110,9 +153,10 @@ def _oriented(surface: Surface, notes: list[str]) -> Surface:
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(2 * count, 2 * count))
     part = connected_components(graph, directed=False)[1]
     twisted = part[:count] == part[count:]
-    # Of the two halves of a part, the one that holds more faces as they are.
+    # Of the two halves of a part, the one that holds more faces as they are; of halves that hold as many, the first.
     as_is = np.bincount(part[:count], minlength=part.max() + 1)
-    over = (as_is[part[count:]] > as_is[part[:count]]) & ~twisted
+    own, other = part[:count], part[count:]
+    over = ((as_is[other] > as_is[own]) | ((as_is[other] == as_is[own]) & (other < own))) & ~twisted
     _said(notes, int(over.sum()), "flipped triangle", "turned over")
     if twisted.any():
         _said(notes, int(twisted.sum()), "triangle", "of a surface with one side only, as a Möbius strip")

@@ -44,12 +44,12 @@ _SOUNDS = (b"RIFF", b"RF64", b"fLaC", b"OggS", b"FORM", b"ID3")
 END = "/end"
 """The address that ends a score's render."""
 
-_END = wire.encode(END)
-_END_SIZE = len(_END).to_bytes(4, "big")
-_END_MARKS = (
-    wire.encode("/c_set", 0, 0), wire.encode("/c_set", 0, 0.0), wire.encode("/none"), b"\0\0\0\0,\0\0\0", b"\0\0\0\0",
-)  # fmt: skip
+_END_MARKS = (wire.Message("/c_set", (0, 0)), wire.Message("/none"))
 """Messages that do nothing, by which SuperCollider's scores end."""
+
+_COMMAND_0 = b"\0\0\0\0,\0\0\0", b"\0\0\0\0"
+_NONE = wire.encode("/none")
+_NONE_SIZE = len(_NONE).to_bytes(4, "big")
 
 
 class ScoreError(CaromError, ValueError):
@@ -194,7 +194,22 @@ def _message(words: list[wire.Argument]) -> wire.Message:
     return wire.Message(address, tuple(args))
 
 
-def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
+def _binary(data: bytes, path: str | PathLike[str]) -> list[Line]:
+    """Return the lines of a binary score. The last bundle of scsynth's scores, which does nothing, is their end: the
+    like with anything later are dropped."""
+    lines = list(_binary_lines(data, path))
+    last = max((line.time for line in lines if line.message not in _END_MARKS), default=0.0)
+    end = max((line.time for line in lines if line.message in _END_MARKS), default=0.0)
+    found = []
+    for line in lines:
+        if line.message not in _END_MARKS:
+            found.append(line)
+        elif line.time == end >= last:
+            found.append(line._replace(message=wire.Message(END)))
+    return found
+
+
+def _binary_lines(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
     start, number = 0, 0
     while start < len(data):
         number += 1
@@ -204,7 +219,8 @@ def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
         if len(packet) < size or start + 4 > len(data):
             raise ScoreError(f"{where}: the file ends inside the packet")
         try:
-            packet = _without_end_mark(packet)
+            if packet[:8] == wire.BUNDLE and packet[20:] in _COMMAND_0:  # [time, [0]]: no address that can be read
+                packet = packet[:16] + _NONE_SIZE + _NONE
             for bundle in wire.parse(packet):
                 # Here a time tag counts from the start of the score, and 1 (at once) is that start.
                 time = _time(0.0 if bundle.time == wire.IMMEDIATELY else bundle.time / 2**32)
@@ -213,14 +229,6 @@ def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
         except ValueError as error:
             raise ScoreError(f"{where}: {error}") from None
         start += 4 + size
-
-
-def _without_end_mark(packet: bytes) -> bytes:
-    """Return a packet; for a bundle that ends a score of scsynth's, [time, [\\c_set, 0, 0]] or [time, [0]], one with
-    /end in its place."""
-    if packet[:8] == wire.BUNDLE and packet[20:] in _END_MARKS:
-        return packet[:16] + _END_SIZE + _END
-    return packet
 
 
 def on_grid(sample: float) -> float:

@@ -120,14 +120,20 @@ def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsy
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loud", [0.01, 0.3, 3.0])
-@pytest.mark.parametrize("noise", ["hum", "hiss", "offset"])
+@pytest.mark.parametrize("noise", ["hum", "hiss", "offset", "beats", "drift", "brown", "swells", "gaps"])
 def test_a_channel_without_a_hit_is_not_taken_however_loud_it_is(tmp_path, noise, loud):
     t = np.arange(RATE) / RATE
     hit = 0.2 * np.sin(2 * np.pi * 440 * t) * np.exp(-8 * t) * (t > 0.1)
+    hiss = np.random.default_rng(1).normal(size=RATE) / 3
     dead = {
         "hum": np.sin(2 * np.pi * 60 * t),
-        "hiss": np.random.default_rng(1).normal(size=RATE) / 3,
+        "hiss": hiss,
         "offset": np.ones(RATE),
+        "beats": (np.sin(2 * np.pi * 50 * t) + np.sin(2 * np.pi * 52 * t)) / 2,
+        "drift": np.sin(2 * np.pi * 0.7 * t),
+        "brown": np.cumsum(hiss) / 300,
+        "swells": np.sin(2 * np.pi * 50 * t) * np.sin(2 * np.pi * 2 * t) ** 2,
+        "gaps": np.sin(2 * np.pi * 100 * t) * (t % 0.3 < 0.2),
     }[noise]
     soundfile.write(tmp_path / "two.wav", np.stack([loud * dead, hit], axis=1), RATE, subtype="FLOAT")
     taken = recordings.read(tmp_path / "two.wav")
@@ -251,6 +257,7 @@ def test_a_comparison_ends_in_a_sentence_that_a_player_understands(tmp_path, cap
         assert re.fullmatch(said, capsys.readouterr().out.splitlines()[-1]), name
 
 
+@pytest.mark.slow
 def test_a_sound_is_compared_with_recordings_of_its_kind(folder, tmp_path, capsys):
     ring, kind = folder / "ring.wav", tmp_path / "kind"
     kind.mkdir()

@@ -208,7 +208,3 @@ def test_wrong_python_is_told_in_one_line(call, error, right):
     with pytest.raises(error) as caught:
         call()
     assert right in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_there_are_sixty():
-    assert len(COMMANDS) + len(LINES) >= 60

@@ -74,6 +74,7 @@ def require_body(read, volume):
     assert not openings(surface) and not sides_of(surface).wrong.any() and notes == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_concave_polygons_become_the_body_that_they_enclose(seed):
     rng = np.random.default_rng(seed)
@@ -125,6 +126,52 @@ def test_indices_count_back_from_where_the_face_stands(tmp_path):
     assert volume_of(Surface(read.points, read.faces)) == pytest.approx(0.1 * 0.03 * 0.03)
 
 
+@pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_text_is_read_whatever_ends_its_lines_and_encodes_it(ends, encoding):
+    box = forms.box(0.2, 0.03, 0.01)
+    corners = (f"vertex {x!r} {y!r} {z!r}" for x, y, z in box.points[box.faces].reshape(-1, 3).tolist())
+    facets = "\n".join(f"facet\nouter loop\n{a}\n{b}\n{c}\nendloop" for a, b, c in zip(*[corners] * 3, strict=True))
+    texts = {read_obj: obj(box.points, box.faces).decode(), read_stl: f"solid a\n{facets}\nendsolid a\n"}
+    for reader, text in texts.items():
+        read = triangulated(reader("a", text.replace("\n", ends).encode(encoding)))
+        assert volume_of(Surface(read.points, read.faces)) == pytest.approx(6e-5)
+
+
+@pytest.mark.parametrize(
+    "outline",
+    [
+        [(0, 0), (1, 1), (1, 0), (0, 1)],  # whose halves take each other away
+        [(0, 0), (1, 1), (1, 0), (0.2, 1)],
+        [(np.cos(angle), np.sin(angle)) for angle in 4 * np.pi / 5 * np.arange(5)],  # round its middle twice
+    ],
+)
+def test_a_polygon_that_crosses_itself_is_named_by_its_place(outline):
+    points, polygons, _ = prism(np.array(outline, float))
+    with pytest.raises(MeshError, match=rf"a face of {len(outline)} corners about \(.*\) crosses itself: expected"):
+        triangulated(read_obj("a.obj", obj(turned(np.random.default_rng(1), points), polygons)))
+
+
+def test_a_pointer_of_git_lfs_is_named(tmp_path):
+    for ending in ("obj", "stl", "ply", "glb", "gltf"):
+        (tmp_path / f"a.{ending}").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:aa\nsize 9\n")
+        with pytest.raises(MeshError, match=r"a pointer of Git LFS, not the file: .* git lfs pull"):
+            read_mesh(tmp_path / f"a.{ending}")
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+@pytest.mark.parametrize("element", ["vertex", "face"])
+@pytest.mark.parametrize("off", [-1, 1])
+def test_a_ply_whose_head_counts_wrong_is_refused(form, element, off):
+    """Two bodies: without its last rows the first one is whole."""
+    box = forms.together(forms.box(0.1, 0.03, 0.01), forms.moved(forms.box(0.1, 0.03, 0.01), (0.2, 0, 0)))
+    data, count = ply(box.points, box.faces, form), {"vertex": len(box.points), "face": len(box.faces)}[element]
+    triangulated(read_ply("a.ply", data))
+    wrong = data.replace(f"{element} {count}".encode(), f"{element} {count + off * count // 2}".encode())
+    with pytest.raises(MeshError, match=r"its head counts|a face of point|a list of"):
+        read_ply("a.ply", wrong)
+
+
 def stl(count, tail=b""):
     """Return a binary .stl file of a box, whose head tells a count."""
     box = forms.box(0.2, 0.03, 0.01)
@@ -144,7 +191,8 @@ def test_a_binary_stl_is_read_whatever_follows_it_or_its_head_leaves_open(data):
         (stl(17), "cut short: 16 of its triangles are there: expected the 17"),
         (stl(10), "16 triangles: expected the 10 that its head counts"),
         (b"solid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n", "cut short: its last facet has no endloop"),
-        (b"solid a\nvertex 0 0 x\nendloop", "a vertex that is no number"),
+        (b"solid a\nfacet\nvertex 0 0 x\nendloop", "a vertex that is no number"),
+        (b"solid a\nfacet\nvertex 0 0 1\nendloop\nendfacet\nfacet normal", "cut short: its last facet has no endloop"),
     ],
 )
 def test_an_stl_that_is_not_whole_is_refused(data, said):
@@ -219,6 +267,10 @@ def test_a_strip_and_a_node_that_mirrors_keep_faces_outward(tmp_path):
         ({"nodes": [{"mesh": 0, "skin": 0, "name": "arm"}]}, "node arm has a skin"),
         ({"nodes": [{"mesh": 0, "children": [0]}]}, "node 0 is there twice"),
         ({"nodes": [{"mesh": 3}]}, "meshes has no number 3: expected 0 to 0"),
+        (
+            {"nodes": [{"mesh": 0, "rotation": [0, 0, 0, 0]}]},
+            "expected numbers .rotation = .* turns nothing",
+        ),
         ({"buffers": [{"uri": "../a.bin"}]}, "a buffer in '../a.bin': expected a file in its folder"),
         ({"buffers": [{"uri": "b.bin"}]}, "its buffer b.bin: No such file"),
     ],
@@ -227,6 +279,29 @@ def test_what_a_glTF_asks_for_in_vain_is_named(tmp_path, more, said):
     (tmp_path / "a.gltf").write_bytes(gltf(*forms.box(0.2, 0.03, 0.01), **more))
     with pytest.raises(MeshError, match=said):
         read_mesh(tmp_path / "a.gltf")
+
+
+def test_a_rotation_that_is_no_unit_quaternion_does_not_stretch(tmp_path):
+    (tmp_path / "a.gltf").write_bytes(gltf(*forms.box(0.2, 0.03, 0.01), node={"rotation": [0, 0, 1, 1]}))
+    points, _ = read_mesh(tmp_path / "a.gltf")
+    assert np.ptp(points, axis=0) == pytest.approx([0.03, 0.2, 0.01])
+
+
+def test_a_glTF_that_is_cut_says_it_once(tmp_path):
+    said = json.loads(gltf(*forms.box(0.2, 0.03, 0.01)))
+    said["accessors"][1]["count"] -= 1
+    text = json.dumps(said).encode()
+    head = struct.pack("<4sII", b"glTF", 2, 20 + len(text))
+    for data, why in (
+        (text, r"\d+ corners of triangles: expected a multiple of 3"),
+        (head, "it holds no JSON: expected a whole .glb file"),
+        (head + struct.pack("<II", len(text), 0x4E4F534A) + text[:-9], r"cut short: \d+ bytes: expected \d+ at least"),
+        (struct.pack("<4sII", b"glTF", 1, 20), "a .glb file of version 1: expected 2"),
+    ):
+        file = tmp_path / ("a.gltf" if data is text else "a.glb")
+        file.write_bytes(data)
+        with pytest.raises(MeshError, match=rf"{file}: {why}$"):
+            read_mesh(file)
 
 
 def packed(extension, view=None):
@@ -252,6 +327,32 @@ def test_what_is_packed_by_a_library_that_is_missing_is_named_with_the_way_to_it
         (tmp_path / "a.gltf").write_bytes(gltf(*forms.box(0.2, 0.03, 0.01), **more))
         with pytest.raises(MeshError, match=said):
             read_mesh(tmp_path / "a.gltf")
+
+
+def test_places_that_meshoptimizer_filtered_are_read(tmp_path, monkeypatch):
+    """gltfpack -vpf: each number is an exponent of 8 bits and a mantissa of 24."""
+    import sys
+    from types import SimpleNamespace
+
+    box = forms.box(0.2, 0.03, 0.01)
+    mantissas, exponents = np.frexp(box.points)
+    bits = (np.round(mantissas * 2**22).astype("<i4") & 0xFFFFFF) | ((exponents - 22).astype("<i4") << 24)
+    rows = bits.astype("<i4").tobytes()
+    stand_in = SimpleNamespace(decode_vertex_buffer=lambda count, stride, data, kind: np.frombuffer(data, np.uint8))
+    monkeypatch.setitem(sys.modules, "meshoptimizer", SimpleNamespace(decoder=stand_in))
+    said = json.loads(gltf(*box))
+    for sieve, why in (("EXPONENTIAL", None), ("OCTAHEDRAL", "filter OCTAHEDRAL: .* no filter but EXPONENTIAL")):
+        view = {"buffer": 1, "byteLength": len(rows), "byteStride": 12, "count": len(box.points)}
+        view |= {"mode": "ATTRIBUTES", "filter": sieve}
+        said["bufferViews"][0]["extensions"] = {"EXT_meshopt_compression": view}
+        uri = f"data:;base64,{base64.b64encode(rows).decode()}"
+        said["buffers"] = [said["buffers"][0], {"uri": uri, "byteLength": len(rows)}]
+        (tmp_path / "a.gltf").write_text(json.dumps(said))
+        if why:
+            with pytest.raises(MeshError, match=why):
+                read_mesh(tmp_path / "a.gltf")
+        else:
+            assert read_mesh(tmp_path / "a.gltf")[0] == pytest.approx(box.points, abs=1e-7)
 
 
 def test_a_mesh_that_draco_packed_is_read(tmp_path):

@@ -12,10 +12,11 @@ import soundfile
 
 from carom.dsp.engine.memory.state import EVENTS
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.schema import GESTURES
 from carom.presets.library import BUILT_IN, Presets
 from carom.server.osc.score import ScoreError, read
 from carom.server.render import Options, RenderError, blocks, render
-from tests.scores import any_score, play
+from tests.scores import ACCURACIES, any_score, play
 from tests.support import render_lines
 
 DEMO = BUILT_IN / "scores" / "demo.txt"
@@ -218,6 +219,7 @@ def test_a_score_that_says_its_end_is_as_long(render_text, ends, length):
     assert seconds == pytest.approx(length) if length else seconds > 5.0
 
 
+@pytest.mark.slow
 def test_more_events_than_the_queue_holds_are_played_in_turn(render_text):
     """A striker waits behind twice as many changes of a gain as the queue holds."""
     lines = ["0 /object/new a wood-block"]
@@ -238,8 +240,18 @@ def test_more_events_at_once_than_can_be_queued_are_refused(tmp_path):
         rendering(tmp_path, "\n".join(lines))
 
 
+SEEDS = (6, 8, 12, 15, 17, 19)
+"""Of random scores that have all gestures and accuracies between them, in blocks of 1 to 1,237 frames."""
+
+
+def test_random_scores_have_all_gestures_and_accuracies():
+    lines = [line.message for seed in SEEDS for line in any_score(seed, seconds=1.0).lines]
+    assert set(GESTURES) <= {message.address.rpartition("/")[2] for message in lines}
+    assert {message.args[0] for message in lines if message.address == "/accuracy"} == set(ACCURACIES)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1, 2, 6, 7])
+@pytest.mark.parametrize("seed", SEEDS)
 def test_block_size_changes_no_bit_of_random_scores(seed):
     """Gestures and what steers them, strikers, surfaces, other objects, panics, qualities, forms of the bank, channels,
     the limiter: all of it at once."""
@@ -247,8 +259,7 @@ def test_block_size_changes_no_bit_of_random_scores(seed):
     score = replace(score, rate=min(score.rate, 48_000))
     reference = play(replace(score, block=4_096))
     assert np.isfinite(reference).all() and reference.any()
-    for block in (score.block, 37):
-        np.testing.assert_array_equal(play(replace(score, block=block)), reference)
+    np.testing.assert_array_equal(play(score), reference)
 
 
 @pytest.mark.slow

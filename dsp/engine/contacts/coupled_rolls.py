@@ -244,7 +244,7 @@ def put_on_line(state: State, contact: Contact, frame: int, drift: View[float]) 
     for i in range(4):
         drift[i] = 0.0
     if keeps and point.on_surface == 0:
-        weigh(drift, position_of(contact, begin + LINE) * (obj.rows - 1) - point.row)
+        weigh(drift, position_of(contact, begin + LINE) * (obj.rows - 1) - point.row, obj.amplitude)
         for i in range(4):
             drift[i] = (drift[i] - point.weights[i]) / LINE
             point.weights[i] += (frame - begin) * drift[i]

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...macros import ENGINE_SETTINGS
 from ...native.typed import Record, dtype_of
 from ...rolling.surface import Profile
 from ...schema import (
@@ -54,6 +55,8 @@ class Kind(IntEnum):
     LISTEN = 17  # the listener, with all its values (value 1) or its pose alone (0)
     FURNISH = 18  # walls, and a late part
     HEADROOM = 19  # value 1: on; 0: off
+    RESHAPE = 20  # an object; value: first value of the table by which settings change its modes
+    RELEVEL = 21  # a gesture: its levels that were sent before and wait are none, others come instead
 
 
 # The same as plain numbers, which kernels compare with.
@@ -64,7 +67,7 @@ KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
 KIND_BUDGET, KIND_BANK, KIND_MOUNT = int(Kind.BUDGET), int(Kind.BANK), int(Kind.MOUNT)
 KIND_POSE, KIND_LISTEN, KIND_FURNISH = int(Kind.POSE), int(Kind.LISTEN), int(Kind.FURNISH)
-KIND_HEADROOM = int(Kind.HEADROOM)
+KIND_HEADROOM, KIND_RESHAPE, KIND_RELEVEL = int(Kind.HEADROOM), int(Kind.RESHAPE), int(Kind.RELEVEL)
 
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""
@@ -119,7 +122,7 @@ class Event(Record):
     waits_until: float  # samples: for an object that is yet to come; set by the engine, -1 before
     value: float  # as Kind says
     gesture: int  # its number, 0: none
-    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS, or LEVEL
+    parameter: int  # its place in schema.STEERABLE or macros.ENGINE_SETTINGS, or LEVEL
     channel: int  # of a place
     given: int  # of a gesture along a surface: bits of the places in schema.STEERABLE that were given
     by_slot: int  # of the object that strikes, if one does
@@ -186,7 +189,7 @@ def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:
 DEFAULTS = {name: _defaults_of(own) for name, own in OWN.items()}
 _HAS = {name: {*SHARED, *own} for name, own in OWN.items()}
 _OF_RECORDS: dict[str, dict[str, float]] = {
-    "settings": _defaults(SETTINGS.values()),
+    "settings": _defaults(ENGINE_SETTINGS.values()),
     "ramp": _defaults(OF_RAMPS.values()),
 }
 _RECORDS = {
@@ -201,7 +204,7 @@ _TAKEN = {kind: {name for _, names in records for name in names} for kind, recor
 _VALUE_NAMES = VALUES.names or ()
 _PLACES = {name: place for place, name in enumerate(STEERABLE)}
 _STEERED_PLACES = _PLACES | {"level": LEVEL}
-_SETTING_PLACES = {name: place for place, name in enumerate(SETTINGS)}
+_SETTING_PLACES = {name: place for place, name in enumerate(ENGINE_SETTINGS)}
 
 
 def write(entry: np.void, number: int, command: Command) -> None:
@@ -224,7 +227,10 @@ def write(entry: np.void, number: int, command: Command) -> None:
     elif kind in _FIELDS:
         _require_known(kind.name, command.values, _TAKEN[kind])
         for record, names in _FIELDS[kind]:
-            entry[record] = _filled(kind.name, names, command.values, _OF_RECORDS.get(record, {}))
+            values = command.values
+            if record == "settings":  # macros begin in the middle, and `size` is the layout's
+                values = {name: value for name, value in values.items() if name in SETTINGS}
+            entry[record] = _filled(kind.name, names, values, _OF_RECORDS.get(record, {}))
 
 
 def _write_gesture(entry: np.void, gesture: str, command: Command) -> None:

@@ -192,7 +192,7 @@ class Ramp(Record):
     """A ramp that runs or waits."""
 
     kind: int  # STEER, SET or GAIN: what it changes
-    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS, or commands.LEVEL
+    parameter: int  # its place in schema.STEERABLE or macros.ENGINE_SETTINGS, or commands.LEVEL
     place: int  # of the contact, or the slot of the object
     serial: int  # number of the command that brought that contact, or the object's serial
     begun: int  # 1: `first` is known

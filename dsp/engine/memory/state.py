@@ -180,6 +180,10 @@ class Object(Record):
     contact: int  # head of its list of contacts, -1: none
     voice: int  # head of its list of strikers that sound, -1: none
     level: float  # output per Pa
+    reshaped: int  # first value of the table by which macros change its modes (bodies/reshaping.py), -1: it has none
+    amplitude: float  # factor of its shapes by these
+    lowered: float  # factor of its frequencies by these, on the whole
+    stiffened: float  # factor of the stretching of a plate by these
     faults: int  # times it was silenced for not being finite
     settings: Settings
     place: Place

@@ -9,6 +9,7 @@ from carom.dsp.mesh.cleaning import cleaned, openings
 from carom.dsp.mesh.model import Wanted, model_of
 from carom.dsp.mesh.skin import skin_of
 from carom.dsp.mesh.surface import MeshError, Surface, faces_of, volume_of
+from carom.dsp.mesh.winding import sides_of
 
 BALL = forms.ball(0.05, 3)
 RNG = np.random.default_rng(5)
@@ -40,6 +41,15 @@ def test_flipped_doubled_and_flat_triangles_are_mended():
     assert "flipped triangles turned over" in text
 
 
+def test_a_body_half_of_whose_triangles_are_flipped_is_whole():
+    for body in (BALL, BRICK):
+        half = RNG.permutation(len(body.faces)) < len(body.faces) // 2
+        mended, notes = cleaned(body.points, np.where(half[:, None], body.faces[:, ::-1], body.faces))
+        assert volume_of(mended) == pytest.approx(volume_of(body))
+        assert notes[0] == f"{half.sum()} flipped triangles turned over"
+
+
+@pytest.mark.slow
 def test_a_body_turned_inside_out_is_turned_back_and_a_cavity_is_not():
     mended, notes = cleaned(BALL.points, BALL.faces[:, ::-1])
     assert volume_of(mended) == pytest.approx(volume_of(BALL))
@@ -47,6 +57,37 @@ def test_a_body_turned_inside_out_is_turned_back_and_a_cavity_is_not():
     hollow = forms.together(forms.ball(0.06, 3), Surface(BALL.points, BALL.faces[:, ::-1]))
     kept, _ = cleaned(*hollow)
     assert volume_of(kept) == pytest.approx(volume_of(forms.ball(0.06, 3)) - volume_of(BALL))
+
+
+BRICK = forms.box(0.1, 0.03, 0.02)
+
+
+def bricks(count, mirrored=(), split_alike=True):
+    """Return a wall of bricks (nx, ny, nz) that touch, some inside out: each with its own points."""
+    parts = []
+    for number, at in enumerate(np.ndindex(*count)):
+        turn = 1 if split_alike or number % 2 == 0 else -1  # a brick upside down is split along the other diagonals
+        faces = BRICK.faces[:, ::-1] if (turn < 0) != (number in mirrored) else BRICK.faces
+        parts.append(forms.moved(Surface(BRICK.points * [1, 1, turn], faces), np.array(at) * [0.1, 0.03, 0.02]))
+    return forms.together(*parts)
+
+
+@pytest.mark.parametrize("count", [(2, 1, 1), (3, 1, 1), (2, 2, 2)])
+@pytest.mark.parametrize("mirrored", [(), (1,), (0, 1)])
+@pytest.mark.parametrize("split_alike", [True, False])
+def test_parts_that_touch_are_one_body_whichever_is_inside_out(count, mirrored, split_alike):
+    mended, notes = cleaned(*bricks(count, mirrored, split_alike))
+    assert volume_of(mended) == pytest.approx(6e-5 * np.prod(count))
+    assert not openings(mended) and not sides_of(mended).bare.any()
+    assert any("inside out" in note for note in notes) == bool(mirrored)
+
+
+def test_the_wall_that_two_parts_share_goes_and_one_of_doubled_bodies_stays():
+    mended, notes = cleaned(*bricks((1, 1, 2)))
+    assert volume_of(mended) == pytest.approx(1.2e-4) and notes == ("8 triangles between parts that touch left out",)
+    assert not (np.abs(mended.points[mended.faces][:, :, 2] - 0.01) < 1e-9).all(axis=1).any()
+    twice, notes = cleaned(BALL.points, np.vstack([BALL.faces, BALL.faces[:, ::-1]]))
+    assert volume_of(twice) == pytest.approx(volume_of(BALL)) and "doubled triangles left out" in notes[0]
 
 
 def test_small_holes_are_closed():

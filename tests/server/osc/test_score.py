@@ -293,3 +293,18 @@ def test_an_end_mark_of_SuperCollider_is_the_length(tmp_path: Path, mark: bytes)
     (tmp_path / "a.osc").write_bytes(b"".join(struct.pack(">i", len(each)) + each for each in packets))
     lines = score.read(tmp_path / "a.osc")
     assert [(line.time, line.message.address) for line in lines] == [(0.25, "/object/a/impact"), (1.25, "/end")]
+
+
+def test_only_the_last_end_mark_of_SuperCollider_with_nothing_later_is_the_length(tmp_path: Path) -> None:
+    """A mark amid a score does nothing, as in scsynth; one may share its bundle with the last message."""
+    strike, mark = wire.Message("/object/a/impact", (1.0,)), wire.Message("/c_set", (0, 0))
+
+    def read(*bundles: tuple[int, list[wire.Message]]) -> list[tuple[float, str]]:
+        packets = [wire.encode_bundle((second << 32) + 2, messages) for second, messages in bundles]
+        (tmp_path / "a.osc").write_bytes(b"".join(struct.pack(">i", len(each)) + each for each in packets))
+        return [(round(line.time, 6), line.message.address) for line in score.read(tmp_path / "a.osc")]
+
+    hits = [(0.0, strike.address), (2.0, strike.address)]
+    assert read((0, [strike]), (1, [mark]), (2, [strike])) == hits
+    assert read((0, [strike]), (1, [mark]), (2, [strike]), (3, [mark])) == [*hits, (3.0, "/end")]
+    assert read((0, [strike]), (2, [strike, mark])) == [*hits, (2.0, "/end")]

@@ -81,8 +81,9 @@ def reference(modes, hand, start, push, quanta):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("level", "bound"), [("-50", -50), ("-60", -60)])
-@pytest.mark.parametrize("hand", [HAND, (0.005, 1e7, 0.5, 1.5), (0.2, 1e4, 5.0, 1.0)])
-@pytest.mark.parametrize("modal_mass", [0.02, 1.0])
+@pytest.mark.parametrize(
+    ("modal_mass", "hand"), [(0.02, HAND), (0.02, (0.005, 1e7, 0.5, 1.5)), (0.02, (0.2, 1e4, 5.0, 1.0)), (1.0, HAND)]
+)
 def test_what_rings_under_a_press_against_dop853(modal_mass, hand, level, bound):
     """A strike is over, and the modes ring on under the hand for 53 ms."""
     engine, handle = pressed(level, hand, modal_mass=modal_mass)
@@ -261,21 +262,6 @@ def test_the_record_of_a_press_in_blocks_is_what_the_hand_gives(striker):
     given = float(contact["m"]) * float(before["coupled"]["v"] - contact["coupled"]["v"]) + pushed
     assert (contact["sound"] >= 0) == (striker == "wood") and set(found["contact"]) == {int(contact["number"])}
     assert found["impulse"].sum() == pytest.approx(given, rel=1e-9) and len(found) == 50 * QUANTUM
-
-
-@pytest.mark.parametrize("striker", ["felt", "wood"])
-def test_the_bits_of_a_press_are_the_same_in_any_blocks_and_with_others(striker):
-    """Other objects ring beside it, at no gain."""
-    sounds = []
-    for blocks, others in (([9_600], 0), ([QUANTUM] * 150, 0), ([37, 1_000, 8_563], 2)):
-        engine = Engine(RATE)
-        handles = [engine.add(body(), 0.0) for _ in range(others)]
-        press_preset(engine, "wood-block", 5.0, striker)
-        engine.send([gesture("press", each, HAND, velocity=0.1, force=1.0) for each in handles])
-        sounds.append(np.concatenate([engine.process(frames) for frames in blocks]))
-        assert engine.state["objects"]["ahead"][0].sum() == 1 + others
-    np.testing.assert_array_equal(sounds[0], sounds[1])
-    np.testing.assert_array_equal(sounds[0], sounds[2])
 
 
 def contact_pressed(engine):

@@ -268,19 +268,6 @@ def test_a_rest_that_slept_sounds_like_one_that_begins_as_it_is_struck(level):
     assert np.abs(slept - woke).max() < 1e-4 * np.abs(slept).max()
 
 
-@pytest.mark.parametrize("level", ["-50", "-60", "exact"])
-def test_the_bits_do_not_depend_on_blocks(level):
-    def sound(block):
-        engine = engine_at(level)
-        one, other = engine.add(plate()), engine.add(plate(lowest=210.0))
-        engine.send([rest(one, FELT, 2.0, 0.2, 7, by=other, time=100.0), rest(one, FELT, 3.0, 0.1, 8, position=0.2)])
-        strike(engine, other, SOFT, 250.5, 0.4)
-        engine.send([steer(7, "load", 0.2, 900.0), steer(7, "by_position", 0.9, 1_000.0), stop(8, 1_500.0)])
-        return np.concatenate([engine.process(block) for _ in range(3_072 // block)])
-
-    assert np.array_equal(sound(3_072), sound(16))
-
-
 def test_what_moves_by_more_than_the_load_compresses_buzzes():
     """A light load on a hard contact: the force has gaps, and its sound higher partials than the mode's own."""
     engine = engine_at()
