@@ -73,7 +73,7 @@ def _striking(case: Case, accuracy: int) -> tuple[np.void, Bank, float]:
     obj, contact = state["objects"][0], state["contacts"][0]
     for name in ("size", "felt", "bent", "unheard"):
         obj[name] = n
-    obj["rows"], obj["settings"]["tune"] = 4, 1.0
+    obj["rows"], obj["amplitude"], obj["settings"]["tune"] = 4, 1.0, 1.0
     for name in ("v_in", "m", "k", "mu", "a"):
         contact[name] = getattr(case, name)
     contact["now"]["gain"], contact["now"]["position"] = 1.0, 0.5

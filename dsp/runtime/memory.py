@@ -12,6 +12,7 @@ from ..bodies.modes import Modes
 from ..engine.memory.commands import Handle
 from ..engine.memory.state import BANK
 from ..native.atomics import hold_page, observe
+from ..resonator.simd import LANES
 from .arena import Arena, EngineFull
 from .plan import COLUMNS, Plan, planned
 from .sheets import Sheets
@@ -118,7 +119,7 @@ class Memory:
         from .reshaping import table_of  # with what it is for
 
         table = table_of(self.plan(modes, top), level, axes)
-        first = self._shapes.take(table.size)
+        first = self._shapes.take(-(-table.size // LANES) * LANES)  # what follows lies at whole lanes
         self._bank["shape"][first : first + table.size] = table
         self._reshaped.setdefault(handle.first, []).append(first)
         return first

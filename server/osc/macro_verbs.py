@@ -39,7 +39,7 @@ MACRO_VERBS = (
     ),
     Verb(
         DICE,
-        "turns all macros at random, within what sounds good; a log and `/object/NAME/undo` know what they were",
+        "turns all macros at random, within what sounds good, and answers `/object/NAME/macros` with what they are",
         optional=(SEED,),
     ),
     Verb(UNDO, "takes back the last throw of the dice"),

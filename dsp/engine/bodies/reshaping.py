@@ -33,6 +33,9 @@ ROWS = COLUMNS * (2 + AXES * NODES)
 """Rows of a table, each with a value for every mode."""
 _FIRST = len(ENGINE_SETTINGS) - AXES
 _RETUNES = np.array([name in ("tune", "decay", "damp") for name in ENGINE_SETTINGS])
+_LOSSIEST = 2.0
+"""1/s for each Hz that several macros together take of a mode at most: it rings for a period and a half, and then it is
+still a mode."""
 _AMPLITUDE, _PITCH, _STIFFNESS = range(COLUMNS)
 
 
@@ -133,6 +136,7 @@ def reshape_mode(state: State, obj: Object, i: int) -> None:
     weight = shape[at + 2 * obj.size] + shape[at + step + 2 * obj.size]
     muted = is_muted(state, obj, i)
     bank.frequency[j] = frequency * 2.0 ** _moved(obj, shape, first, step)
-    bank.sigma[j] = sigma * 2.0 ** _moved(obj, shape, first + obj.size, step)
+    most = max(sigma, _LOSSIEST * bank.frequency[j])
+    bank.sigma[j] = min(sigma * 2.0 ** _moved(obj, shape, first + obj.size, step), most)
     weight *= 2.0 ** _moved(obj, shape, first + 2 * obj.size, step)
     bank.weight[j] = weight * MUTED if muted else weight

@@ -370,3 +370,21 @@ def test_the_meter_shows_peaks_loudness_and_the_limiters_gain(play):
     words, _, _, line, limited = table.page.evaluate(shown, [-18.0, -6.0, -30.0, -200.0])
     assert "-18 LUFS" in words and "limiter -6.0 dB" in words
     assert line > 200 and limited > 200 > right
+
+
+def test_macros_come_first_and_a_die_turns_them_until_undo(play):
+    table = play()
+    sliders = table.page.locator("#inspector").get_by_role("slider")
+    macros = table.ask("carom.scene.catalogue.macros.map(({ name }) => name)")
+    assert [each.get_attribute("aria-label") for each in sliders.all()] == macros
+    sliders.first.fill("750")
+    name = table.ask("carom.scene.selected")
+    assert table.until("/macro/size")[-1].message == Message(f"/object/{name}/macro/size", (0.75,))
+    table.page.get_by_role("button", name="Die").click()
+    table.until("/macro/roughness")
+    turned = f"carom.scene.objects.get('{name}').macros"
+    table.settle(f"{turned}.roughness !== 0.5")
+    table.page.get_by_title("Undo (Ctrl+Z)").click()
+    table.settle(f"{turned}.roughness === 0.5 && {turned}.size === 0.75")
+    table.page.get_by_title("Undo (Ctrl+Z)").click()
+    assert table.until_last("/macro/size", 0.5)

@@ -6,6 +6,7 @@ from tests import needs
 
 mido = needs.module("mido")
 
+from carom.dsp.macros import MACROS  # noqa: E402
 from carom.dsp.runtime.engine import Engine  # noqa: E402
 from carom.presets.library import Presets  # noqa: E402
 from carom.server.midi.midi import Midi  # noqa: E402
@@ -260,3 +261,12 @@ def test_nothing_is_learnt_where_nothing_can_come(played):
 
 def test_other_messages_and_broken_bytes_do_nothing(played):
     assert played.play(0xC0, 5, 0xF8, 0xFE, 0xF0, 1, 2, 3, 0xF7, 0xA0, 60, 3, 0x12, 0x90, 60, 0xFF) == []
+
+
+@pytest.mark.parametrize("macro", MACROS.values(), ids=MACROS)
+def test_controllers_turn_the_macros_of_what_plays_unless_they_are_bound(played, macro):
+    (message,) = played.play(0xB0, macro.controller, 127)
+    assert message[:2] == (f"/object/bar/macro/{macro.name}", 1.0)
+    assert played.session.objects["bar"].macros[macro.name] == 1.0
+    played.ask("/midi/control", macro.controller, "/gain")
+    assert [each[0] for each in played.play(0xB0, macro.controller, 0)] == ["/gain"]

@@ -129,6 +129,15 @@ def test_a_sweep_of_what_rings_makes_no_click(macro, name):
     assert highest(swept) <= max(highest(still), highest(ended), 2 / QUANTUM * np.abs(swept).max())
 
 
+def test_macros_that_all_take_from_a_body_leave_it_modes():
+    """Losses of a material, a coat and a hand multiply; a roll on what is left stays finite."""
+    with carom.Scene(limiter=False) as scene:
+        body = scene.new("a", "triangle", tune=-15)
+        body.macro(material=0.07, brightness=0.2, damping=0.64, hardness=0.02)
+        body.roll(speed=0.135, seed=392, striker="brass", roughness=0.37, play=1)
+        assert np.abs(scene.render(0.3).samples).max() > 0.0
+
+
 SWEEP = """
 0.0 /object/new it {name}
 0.05 /object/it/impact 1.0
