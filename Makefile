@@ -103,6 +103,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simu
 	$(BIN)/python -m tests.bench.listening build/listening.html
 	$(BIN)/python -m tests.bench.gongs
 	$(BIN)/python -m tests.bench.fits
+	$(BIN)/python -m tests.bench.elsewhere
 	$(BIN)/python -m tests.bench.worlds
 	$(BIN)/python -m tests.bench.simulators
 	$(BIN)/python -m tests.bench.datasets

@@ -54,7 +54,8 @@ from carom.dsp.runtime import callback
 print("carom: compiling portable code,", sizes.NAME, "engine", file=sys.stderr, flush=True)
 exports = sizes.NAME == "small"
 wanted = compiling.portable(targets.built()[:1] if exports else targets.built())
-files = [c.engine_file(), wasm.object_file(callback.__name__)] if exports else []
+own = targets.Target(targets.system(), targets.PORTABLE)
+files = [c.engine_file(own), wasm.object_file(callback.__name__)] if exports else []
 compiling.pack(sys.argv[1:], wanted, files, store.PACKAGED)
 """
 """Packs portable code for this system, and processors of this one's family: of the engine that plays here, or of that

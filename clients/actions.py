@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .gesture_methods import (
-        ContactKeys,
         FloorKeys,
         ListenerKeys,
+        MacroKeys,
         NoteKeys,
         PlaceKeys,
         RampKeys,
@@ -131,6 +131,34 @@ class Actions(Gestures, ABC):
         ramp = {key: value for key, value in (("over", over), ("curve", curve)) if value is not None}
         self._send([message_of(f"/gesture/{id}/{name}", (value,), ramp) for name, value in values.items()], at)
 
+    def macro(
+        self, name: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None,
+        **values: Unpack[MacroKeys],
+    ) -> None:  # fmt: skip
+        """Turn macros of an object, all of them together: `macro("bell", size=0.7, brightness=0.2)`.
+
+        Each goes from 0 to 1; at 0.5 it changes nothing. The change takes `over` s, by a `curve`, if these are given.
+        CommandError if no macro is named.
+        """
+        if not values:
+            raise CommandError(f"/object/{name}/macro: expected a macro, such as size=0.7")
+        ramp = {key: value for key, value in (("over", over), ("curve", curve)) if value is not None}
+        self._send([message_of(f"/object/{name}/macro/{macro}", (each,), ramp) for macro, each in values.items()], at)
+
+    def dice(self, name: str, seed: int | None = None, at: SupportsFloat | None = None) -> None:
+        """Turn all macros of an object at random, within what sounds good; equal seeds choose the same."""
+        self.send(f"/object/{name}/dice", *([] if seed is None else [seed]), at=at)
+
+    def undo(self, name: str, at: SupportsFloat | None = None) -> None:
+        """Take back the last throw of the dice of an object."""
+        self.send(f"/object/{name}/undo", at=at)
+
+    def morph(
+        self, name: str, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]
+    ) -> None:
+        """Bring an object a share (0 to 1) of the way to another preset of its shape."""
+        self.send(f"/object/{name}/morph", preset, share, at=at, **keys)
+
     def stop(self, id: str, at: SupportsFloat | None = None) -> None:
         """End the running gestures of an id or pattern."""
         self.send(f"/gesture/{id}/stop", at=at)
@@ -183,7 +211,7 @@ class Actions(Gestures, ABC):
         self.send(f"/sensor/{sensor}/free", at=at)
 
     def accuracy(self, level: str | int, at: SupportsFloat | None = None) -> None:
-        """Set the accuracy of later contacts with objects that yield: -40, -50, -60 (dB, the default), -80 or "exact".
+        """Set the accuracy of later contacts with objects that yield: -50, -60 (dB, the default), -80 or "exact".
 
         It is the error of the object's velocity, as a share of its greatest, in nine contacts of ten.
         """
@@ -207,15 +235,11 @@ class Actions(Gestures, ABC):
         """Set how much is left out from then on to save time, from 0 (nothing, the default) to 8."""
         self.send("/quality", level, at=at)
 
-    def contact(
-        self, method: str, oversampling: int | None = None, at: SupportsFloat | None = None, **keys: Unpack[ContactKeys]
-    ) -> None:
-        """Choose the solver of contacts from then on: closed (exact, the default), am1, verlet, heun or rk4.
+    def contact(self, *_given: object, **_keys: object) -> None:
+        """Raise CommandError: the solver of contacts is no choice any more."""
+        from ..server.osc.addresses import GONE
 
-        oversampling: steps per sample of a sampled method, 1 to 64. The key `correction`: none, hybrid, release, both,
-        paper-release or paper-both.
-        """
-        self._send_keyed("/contact", method, oversampling, at, keys)
+        raise CommandError(f"/contact: {GONE['/contact']}")
 
     def main_gain(self, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set the level of everything (dB)."""

@@ -278,11 +278,6 @@ class RoomKeys(TypedDict, total=False):
     t60_high: SupportsFloat
     late: SupportsFloat
 
-class ContactKeys(TypedDict, total=False):
-    """Keys of `/contact`."""
-
-    correction: str
-
 class PairKeys(TypedDict, total=False):
     """Keys of `/world/pair`."""
 
@@ -399,6 +394,9 @@ class SteerKeys(TypedDict, total=False):
     irregularity: SupportsFloat
     speed: SupportsFloat
     mass: SupportsFloat
+    stiffness: SupportsFloat
+    dissipation: SupportsFloat
+    exponent: SupportsFloat
     radius: SupportsFloat
     roughness: SupportsFloat
     asymmetry: SupportsFloat
@@ -431,6 +429,18 @@ class SteerKeys(TypedDict, total=False):
     crackles: SupportsFloat
     point: Sequence[SupportsFloat]
     by_point: Sequence[SupportsFloat]
+
+class MacroKeys(TypedDict, total=False):
+    """The macros of an object."""
+
+    size: SupportsFloat | Sequence[SupportsFloat]
+    material: SupportsFloat | Sequence[SupportsFloat]
+    brightness: SupportsFloat | Sequence[SupportsFloat]
+    damping: SupportsFloat | Sequence[SupportsFloat]
+    hardness: SupportsFloat | Sequence[SupportsFloat]
+    force: SupportsFloat | Sequence[SupportsFloat]
+    place: SupportsFloat | Sequence[SupportsFloat]
+    roughness: SupportsFloat | Sequence[SupportsFloat]
 
 class Gestures:
     """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
@@ -734,6 +744,20 @@ class ObjectMethods:
 
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove an object and the copies for its notes, once silent or at once, with a fade; its name is free."""
+
+    def macro(
+        self, at: SupportsFloat | None = None, over: Value = None, curve: Value = None, **values: Unpack[MacroKeys]
+    ) -> None:
+        """Turn macros of an object, all of them together: `macro("bell", size=0.7, brightness=0.2)`."""
+
+    def dice(self, seed: int | None = None, at: SupportsFloat | None = None) -> None:
+        """Turn all macros of an object at random, within what sounds good; equal seeds choose the same."""
+
+    def undo(self, at: SupportsFloat | None = None) -> None:
+        """Take back the last throw of the dice of an object."""
+
+    def morph(self, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
+        """Bring an object a share (0 to 1) of the way to another preset of its shape."""
 
     def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
         """Put an object into space at x, y, z (m), one by one or as a list, or have it go there."""

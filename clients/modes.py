@@ -224,5 +224,5 @@ def _shape_at(strike: NDArray[np.float64], position: float) -> NDArray[np.float6
     x = position * (len(strike) - 1)
     row = min(max(int(x) - 1, 0), len(strike) - _ROWS)
     weights = np.empty(_ROWS)
-    weigh.py_func(weights, x - row)
+    weigh.py_func(weights, x - row, 1.0)
     return np.asarray(weights @ strike[row : row + _ROWS])

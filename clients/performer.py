@@ -225,7 +225,7 @@ class Performer:
         record = self.engine.state[0]["objects"][placed.handle.slot]
         if record["serial"] != placed.handle.serial:
             return None
-        settings = Settings(**dict(zip(SETTINGS, record["settings"].item(), strict=True)))  # of these, in their order
+        settings = Settings(**dict(zip(SETTINGS, record["settings"].item(), strict=False)))  # of these, in their order
         gains = gains_of(settings, self.engine.channels, self.engine.gain)
         if record["place"]["has_own"]:
             own = record["place"]["own"][: self.engine.channels]

@@ -86,6 +86,8 @@ DISSIPATION = Parameter(
 EXPONENT = Parameter("exponent", 1.0, 6.0, "", "contact exponent a", useful=(1.0, 4.0), otherwise=_STRIKERS)
 LAW = (MASS, STIFFNESS, DISSIPATION, EXPONENT)
 """The contact law f = k x^a (1 + mu v): m, k, mu, a."""
+_STEERED_LAW = tuple(replace(each, steerable=True, glide=0.02) for each in LAW)
+"""The same of gestures that go on, which take it anew."""
 RESTITUTION = Parameter(
     "restitution", 1e-6, 1.0, "",
     "share of its speed that the striker keeps at a rigid wall, in place of dissipation; not for rolls",
@@ -201,7 +203,7 @@ ROLL = Gesture(
     "roll", "rolls the striker over the object until the speed is 0, or steers the roll of that id (NAME if none)",
     SPEED,
     (
-        replace(MASS, steerable=True, glide=0.02),
+        *_STEERED_LAW,
         RADIUS,
         ROUGHNESS,
         Parameter(
@@ -220,7 +222,7 @@ ROLL = Gesture(
     rolls=True,
 )  # fmt: skip
 PRESS = Gesture(
-    "press", "lays the striker on the object and presses, until it is stopped: a hand, a mute", FORCE,
+    "press", "lays the striker on the object and presses, until it is stopped: a hand, a mute", FORCE, _STEERED_LAW,
     fixed=("gain",), held=True,
 )  # fmt: skip
 DURATION = Parameter(
@@ -292,6 +294,7 @@ REST = Gesture(
     "rest", "lays the object on another one or on a support, until it is stopped: both ring shorter, and may buzz",
     LOAD,
     (
+        *_STEERED_LAW,
         replace(BY_POSITION, help="position on the strike path of the other object", steerable=True,
             glide=POSITION.glide),
     ),

@@ -9,8 +9,9 @@ from collections.abc import Collection, Iterable
 from typing import Any
 
 from .counters import Stats
+from .macros import ENGINE_SETTINGS
 from .native.typed import Record, dtype_of
-from .schema import SETTINGS, STEERABLE, TRAIT_NAMES
+from .schema import STEERABLE, TRAIT_NAMES
 from .schema_values import OF_RAMPS, OWN, SHARED
 
 
@@ -28,7 +29,7 @@ Values = _record(
     "The values of a gesture: the parameters of all gestures, 0 for those that it has not.",
     dict.fromkeys([*SHARED, *(name for own in OWN.values() for name in own)]),
 )
-Settings = _record("Settings", "The settings of an object.", SETTINGS)
+Settings = _record("Settings", "The settings of an object.", ENGINE_SETTINGS)
 RampValues = _record("RampValues", "The time that a change takes, and how.", OF_RAMPS)
 Traits = _record("Traits", "The traits of a gesture: see `Gesture`.", TRAIT_NAMES, {*TRAIT_NAMES} - {"meets"})
 Counters = _record(

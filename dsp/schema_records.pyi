@@ -16,6 +16,9 @@ class Steered(Record):
     irregularity: float
     speed: float  # m/s
     mass: float  # kg
+    stiffness: float  # N/m^a
+    dissipation: float  # s/m
+    exponent: float
     radius: float  # m
     roughness: float  # times
     asymmetry: float
@@ -138,6 +141,15 @@ class Settings(Record):
     tune: float  # as ratio
     decay: float  # times
     damp: float
+    hardness: float
+    force: float  # N
+    place: float
+    roughness: float  # times
+    size: float  # m
+    material: float
+    brightness: float
+    damping: float
+    morph: float
 
 class RampValues(Record):
     """The time that a change takes, and how."""

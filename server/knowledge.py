@@ -10,7 +10,7 @@ import numpy as np
 from ..dsp.bodies.material import Array
 from ..dsp.bodies.mesh import Table
 from ..dsp.bodies.modes import Modes
-from ..dsp.contact.sampled import METHODS
+from ..dsp.macros import MACROS
 from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, TRAIT_NAMES, Parameter
 from ..presets import ObjectPreset, PresetError, Presets
 from ..presets.supports import SUPPORTS
@@ -42,7 +42,6 @@ class Knowledge:
             "NAME": dict.fromkeys(self._session.objects),
             "ID": {id.name: None for id in self._session.gestures.running()},
             "preset": library.names("objects"),
-            "method": ("closed", *METHODS),
             "what": (*SUPPORTS, *self._session.objects),
             **{kind[:-1]: library.names(kind) for kind in ("strikers", "surfaces", "materials")},
         }
@@ -50,10 +49,11 @@ class Knowledge:
     def value(self, path: str) -> list[Any] | None:
         """Return the values of an address now; None if it has none."""
         engine = self._session.engine
-        if path.startswith("/object/") and path.count("/") == 3:
-            _, _, name, setting = path.split("/")
+        if path.startswith("/object/") and path.count("/") > 2:
+            _, _, name, *setting = path.split("/")
             obj = self._session.objects.get(name)
-            return [obj.settings[setting]] if obj and setting in obj.settings else None
+            values = {} if obj is None else obj.macros if setting[:-1] == ["macro"] else obj.settings
+            return [values[setting[-1]]] if setting[-1] in values else None
         if path == "/gain":
             return [20.0 * float(np.log10(max(engine.gain, 1e-9)))]
         if path == "/limiter":
@@ -86,6 +86,7 @@ class Knowledge:
                     for name, gesture in GESTURES.items()
                 },
                 "settings": [_parameter(setting) for setting in SETTINGS.values()],
+                "macros": [{**_parameter(each.number), "ends": each.ends} for each in MACROS.values()],
                 "gain": _parameter(MAIN_GAIN),
             }
         return self._catalogue
@@ -127,6 +128,7 @@ class Knowledge:
             "name": name,
             "mass": obj.mass,
             "settings": dict(obj.settings),
+            "macros": {name: obj.macros[name] for name in MACROS},
             "made": keys_of(obj),
             "frequency": [round(tuning_of(obj) * float(f), 3) for f in modes.frequency[:count]],
             "t60": [round(_T60 / float(d), 4) if d > 0 else 0.0 for d in modes.decay[:count]],

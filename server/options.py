@@ -13,7 +13,7 @@ from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN
 from ..dsp.wording import expected
 from .osc.arguments import shown
-from .osc.wire import DEFAULT_PORT, MOST_PORT, Argument, Message
+from .osc.wire import DEFAULT_PORT, MOST_PORT, Message
 from .render import HIGHEST_RATE, LOWEST_RATE
 from .scene.scale import Scale
 from .scene.sensing import last_of_sensors
@@ -35,14 +35,13 @@ class ServeError(CaromError, ValueError):
 class Options:
     """Options of a server: port (0: any free one) and address, networks whose hosts are trusted to be who they say,
     device (None: the default), latency to ask it for in s (None: its lowest), rate in Hz, block in frames (0: the
-    device's), files to record the sound and to log the events to, folders of presets, the arguments of a /contact to
-    begin with, a port for HTTP (None: none, 0: any free one), the folder of the page that is there beside OSCQuery
-    (None: no page), whether it goes over TLS, with the certificate of which file (None: one that is made), channels,
-    and those for sensors, the main gain in dB, whether the limiter and the
-    automatic level ahead of it are on, room for modes and objects, the form in which
-    the spectral bank
-    keeps its modes, a folder for what clients record, with the most bytes that all files in it may have, the MIDI
-    inputs that play, by index or part of a name, and the pressure (Pa) of full scale, of an object of level 0."""
+    device's), files to record the sound and to log the events to, folders of presets, a port for HTTP
+    (None: none, 0: any free one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes
+    over TLS, with the certificate of which file (None: one that is made), channels, and those for sensors, the main
+    gain in dB, whether the limiter and the automatic level ahead of it are on, room for modes and objects, the form in
+    which the spectral bank keeps its modes, a folder for what clients record, with the most bytes that all files in it
+    may have, the MIDI inputs that play, by index or part of a name, and the pressure (Pa) of full scale, of an object
+    of level 0."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -54,7 +53,6 @@ class Options:
     record: Path | None = None
     log: Path | None = None
     presets: tuple[Path, ...] = ()
-    contact: tuple[Argument, ...] = ()
     web: int | None = None
     page: Path | None = None
     tls: bool = False

@@ -6,11 +6,6 @@ from .files.outfile import OutFile
 from .files.recorder import require_wav
 from .files.takes import made_folder
 from .options import Options, ServeError
-from .osc.addresses import VERBS
-from .osc.arguments import Refused
-from .scene.engine_messages import contact_choice
-
-_CONTACT = "/contact"
 
 
 def require_ready(options: Options) -> None:
@@ -22,19 +17,10 @@ def require_ready(options: Options) -> None:
         OutFile(path).close()
     if options.recordings is not None:
         made_folder(options.recordings)
-    if options.contact:
-        _require_contact(options)
     if options.web is not None:
         _require_web(options)
     if options.midi:
         _require_midi(options)
-
-
-def _require_contact(options: Options) -> None:
-    try:
-        contact_choice(VERBS[_CONTACT].parse(options.contact))
-    except Refused as error:
-        raise ServeError(f"{_CONTACT}: {error}") from None
 
 
 def _require_web(options: Options) -> None:

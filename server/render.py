@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from operator import index
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import thread_time
 from typing import NamedTuple, SupportsIndex
 
 import numpy as np
@@ -21,6 +20,7 @@ from ..dsp.runtime.engine import Engine
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN, ROOM, SENSED, STEPS, Parameter
 from ..dsp.wording import expected
 from ..presets import PresetError, Presets
+from .costs import CostWatch
 from .files.spool import Spool, StemSpools
 from .files.whole import RenderError, require_format, writing
 from .limiting import LimiterWatch, Limiting
@@ -46,9 +46,6 @@ LONGEST_REST = LONGEST_BOUNCE + LONGEST_TAIL
 
 _MOST_NAMES = 8  # of gestures, in a warning
 
-
-_FREE = 2.0
-"""s of a processor, beyond its own length, that a sound may take before a render warns."""
 _BUDGET = "/budget"
 _PEAK = Parameter("normalize", -100.0, 0.0, "dBFS")
 
@@ -64,7 +61,7 @@ def _is_rate(value: SupportsIndex) -> bool:
 @dataclass(frozen=True)
 class Options:
     """Options of a render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
-    seconds (None: until the score's /end, or silence), and the arguments of a /contact to begin with.
+    seconds (None: until the score's /end, or silence).
 
     channels, gain (dB), limiter and bank (one of FORMS) hold from the start, in place of what the score says of them at
     time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). full_scale: the pressure (Pa) of a sample of 1.0,
@@ -77,7 +74,6 @@ class Options:
     block: int = 16_384
     format: str | None = None
     seconds: float | None = None
-    contact: tuple[Argument, ...] = ()
     channels: int | None = None
     gain: float | None = None
     limiter: bool | None = None
@@ -125,7 +121,6 @@ class Options:
         """The messages with which the render begins."""
         limiter = False if self.calibrated or (self.normalize is not None and self.limiter is None) else self.limiter
         return [
-            *([Message("/contact", self.contact)] if self.contact else []),
             *([Message("/limiter", ("on" if limiter else "off",))] if limiter is not None else []),
             *([Message("/gain", (self.gain,))] if self.gain is not None else []),
             *([Message("/bank", (self.bank,))] if self.bank is not None else []),
@@ -347,7 +342,7 @@ def blocks(
     timeline = _Timeline(lines, options, engine.delay)
     written = -engine.delay
     silence = engine.delay  # that a limiter begins with: it is dropped
-    cost = 0.0  # s of a processor
+    costs = CostWatch(engine, session.objects.slots)
     while timeline.end is None or written < timeline.end:
         stop = written + options.block if timeline.end is None else min(written + options.block, timeline.end)
         parts = []
@@ -355,9 +350,7 @@ def blocks(
             for line in timeline.due(engine.position):
                 _perform(session, line, warn)
             piece = timeline.piece(written, stop - written)
-            begun = thread_time()
-            parts.append(engine.process(piece))
-            cost += thread_time() - begun
+            parts.append(costs.process(piece))
             look()
             written += piece
             timeline.look_for_end(session, warn)
@@ -370,10 +363,8 @@ def blocks(
         silence -= dropped
         if len(sound) > dropped:
             yield sound[dropped:]
-    seconds = written / options.rate
-    if cost > seconds + _FREE:
-        advice = "/budget 16 8192 bounds what contacts cost"
-        warn(f"{seconds:.3g} s of sound took {cost:.3g} s of a processor: {advice}")
+    if said := costs.warning():
+        warn(said)
 
 
 def _perform(session: Session, line: Line, warn: Callable[[str], object]) -> None:

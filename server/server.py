@@ -24,12 +24,11 @@ from .midi.midi import Midi
 from .monitor import Monitor
 from .net.network import Network, Source
 from .net.remote import Remote
-from .options import ServeError
 from .osc.addresses import Call
 from .osc.arguments import Refused, Values
 from .osc.patterns import TooMuch
 from .osc.questions import QUESTIONS, Answer
-from .osc.wire import Argument, BadPacket, Bundle, Message
+from .osc.wire import BadPacket, Bundle, Message
 from .packets import Packet, read
 from .recording import Recording
 from .scene.gesture_ids import Ended
@@ -135,11 +134,6 @@ class Server:
         """Begin to record and to log, from the engine's first sample on; until now the files are as they were."""
         for writer in self._open_writers():
             writer.start()
-
-    def choose_contact(self, args: tuple[Argument, ...]) -> None:
-        """Solve contacts as /contact with these arguments asks; ServeError says why not."""
-        for reply in self._session.perform([Message("/contact", args)], NOW):
-            raise ServeError(": ".join(map(str, reply.args)))
 
     def run(self) -> None:
         """Serve until stopped."""

@@ -67,8 +67,6 @@ def serving(options: Options) -> Iterator[Server]:
         if options.recordings is not None and tap:
             takes = server.recording.takes = Takes(engine, tap, options.recordings, options.quota, options.said)
             files.callback(takes.close)
-        if options.contact:
-            server.choose_contact(options.contact)
         server.start_files()  # not before all else is well: older ones would be lost
         if options.web is not None:
             server.web = _start_web(options, server, tap, stack)

@@ -30,6 +30,7 @@ MODULES = {
     "datasets": "pip install 'carom[loaders]'",
     "gymnasium": "pip install 'carom[gymnasium]'",
     "jack": "apt install jackd2; pip install JACK-Client",
+    "lief": "pip install lief",
     "matplotlib": "pip install 'carom[plot]'",
     "mido": "pip install 'carom[midi]'",
     "mujoco": "pip install 'carom[mujoco]'",
@@ -44,6 +45,7 @@ MODULES = {
     "trimesh": "pip install trimesh",
     "mapbox_earcut": "pip install 'carom[mesh]'",
     "DracoPy": "pip install 'carom[draco]'",
+    "ziglang": "pip install 'carom[cross]'",
     "webdataset": "pip install webdataset",
 }
 """Modules, and how to get them, with the libraries of the system that they load."""

@@ -16,8 +16,7 @@ from carom.server.osc.wire import Message
 from carom.server.scene.session import Session
 
 RATES = (22_050, 32_000, 44_100, 48_000, 96_000, 192_000)
-ACCURACIES = ("-40", "-50", "-60", "-80", "exact")
-METHODS = ("closed", "closed", "closed", "am1", "verlet", "heun", "rk4")
+ACCURACIES = ("-50", "-60", "-80", "exact")
 SUPPORTS = ("felt", "foam", "finger", "palm", "table")
 LIVELY = 0.3
 """The part of a wide range, as its logarithm goes, that swarms keep to: some hundred blows a second."""
@@ -125,7 +124,7 @@ def any_score(seed: int, prefix: str = "o", edges: float = 0.05, seconds: float 
     chance = random.Random(f"{seed} {prefix}")
     names = [f"{prefix}{n}" for n in range(chance.randint(2, 5))]
     bank = "float32" if chance.random() < 0.2 else "float64"
-    first = {"/accuracy": chance.choice(ACCURACIES), "/bank": bank, "/contact": "closed", "/quality": 0}
+    first = {"/accuracy": chance.choice(ACCURACIES), "/bank": bank, "/quality": 0}
     lines = [Line(0.0, Message(address, (word,)), "") for address, word in first.items()]
     lines += [Line(0.05 * (n // 3), _made(chance, name), "") for n, name in enumerate(names)]
     played = [chance.choice(list(GESTURES)) for _ in range(chance.randint(3, 9))]
@@ -174,8 +173,6 @@ def _steering(chance: random.Random, declared: Gesture, id: str, begin: float, s
 def _change(chance: random.Random, name: str) -> Message:
     """Return a change of a setting, or of how is computed."""
     kind = chance.randrange(9)
-    if kind == 0:
-        return Message("/contact", (chance.choice(METHODS),))
     if kind == 1:
         return Message("/accuracy", (chance.choice(ACCURACIES),))
     if kind == 2:

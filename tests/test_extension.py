@@ -189,7 +189,7 @@ def level(sound):
     return 20 * np.log10(np.sqrt(np.mean(np.square(np.asarray(sound, float)))))
 
 ROLL = (
-    "0 /accuracy -40\\n0 /object/new board church-bell\\n"
+    "0 /accuracy -50\\n0 /object/new board church-bell\\n"
     "0 /object/board/roll 0.5 striker glass-marble mass 1e-6 surface wood seed 1 id marble"  # to which a bell is a wall
 )
 plain = level(carom.render(ROLL, seconds=0.5).samples)
@@ -204,7 +204,7 @@ is_halved(carom.render(ROLL + "\\n0 /gesture/marble/looseness 0.5", seconds=0.5)
 # by a scene in this process, as a key and steered
 for steered in (False, True):
     with carom.Scene() as scene:
-        scene.accuracy(-40)
+        scene.accuracy(-50)
         scene.new("board", "church-bell")
         keys = {} if steered else {"looseness": 0.5}
         scene.roll("board", 0.5, striker="glass-marble", mass=1e-6, surface="wood", seed=1, id="marble", **keys)
@@ -217,7 +217,7 @@ words = [sys.executable, "-m", "carom", "serve", "--port", "0", "--device", "non
 server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
 port = int(server.stdout.readline().split(",")[0].rsplit(":", 1)[1])
 with carom.Client(port=port) as client:
-    client.accuracy(-40)
+    client.accuracy(-50)
     client.new("board", "church-bell")
     with client.bundle():  # the server may take its time between two packets
         keys = {"surface": "wood", "seed": 1, "id": "marble", "looseness": 0.9}
@@ -251,7 +251,7 @@ from carom.server.osc.tables import gesture_table
 
 # a roll's parameter at every accuracy
 ROLL = "0 /object/new board church-bell\\n0 /object/board/roll 0.5 striker glass-marble surface wood seed 1"
-for accuracy in ("-40", "-50", "-60", "-80", "exact"):
+for accuracy in ("-50", "-60", "-80", "exact"):
     plain, loose = (
         carom.render(f"0 /accuracy {accuracy}\\n{ROLL}{keys}", seconds=0.5).samples for keys in ("", " looseness 0.5")
     )
@@ -260,7 +260,7 @@ for accuracy in ("-40", "-50", "-60", "-80", "exact"):
 
 # a slide's, as a key and steered, at every accuracy: what is greased is bowed no more
 BOW = "0 /object/new a cello-string\\n0 /object/a/slide 0.2 id bow"
-for accuracy in ("-40", "-60", "exact"):
+for accuracy in ("-50", "-60", "exact"):
     plain, *greased = (
         carom.render(f"0 /accuracy {accuracy}\\n{BOW}{more}", seconds=0.5).samples
         for more in ("", " grease 1", "\\n0 /gesture/bow/grease 1")

@@ -58,6 +58,7 @@ def records() -> dict[str, ast.ClassDef]:
     return {each.name: each for each in classes if each.name in found}
 
 
+@pytest.mark.slow
 def test_kernels_have_hints_and_none_is_any():
     found = []
     for path, tree in trees().items():

@@ -14,10 +14,13 @@ from .progress import AT_WORK, Work, shown_progress
 
 if TYPE_CHECKING:
     from ...presets import Presets
+    from ..export.machines import Machine
 
 PLUGINS = ("clap", "vst3", "lv2")
 TARGETS = ("web", "c", *PLUGINS)
 """The targets of an export."""
+MACHINES = ("linux-x86-64", "linux-arm64", "windows-x86-64", "macos-arm64", "macos-x86-64")
+"""The machines that libraries and plug-ins are made for."""
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -28,8 +31,10 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     text = "folder for the files; it is made if missing (the score's name, then the kind of files)"
     parser.add_argument("folder", metavar="OUT", nargs="?", help=text)
-    text = "kind of files: a web page, a C library, or a plug-in (CLAP, VST3, LV2); all but pages for this machine"
+    text = "kind of files: a web page, a C library, or a plug-in (CLAP, VST3, LV2)"
     parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")
+    text = f"machine of a library or a plug-in, one of {', '.join(MACHINES)} (this one)"
+    parser.add_argument("--for", dest="machine", metavar="MACHINE", choices=MACHINES, type=one_of(*MACHINES), help=text)
     parser.add_argument("--install", action="store_true", help="put the plug-in where hosts look for it")
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
     add_presets(parser)
@@ -50,6 +55,7 @@ def _run(arguments: argparse.Namespace) -> int:
             "--rate",
             str(arguments.rate),
             *more,
+            *(["--for", arguments.machine] if arguments.machine else []),
             *(["--install"] if arguments.install else []),
             "--",
             arguments.score,
@@ -64,6 +70,7 @@ def _export(arguments: argparse.Namespace) -> int:
     from ...presets import Presets
     from ...server.osc.score import parse
     from ...server.render import Options, require_objects
+    from ..export.machines import machine_of
     from ..export.scene import Scene, bake_scene, made_folder
 
     presets = Presets(arguments.presets)
@@ -73,56 +80,66 @@ def _export(arguments: argparse.Namespace) -> int:
     score = parse(content, name)
     require_objects(score, presets)
     Options(arguments.rate).lines_of(score)  # an empty score is refused before anything is compiled
-    _require(arguments.to, arguments.install)
-    folder = made_folder(Path(arguments.folder or f"{title}-{arguments.to}"))
-    _prepare(arguments.to)
+    _require(arguments)
+    machine = None if arguments.to == "web" else machine_of(arguments.machine)
+    folder = made_folder(Path(arguments.folder or "-".join(filter(None, (title, arguments.to, arguments.machine)))))
+    _prepare(machine)
     with shown_progress(Work("export", AT_WORK), title) as change:
 
         def baked(rate: int) -> Scene:
             change(description=f"{title} at {rate} Hz")
             return bake_scene(score, text, title, presets, Options(rate), warnings.append)
 
-        if arguments.to == "web":
+        if machine is None:
             from ..export.web import write_page
 
             write_page(baked(arguments.rate), folder)
         elif arguments.to == "c":
             from ..export.c import write_library
 
-            write_library(baked(arguments.rate), folder)
+            write_library(baked(arguments.rate), folder, machine)
         else:
-            from ..export.plugins import HOMES, RATES, install, write_plugin
+            from ..export.plugins import RATES, write_plugin
 
-            made = write_plugin([baked(rate) for rate in sorted({*RATES, arguments.rate})], folder, arguments.to)
+            scenes = [baked(rate) for rate in sorted({*RATES, arguments.rate})]
+            made = write_plugin(scenes, folder, machine, arguments.to)
     for warning in dict.fromkeys(warnings):
         tell("export", warning)
-    if arguments.to in PLUGINS:
-        there = f"{install(made)} is installed" if arguments.install else f"copy {made} to {HOMES[arguments.to]}"
-        tell("export", f"{there}; hosts find it when they look for plug-ins again")
+    if machine and arguments.to in PLUGINS:
+        _say_where(made, machine, arguments)
     return 0
 
 
-def _require(target: str, installs: bool) -> None:
-    """Raise ExportError where this machine can't make an export."""
-    from ..export import c, plugins
+def _say_where(made: Path, machine: "Machine", arguments: argparse.Namespace) -> None:
+    """Install a plug-in, or say where it belongs."""
+    from ..export.plugins import HOMES, install
+
+    home = HOMES[machine.system][arguments.to]
+    there = f"{install(made)} is installed" if arguments.install else f"copy {made} to {home}"
+    tell("export", f"{there}; hosts find it when they look for plug-ins again")
+
+
+def _require(arguments: argparse.Namespace) -> None:
+    """Raise ExportError where options contradict each other."""
+    from ..export.machines import machine_of
     from ..export.scene import ExportError
 
-    if target in PLUGINS:
-        plugins.require_system()
-    elif installs:
-        raise ExportError(f"--install: expected --to {', '.join(PLUGINS)}; {target} is no plug-in")
-    if target != "web":
-        c.c_compiler()
+    if arguments.machine and arguments.to == "web":
+        raise ExportError(f"--for {arguments.machine}: expected --to c, {', '.join(PLUGINS)}; a page plays on all")
+    if arguments.install and arguments.to not in PLUGINS:
+        raise ExportError(f"--install: expected --to {', '.join(PLUGINS)}; {arguments.to} is no plug-in")
+    if arguments.install and arguments.machine and machine_of(arguments.machine)[:2] != machine_of(None)[:2]:
+        raise ExportError(f"--install: expected a plug-in for this machine, not for {arguments.machine}")
 
 
-def _prepare(target: str) -> None:
+def _prepare(machine: "Machine | None") -> None:
     """Have the machine code that an export is made of: what did not come along is compiled now, and told."""
     from ...dsp.native.wasm import object_file
     from ...dsp.runtime import callback, engine
     from ..export import c
 
     engine.prepare()
-    (object_file(callback.__name__) if target == "web" else c.engine_file()).content()
+    (c.engine_file(machine.target) if machine else object_file(callback.__name__)).content()
 
 
 def read_scene(word: str, presets: "Presets") -> tuple[str, str, bytes]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...server.osc.wire import DEFAULT_PORT, MOST_PORT
-from .parser import one_of, pascals, whole
+from .parser import one_of, pascals
 
 if TYPE_CHECKING:
     from ..client import Client
@@ -33,26 +33,6 @@ def switch(word: str | None) -> bool | None:
 
 def no_options(parser: argparse.ArgumentParser) -> None:
     """Add no option."""
-
-
-def add_contact(parser: argparse.ArgumentParser) -> None:
-    """Add the options that choose how contacts are solved; `contact` reads them."""
-    parser.add_argument(
-        "--contact", metavar="METHOD", help="solver of contacts: closed, am1, verlet, heun or rk4 (closed)"
-    )
-    parser.add_argument("--correction", help="correction of a sampled METHOD: none, hybrid, release, both, ...")
-    parser.add_argument("--oversampling", type=whole, metavar="N", help="steps per sample of a sampled METHOD")
-
-
-def contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
-    """Return the arguments of the /contact that the options ask for; none without options."""
-    keys = {"correction": arguments.correction, "oversampling": arguments.oversampling}
-    given = [part for key, value in keys.items() if value is not None for part in (key, value)]
-    return (
-        ("closed" if arguments.contact is None else arguments.contact, *given)
-        if given or arguments.contact is not None
-        else ()
-    )
 
 
 def add_bank(parser: argparse.ArgumentParser, default: str | None, otherwise: str) -> None:

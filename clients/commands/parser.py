@@ -92,6 +92,10 @@ def _takes(option: argparse.Action, word: str) -> bool:
 
 
 def _options(option: str, known: Iterable[str]) -> str:
+    if option in ("--contact", "--correction", "--oversampling"):
+        from ...server.osc.addresses import GONE  # slow to load
+
+        return GONE["/contact"]
     return suggestion(option, known) or f"expected {', '.join(known)}, or -- before an argument that begins with -"
 
 

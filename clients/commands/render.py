@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import tell
 from ..processors import processors
-from .options import RATE, SCORE, SWITCH, add_bank, add_contact, add_full_scale, add_presets, contact, on_end, switch
+from .options import RATE, SCORE, SWITCH, add_bank, add_full_scale, add_presets, on_end, switch
 from .parser import Command, number, one_of, whole
 from .progress import SECONDS_OF_SOUND, Work, shown_progress
 
@@ -66,7 +66,6 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "--object", action="append", default=[], metavar="[CHANNEL:]PRESET",
         help="object that plays a MIDI file, or a channel of it, as 10:tom; may be given several times",
     )  # fmt: skip
-    add_contact(parser)
     add_presets(parser)
 
 
@@ -80,7 +79,7 @@ def _run(arguments: argparse.Namespace) -> int:
     keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize", "bank", "full_scale")
     given = {key: getattr(arguments, key) for key in keys}
     budget = None if arguments.budget is None else tuple(arguments.budget)
-    options = Options(**given, contact=contact(arguments), limiter=switch(arguments.limiter), budget=budget)
+    options = Options(**given, limiter=switch(arguments.limiter), budget=budget)
     todo = tasks(arguments.scores, arguments.out, arguments.plot, arguments.stems, arguments.object)
     jobs = min(len(todo), processors() if arguments.jobs is None else arguments.jobs)
     if not 1 <= jobs <= MOST_JOBS:

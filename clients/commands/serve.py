@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ...server.osc.wire import DEFAULT_PORT
 from ..actions import CommandError
 from .ending import end_within
-from .options import RATE, SWITCH, add_bank, add_contact, add_full_scale, add_presets, contact, on_end
+from .options import RATE, SWITCH, add_bank, add_full_scale, add_presets, on_end
 from .parser import Command, number, size, whole
 
 if TYPE_CHECKING:
@@ -90,7 +90,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     add_full_scale(parser, 4.0, "%(default)g")
     add_bank(parser, "float64", "%(default)s")
-    add_contact(parser)
     add_presets(parser)
 
 
@@ -135,7 +134,6 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
         presets=tuple(arguments.presets),
         midi=tuple(arguments.midi),
         trust=tuple(arguments.trust),
-        contact=contact(arguments),
         limiter=arguments.limiter == "on",
         headroom=arguments.headroom == "on",
     )

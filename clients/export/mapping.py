@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...dsp.bodies.striker import StrikerSound
-from ...dsp.contact.accuracy import LEVELS
+from ...dsp.contact.accuracy import NUMBERS as ACCURACIES
 from ...dsp.engine.memory import commands
 from ...dsp.engine.memory.capacity import MOST_CHANNELS, SHAPE_VALUES
 from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
@@ -118,7 +118,7 @@ def rules() -> dict[str, Any]:
         "steerable": {name: place for place, name in enumerate(STEERABLE)},
         "settings": {name: place for place, name in enumerate(SETTINGS)},
         "joined": int(End.JOINED),
-        "levels": LEVELS,
+        "levels": ACCURACIES,
         "forms": FORMS,
         "dry": DRY,
         "rates": (LOWEST_RATE, HIGHEST_RATE),
@@ -141,7 +141,8 @@ def _laid(name: str, kind: np.dtype[Any]) -> Iterator[str]:
 
 
 def _is_played(verb: Verb) -> bool:
-    return verb.address in _OF_ENGINE or (verb.target != "" and verb.action in _PLAYED and verb.scored)
+    parts = verb.address.count("/")
+    return verb.address in _OF_ENGINE or (verb.target != "" and parts == 3 and verb.action in _PLAYED and verb.scored)
 
 
 def _state() -> dict[str, Any]:
@@ -228,7 +229,7 @@ def _argument(each: Parameter | Word | Either | Note | Numbers) -> dict[str, Any
         return said | {key: value for key, value in more.items() if value is not None and value is not False}
     if isinstance(each, Note):
         return {"name": each.name, "low": each.low, "high": each.high, "unit": "", "expected": "a number from 0 to 127"}
-    words = {"words": each.words} if isinstance(each, Either) else {}
+    words = {"words": tuple(dict.fromkeys((*each.words, *each.old)))} if isinstance(each, Either) else {}
     return {"name": each.name, **words}
 
 

@@ -1,4 +1,4 @@
-"""A scene's objects as instruments: a CLAP, VST3 or LV2 plug-in for this machine, with its sources.
+"""A scene's objects as instruments: a CLAP, VST3 or LV2 plug-in for a machine, with its sources.
 
 The plug-in for CLAP is the instrument; those of the other formats are a host of it (`clap/guest.c`).
 """
@@ -6,7 +6,8 @@ The plug-in for CLAP is the instrument; those of the other formats are a host of
 from __future__ import annotations
 
 import math
-import platform
+import os
+import plistlib
 import shutil
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -18,6 +19,7 @@ from ...dsp.native.targets import system
 from . import c
 from .baking import maker_of
 from .instruments import MACROS, Instrument
+from .machines import Machine
 from .scene import ExportError, Scene
 from .turtle import turtle_files
 
@@ -27,29 +29,38 @@ RATES = (44_100, 48_000, 88_200, 96_000)
 OWN_STRIKER = "the object's own"
 """The name of a striker that is left to the object's preset."""
 
-HOMES = {"clap": "~/.clap", "vst3": "~/.vst3", "lv2": "~/.lv2"}
-"""Where hosts look for a user's plug-ins, by format."""
-FORMATS = tuple(HOMES)
-
+HOMES = {
+    "linux": {"clap": "~/.clap", "vst3": "~/.vst3", "lv2": "~/.lv2"},
+    "darwin": {
+        "clap": "~/Library/Audio/Plug-Ins/CLAP",
+        "vst3": "~/Library/Audio/Plug-Ins/VST3",
+        "lv2": "~/Library/Audio/Plug-Ins/LV2",
+    },
+    "windows": {
+        "clap": r"%LOCALAPPDATA%\Programs\Common\CLAP",
+        "vst3": r"%LOCALAPPDATA%\Programs\Common\VST3",
+        "lv2": r"%APPDATA%\LV2",
+    },
+}
+"""Where hosts look for a user's plug-ins, by system and format."""
+FORMATS = tuple(HOMES["linux"])
 
 _FILES = Path(__file__).parent
 _CORE = ("plugin.c", "extensions.c", "instrument.c")
 _HEADERS = ("plugin.h", "instrument.h")
 _OTHERS = {"clap": ("clap",), "vst3": ("clap", "travesty"), "lv2": ("clap", "lv2")}
 """The folders of other people's headers that each format needs."""
-_FLAGS = ("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wl,--exclude-libs,ALL")
 
 
-def write_plugin(scenes: Sequence[Scene], folder: Path, form: str = "clap") -> Path:
+def write_plugin(scenes: Sequence[Scene], folder: Path, machine: Machine, form: str = "clap") -> Path:
     """Write a plug-in of one scene at several rates, and its sources, into a folder that is there.
 
-    form: one of FORMATS. Return the plug-in's file, or its folder. ExportError where this machine cannot make one, and
+    form: one of FORMATS. Return the plug-in's file, or its folder. ExportError where the machine's compiler fails, and
     where no object has a mode that is heard.
     """
-    require_system()
     instruments = _instruments(scenes[0])
     described = _described(scenes, instruments)
-    compiler = c.write_static(folder)
+    c.write_static(folder, machine)
     for scene in scenes:
         (folder / f"{int(scene.baked.engine.rate)}.carom").write_bytes(scene.file())
     (folder / "scene.h").write_text(described, encoding="utf-8", newline="\n")
@@ -64,31 +75,55 @@ def write_plugin(scenes: Sequence[Scene], folder: Path, form: str = "clap") -> P
         shutil.copytree(_FILES / "vendor" / name, folder / name, dirs_exist_ok=True)
     title = _file_name(scenes[0].title)
     made = folder / f"{title}.{form}"
-    file = made if form == "clap" else _bundle(made, title, form, instruments, scenes[0])
-    more = {"clap": (), "vst3": ("-fms-extensions",), "lv2": ("-I.",)}[form]
-    names = [each.name for each in sources]
-    c.run(*compiler, *_FLAGS, *more, *names, "libcarom.a", "-lm", "-o", file.relative_to(folder), cwd=folder)
+    file = folder / _place(title, form, machine)
+    if file != made:
+        shutil.rmtree(made, ignore_errors=True)
+        file.parent.mkdir(parents=True)
+    if form == "lv2":
+        strikers, channels = [OWN_STRIKER, *scenes[0].strikers.names], scenes[0].baked.engine.channels
+        for name, text in turtle_files(instruments, strikers, channels, file.name).items():
+            (made / name).write_text(text, encoding="utf-8", newline="\n")
+    elif machine.system == "darwin":
+        (made / "Contents" / "Info.plist").write_bytes(_property_list(title, form))
+        (made / "Contents" / "PkgInfo").write_text("BNDL????")
+    more = {"clap": [], "vst3": ["-fms-extensions"], "lv2": ["-I."]}[form]
+    words: list[object] = [*more, *(each.name for each in sources), "libcarom.a"]
+    machine.link(file.relative_to(folder).as_posix(), words, folder)
     return made
 
 
-def _bundle(folder: Path, title: str, form: str, instruments: Sequence[Instrument], scene: Scene) -> Path:
-    """Make the folder of a VST3 or LV2 plug-in, with all but its library; return where that belongs."""
-    shutil.rmtree(folder, ignore_errors=True)
-    binary = (
-        folder / f"{title}.so" if form == "lv2" else folder / "Contents" / f"{platform.machine()}-linux" / f"{title}.so"
-    )
-    binary.parent.mkdir(parents=True)
+def _place(title: str, form: str, machine: Machine) -> Path:
+    """Return where a plug-in's library lies in the folder of an export."""
+    named = Path(f"{title}.{form}")
     if form == "lv2":
-        strikers = [OWN_STRIKER, *scene.strikers.names]
-        channels = scene.baked.engine.channels
-        for name, text in turtle_files(instruments, strikers, channels, binary.name).items():
-            (folder / name).write_text(text, encoding="utf-8", newline="\n")
-    return binary
+        return named / (title + {"windows": ".dll", "darwin": ".dylib"}.get(machine.system, ".so"))
+    if machine.system == "darwin":
+        return named / "Contents" / "MacOS" / title
+    if form == "clap":
+        return named
+    within = {"windows": f"{machine.family}-win"}.get(machine.system, f"{machine.family}-{machine.system}")
+    return named / "Contents" / within / f"{title}{'.vst3' if machine.system == 'windows' else '.so'}"
+
+
+def _property_list(title: str, form: str) -> bytes:
+    """Return what macOS reads of a plug-in's folder before it loads it."""
+    said = {
+        "CFBundleExecutable": title,
+        "CFBundleIdentifier": f"carom.{form}.{title}",
+        "CFBundleName": title,
+        "CFBundlePackageType": "BNDL",
+        "CFBundleSignature": "????",
+        "CFBundleShortVersionString": version("carom"),
+        "CFBundleVersion": version("carom"),
+        "CFBundleDevelopmentRegion": "en",
+        "CFBundleInfoDictionaryVersion": "6.0",
+    }
+    return plistlib.dumps(said)
 
 
 def install(made: Path) -> Path:
-    """Put a plug-in where hosts look for it; return where that is."""
-    home = Path(HOMES[made.suffix[1:]]).expanduser()
+    """Put a plug-in where this machine's hosts look for it; return where that is."""
+    home = Path(os.path.expandvars(HOMES[system()][made.suffix[1:]])).expanduser()
     home.mkdir(parents=True, exist_ok=True)
     there = home / made.name
     if made.is_dir():
@@ -99,12 +134,6 @@ def install(made: Path) -> Path:
         shutil.copyfile(made, partly)
         partly.replace(there)  # whole, whoever has loaded the old one
     return there
-
-
-def require_system() -> None:
-    """Raise ExportError where no plug-in can be made."""
-    if system() != "linux":
-        raise ExportError("a plug-in is made on Linux alone")
 
 
 def _instruments(scene: Scene) -> list[Instrument]:
@@ -199,9 +228,19 @@ static const clap_plugin_descriptor_t descriptors[] = {{
 }};
 
 /* The bytes of a file, as the assembler takes them from the folder in which the compiler runs. */
+#if defined __APPLE__
+#define READ_ONLY ".section __TEXT,__const"
+#define AS_C(name) "_" name
+#elif defined _WIN32
+#define READ_ONLY ".section .rdata,\\"dr\\""
+#define AS_C(name) name
+#else
+#define READ_ONLY ".section .rodata"
+#define AS_C(name) name
+#endif
 #define BAKED(rate) \\
-    __asm__(".section .rodata\\n.balign 64\\nscene_" #rate ":\\n.incbin \\"" #rate ".carom\\"\\nscene_" #rate \\
-            "_end:\\n.byte 0\\n.previous"); \\
+    __asm__(READ_ONLY "\\n.balign 64\\n" AS_C("scene_" #rate) ":\\n.incbin \\"" #rate ".carom\\"\\n" \\
+            AS_C("scene_" #rate "_end") ":\\n.byte 0\\n.text"); \\
     extern const unsigned char scene_##rate[] __attribute__((visibility("hidden"))); \\
     extern const unsigned char scene_##rate##_end[] __attribute__((visibility("hidden")));
 

@@ -10,10 +10,8 @@ import numpy as np
 
 from ._capture import Capture
 from .clients.actions import plain
-from .clients.gesture_methods import Value
 from .clients.performer import Folders, Performer
 from .dsp.arguments import explain_arguments
-from .server.files.whole import RenderError
 from .server.osc.score import LONGEST_SCORE, Line, ScoreError, parse, read
 from .server.osc.wire import Message
 from .server.render import Options, blocks
@@ -34,7 +32,6 @@ def render(
     seconds: float | None = None,
     stems: bool = False,
     contacts: bool = False,
-    contact: str | Sequence[Value] = (),
     presets: Folders = (),
 ) -> Sound:
     r"""Render a score, to the bits of `carom render`.
@@ -53,8 +50,6 @@ def render(
         Peak of the whole, dB of full scale; without a limiter unless one is asked for.
     seconds : float, optional
         Length in s. Default: until silence.
-    contact : str or list, optional
-        Solver of contacts, as `/contact` takes it: "verlet", or ("verlet", 4, "correction", "both").
 
     Returns
     -------
@@ -76,11 +71,8 @@ def render(
     1.0
     """
     lines = _lines(score)
-    if not isinstance(contact, str | Sequence):
-        raise RenderError(f"contact = {contact!r}: expected a method's name, or a tuple that begins with it")
-    choice = (contact,) if isinstance(contact, str) else tuple(map(plain, contact))
     options = Options(
-        rate, seconds=plain(seconds), contact=choice, channels=plain(channels), gain=plain(gain), limiter=limiter,
+        rate, seconds=plain(seconds), channels=plain(channels), gain=plain(gain), limiter=limiter,
         calibrated=calibrated, normalize=plain(normalize), full_scale=plain(full_scale),
     )  # fmt: skip
     performer = Performer(options, lines, presets, stems, contacts, steers_ended=True)

@@ -17,6 +17,7 @@ from .clients.performer import Folders, Performer, Placed
 from .dsp.arguments import explain_all_arguments
 from .dsp.schema import SETTINGS
 from .server.closing import Closing
+from .server.costs import CostWatch
 from .server.files.whole import RenderError
 from .server.osc.score import LONGEST_SCORE
 from .server.osc.wire import Argument, Message
@@ -180,8 +181,10 @@ class Scene(Actions, Closing):
             if performer.engine.position == 0:
                 performer.engine.process(performer.engine.delay)  # the silence that the limiter begins with
             self._frames += round(_number(seconds) * self.rate) if frames is None else int(_number(frames))
+            costs = CostWatch(performer.engine, performer.scene.objects.slots)
             while left := self._frames - capture.end:
-                capture.add(performer.engine.process(min(left, capture.room())))
+                capture.add(costs.process(min(left, capture.room())))
+            capture.warnings += filter(None, [costs.warning()])
             return capture.sound()
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:

@@ -13,7 +13,7 @@ function capitalized(text) {
 
 export class Controls {
   constructor(box, scene, hands) {
-    Object.assign(this, { box, scene, hands, open: new Set(["object", "impact"]) });
+    Object.assign(this, { box, scene, hands, open: new Set() });
     for (const type of ["selected", "known"]) {
       scene.addEventListener(type, ({ detail }) => (type === "selected" || detail === scene.selected) && this.show());
     }
@@ -27,6 +27,7 @@ export class Controls {
     }
     this.box.replaceChildren(
       this.head(object),
+      this.macros(object),
       this.section("object", "Object", this.settings(object)),
       ...Object.entries(this.scene.catalogue.gestures).map(([name, gesture]) => this.section(name, name, this.gesture(object, name, gesture))),
       this.section("law", "Contact law", this.law()),
@@ -47,6 +48,33 @@ export class Controls {
       el("p", { textContent: preset.description }),
       el("p", { className: "quiet", textContent: facts }),
       el("div", { className: "row" }, copy, remove));
+  }
+
+  /** The knobs that every object has, and a die that turns them. */
+  macros(object) {
+    const rows = this.scene.catalogue.macros.map((parameter) => {
+      const { name, ends, help } = parameter;
+      let first = true;
+      const turn = (value) => {
+        this.scene.turn(object.name, name, value, first);
+        first = false;
+      };
+      const row = slider({ ...parameter, help: `${capitalized(help)}: ${ends.join(" to ")}` }, object.macros[name] ?? null, parameter.default, turn, () => {
+        this.scene.turn(object.name, name, parameter.default);
+        this.show();
+      });
+      row.querySelector("output").replaceWith(el("small", { textContent: ends.join(" – ") }));
+      row.addEventListener("change", () => {
+        first = true;
+        this.scene.look(object, false);
+      });
+      return row;
+    });
+    const dice = el("button", { textContent: "Die", title: "Turn all knobs at random; Undo takes it back" });
+    dice.onclick = () => this.scene.throwDice(object);
+    const middle = el("button", { textContent: "Middle", title: "Put all knobs back to the middle" });
+    middle.onclick = () => this.scene.turnAll(object.name, Object.fromEntries(this.scene.catalogue.macros.map((each) => [each.name, each.default])));
+    return el("div", { className: "macros", role: "group", "aria-label": "Macros" }, ...rows, el("div", { className: "row" }, dice, middle));
   }
 
   section(key, title, children) {

@@ -82,7 +82,7 @@ export class Scene extends EventTarget {
     const body = bodyOf(preset);
     const place = this.places[name];
     const [x, y] = exact && place ? place : this.room.freeSpot(name, body, place ?? near);
-    const object = { name, preset, body, material: preset.material, level: -200, seen: 0, amps: new Map(), modes: null, settings: {}, made: {} };
+    const object = { name, preset, body, material: preset.material, level: -200, seen: 0, amps: new Map(), modes: null, settings: {}, macros: {}, made: {} };
     this.objects.set(name, object);
     this.place(name, x, y);
     this.look(object);
@@ -91,17 +91,18 @@ export class Scene extends EventTarget {
   }
 
   /** Ask for an object's modes and settings, once the server has them as they were set here. */
-  async look(object) {
+  async look(object, tell = true) {
     await this.link.sync();
     const response = await fetch(`/page/object/${encodeURIComponent(object.name)}`);
     if (!response.ok) return;
     object.modes = await response.json();
     object.settings = object.modes.settings;
+    object.macros = object.modes.macros;
     object.made = object.modes.made;
     object.material = object.modes.material;
     object.body = bodyOf({ ...object.preset, ...object.modes, name: object.preset.name, view: object.body.view });
     object.peaks = object.modes.frequency.map((_, i) => Math.max(...(object.modes.shapes ?? object.modes.strike).map((row) => Math.abs(row[i]))));
-    this.dispatchEvent(new CustomEvent("known", { detail: object.name }));
+    if (tell) this.dispatchEvent(new CustomEvent("known", { detail: object.name }));
   }
 
   vanish(name) {
@@ -134,10 +135,11 @@ export class Scene extends EventTarget {
   }
 
   /** Ask for an object; `keys`: of /object/new; `where`: near which place it should lie, if there is room. */
-  make(name, preset, keys = {}, where = {}) {
+  make(name, preset, keys = {}, where = {}, macros = {}) {
     this.pending.set(name, where);
     setTimeout(() => this.pending.delete(name), 3000);
     this.link.send("/object/new", name, preset, ...Object.entries(keys).flat());
+    for (const [macro, value] of Object.entries(macros)) this.link.send(`/object/${name}/macro/${macro}`, value);
   }
 
   add(preset, x, y) {
@@ -150,16 +152,17 @@ export class Scene extends EventTarget {
   }
 
   remove(name) {
-    const { preset, keys } = this.entry(this.objects.get(name));
+    const { preset, keys, macros } = this.entry(this.objects.get(name));
     this.link.send(`/object/${name}/free`, 1);
-    this.did(() => this.make(name, preset, keys));
+    this.did(() => this.make(name, preset, keys, {}, macros));
   }
 
   /** An object as a table keeps it. */
-  entry({ name, preset, made, settings, x, y }) {
+  entry({ name, preset, made, settings, macros, x, y }) {
     const usual = new Map(this.catalogue.settings.map((each) => [each.name, each.default]));
     const set = Object.entries(settings).filter(([key, value]) => value !== usual.get(key) || key in made);
-    return { name, preset: preset.name, keys: { ...made, ...Object.fromEntries(set) }, x, y, velocity: preset.velocity, position: preset.position };
+    const turned = this.catalogue.macros.map((each) => [each.name, macros[each.name] ?? each.default]).filter(([, value], n) => value !== this.catalogue.macros[n].default);
+    return { name, preset: preset.name, keys: { ...made, ...Object.fromEntries(set) }, macros: Object.fromEntries(turned), x, y, velocity: preset.velocity, position: preset.position };
   }
 
   /** The table as a score. */
@@ -204,10 +207,10 @@ export class Scene extends EventTarget {
   }
 
   lay(objects) {
-    for (const { name, preset, keys, x, y } of objects) {
+    for (const { name, preset, keys, macros, x, y } of objects) {
       if (x === undefined) delete this.places[name];
       else this.place(name, x, y);
-      this.make(name, preset, keys, { exact: x !== undefined });
+      this.make(name, preset, keys, { exact: x !== undefined }, macros);
     }
   }
 
@@ -228,6 +231,37 @@ export class Scene extends EventTarget {
     this.link.steer(`/object/${name}/${key}`, value);
     this.dispatchEvent(new Event("set"));
     if (remember && before !== undefined) this.did(() => { this.set(name, key, before, false); this.select(name); });
+  }
+
+  /** Turn a macro of an object. */
+  turn(name, macro, value, remember = true) {
+    const object = this.objects.get(name);
+    if (!object) return;
+    const before = object.macros[macro];
+    object.macros[macro] = value;
+    this.link.steer(`/object/${name}/macro/${macro}`, value);
+    this.dispatchEvent(new Event("set"));
+    if (remember && before !== undefined) this.did(() => { this.turn(name, macro, before, false); this.select(name); });
+  }
+
+  /** Turn several macros of an object, which one Undo takes back. */
+  turnAll(name, macros, remember = true) {
+    const object = this.objects.get(name);
+    if (!object) return;
+    const before = { ...object.macros };
+    for (const [macro, value] of Object.entries(macros)) if (value !== before[macro]) this.turn(name, macro, value, false);
+    if (remember) this.did(() => this.turnAll(name, before, false));
+    this.select(name);
+  }
+
+  /** Turn all macros of an object as a die falls. */
+  async throwDice(object) {
+    this.link.send(`/object/${object.name}/dice`);
+    this.did(async () => {
+      this.link.send(`/object/${object.name}/undo`);
+      await this.look(object);
+    });
+    await this.look(object);
   }
 
   place(name, x, y) {

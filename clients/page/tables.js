@@ -11,9 +11,10 @@ export function write(title, objects, heard) {
     `${HEAD}: ${title}`,
     "# Open it on Carom's page, or hear its objects: carom render table.txt table.wav",
   ];
-  for (const { name, preset, keys, x, y } of objects) {
+  for (const { name, preset, keys, macros = {}, x, y } of objects) {
     lines.push(`# at ${x} ${y} ${name}`);
     lines.push(["0.0", "/object/new", written(name), written(preset), ...Object.entries(keys).flat().map(written)].join(" "));
+    for (const [macro, value] of Object.entries(macros)) lines.push(`0.0 /object/${name}/macro/${macro} ${value}`);
   }
   lines.push(...heard);
   objects.forEach(({ name, velocity, position }, n) => {
@@ -42,6 +43,9 @@ export function read(text) {
     if (name) places.set(name, [within(x), within(y)]);
     const [, address, ...args] = (line.match(TOKEN) ?? []).filter((token) => !token.startsWith("#")).map(valueOf);
     if (address === "/object/new") objects.push(made(args, places));
+    const [, turned, macro] = String(address).match(/^\/object\/([^/]+)\/macro\/(\w+)$/) ?? [];
+    const of = objects.find((each) => each.name === turned);
+    if (of && Number.isFinite(args[0])) of.macros[macro] = args[0];
   }
   return { title: first.slice(HEAD.length).replace(/^:?\s*/, ""), objects, listener };
 }
@@ -55,7 +59,7 @@ function made([name, preset, ...pairs], places) {
   const keys = {};
   for (let n = 0; n + 1 < pairs.length; n += 2) keys[pairs[n]] = pairs[n + 1];
   const [x, y] = places.get(name) ?? [];
-  return { name: String(name), preset: String(preset), keys, x, y };
+  return { name: String(name), preset: String(preset), keys, macros: {}, x, y };
 }
 
 function valueOf(token) {

@@ -33,8 +33,9 @@ from ..native.jit import kernel, noinline_kernel, simd_kernel
 from ..native.typed import Items
 from .block_choice import landing_of, swing_of
 from .block_records import TERMS, Block, Net, Newton, motion_of, weigh_all
-from .collocation import discrete_gradient, elastic, eliminate
+from .collocation import discrete_gradient, eliminate
 from .coupled_records import Coupled, Member
+from .law import elastic
 from .step_record import NODES
 from .terms import NONE, dot, is_near, plus, project_law, put, solve_terms, take, times, work_of
 

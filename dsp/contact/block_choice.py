@@ -11,8 +11,8 @@ import math
 
 from ..native.jit import kernel
 from .block_records import TERMS
-from .collocation import elastic
 from .coupled_records import Coupled
+from .law import compression_at, compression_of_energy, compression_of_stiffness, elastic, stiffness_at
 
 IN_STEP = 20e-3
 """s: over which what rolls, slides or strikes is to stay in step, if its loss does not end a swing before."""
@@ -78,7 +78,7 @@ def landing_of(contact: Coupled) -> float:
     if contact.a == 1.0:
         return math.inf
     rate = max(LANDS, _HARDER * swing_of(contact)) / contact.period
-    deepest = (rate * rate * contact.mass / (contact.a * contact.k)) ** (1.0 / (contact.a - 1.0))
+    deepest = compression_of_stiffness(rate * rate * contact.mass, contact.k, contact.a)
     energy: float = elastic(deepest, contact.k, contact.a)
     return energy
 
@@ -107,7 +107,7 @@ def _stiffness(contact: Coupled) -> float:
     if contact.rest_force > 0.0:
         return contact.a * contact.rest_force / contact.rest_compression
     energy = elastic(contact.motion[0], contact.k, contact.a) + 0.5 * contact.m * contact.v * contact.v
-    deepest = ((contact.a + 1.0) * energy / contact.k) ** (1.0 / (contact.a + 1.0))
-    deepest = max(deepest, (max(contact.push, 0.0) / contact.k) ** (1.0 / contact.a))
-    stiffness: float = contact.a * contact.k * deepest ** (contact.a - 1.0)
+    deepest = compression_of_energy(energy, contact.k, contact.a)
+    deepest = max(deepest, compression_at(max(contact.push, 0.0), contact.k, contact.a))
+    stiffness = stiffness_at(deepest, contact.k, contact.a)
     return stiffness

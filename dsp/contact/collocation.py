@@ -19,6 +19,7 @@ from numpy.polynomial import legendre
 from ..native.jit import kernel
 from ..native.typed import View, View2D
 from ..numerics.settled import same_everywhere
+from .law import compression_at, elastic, law_with_slopes, slack_of, spring_of
 from .step_record import NODES, Step
 
 GAUSS = same_everywhere("GAUSS", (legendre.leggauss(NODES)[0] + 1.0) / 2.0)
@@ -58,52 +59,6 @@ _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
 _SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
 _FAR = (_LENGTHEN / WITHIN) ** 4  # times the rest that is left, from which on that much is allowed
-
-
-@kernel
-def raised(x: float, exponent: float) -> float:
-    """Raise x >= 0 to an exponent; by products and a root where that is a half or a whole of those of laws with an
-    exponent of 1, 3/2, 2 or 3."""
-    if exponent == 0.5:
-        return math.sqrt(x)
-    if exponent == 1.5:
-        return x * math.sqrt(x)
-    if exponent == 2.5:
-        return x * x * math.sqrt(x)
-    if exponent == 1.0:
-        return x
-    if exponent == 2.0:
-        return x * x
-    if exponent == 3.0:
-        return x * x * x
-    if exponent == 4.0:
-        return (x * x) * (x * x)
-    power: float = x**exponent
-    return power
-
-
-@kernel
-def law(x: float, v: float, k: float, mu: float, a: float) -> float:
-    """Return the contact force (N), never negative: equation (1) of Papetti, Avanzini, Rocchesso 2011 (see law.py)
-    where x > 0."""
-    return k * raised(x, a) * max(1.0 + mu * v, 0.0) if x > 0.0 else 0.0
-
-
-@kernel
-def law_with_slopes(x: float, v: float, law: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return that force, of a law by k, mu and a, and its slopes over x (N/m) and v (N s/m)."""
-    k, mu, a = law
-    slack = 1.0 + mu * v
-    if not (x > 0.0 and slack > 0.0):
-        return 0.0, 0.0, 0.0
-    spring = k * raised(x, a - 1.0)
-    return spring * (x * slack), spring * (a * slack), spring * (mu * x)
-
-
-@kernel
-def elastic(x: float, k: float, a: float) -> float:
-    """Return the elastic energy V(x) in J: equation (13) of Papetti, Avanzini, Rocchesso 2011."""
-    return k * raised(x, a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
 
 
 @kernel
@@ -201,7 +156,7 @@ def discrete_gradient(
     stored, change = elastic(x, k, a), free
     if x >= 0.0 and free > 0.0:
         # f is at least k x1^a/(a+1) where x1 > x, and takes off no more than `free`.
-        change = min(change, max(((a + 1.0) * free / (give * k)) ** (1.0 / a) - x, 0.0))
+        change = min(change, max(compression_at((a + 1.0) * free / give, k, a) - x, 0.0))
     for _ in range(_GRADIENT_STEPS):
         f, slope = _held(x, stored, change, h, k, mu, a)
         residual = change - free + give * f
@@ -215,21 +170,20 @@ def discrete_gradient(
 @kernel
 def _held(x: float, stored: float, change: float, h: float, k: float, mu: float, a: float) -> tuple[float, float]:
     """Return [V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change; V(x) is `stored`."""
-    slack = 1.0 + mu * change / h
+    slack = slack_of(change / h, mu)
     end = x + change
     if slack <= 0.0 or (x <= 0.0 and end <= 0.0):
         return 0.0, 0.0
     if min(x, end) > 0.0 and abs(change) < _NEARLY_EQUAL * x:
-        # Nearly equal energies would cancel; their difference is the mean of k x^a.
+        # Nearly equal energies would cancel; their difference is the mean of the force.
         mean = slope = 0.0
         for j in range(NODES):
-            power = (x + GAUSS[j] * change) ** (a - 1.0)
-            mean += WEIGHTS[j] * k * power * (x + GAUSS[j] * change)
-            slope += WEIGHTS[j] * GAUSS[j] * k * a * power
+            force, stiffness, _ = law_with_slopes(x + GAUSS[j] * change, 0.0, (k, 0.0, a))
+            mean += WEIGHTS[j] * force
+            slope += WEIGHTS[j] * GAUSS[j] * stiffness
     else:
-        spring = k * end**a if end > 0.0 else 0.0
-        mean = (spring * end / (a + 1.0) - stored) / change
-        slope = (spring - mean) / change
+        mean = (elastic(end, k, a) - stored) / change
+        slope = (spring_of(end, k, a) - mean) / change
     return mean * slack, slope * slack + mean * mu / h
 
 

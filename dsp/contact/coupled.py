@@ -29,8 +29,8 @@ from ..native.records import clear_record
 from ..native.typed import View
 from ..numerics.legendre import FINE
 from ..numerics.sums import add_powers
-from .collocation import law
 from .coupled_records import Coupled
+from .law import law
 from .power_series import (
     CLOSING,
     FORCES_THERE,

@@ -16,12 +16,9 @@ from .collocation import (
     WEIGHTS,
     WITHIN,
     allowance,
-    elastic,
     eliminate,
     eliminate_three,
     force_at,
-    law_with_slopes,
-    raised,
     until_release,
 )
 from .coupled_flight import fly
@@ -43,6 +40,7 @@ from .coupled_step import (
     work_against,
     work_of,
 )
+from .law import elastic, law_with_slopes, spring_of
 from .power_series import END, FREE, GIVE, put
 from .step_record import GIVE_COUNT, NODES
 
@@ -341,8 +339,7 @@ def _is_sound(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
         gain = elastic(group.end_x[i], contact.k, contact.a) - stored - work
         lost = -gain
         for r in range(NODES):
-            node = contact.step.x[r]
-            spring = contact.k * raised(node, contact.a) if node > 0.0 else 0.0
+            spring = spring_of(contact.step.x[r], contact.k, contact.a)
             lost -= eta * contact.period * WEIGHTS[r] * (f[r] - spring) * contact.step.v[r]
         if gain > allowance(contact.gained, contact.scale) or lost > may_lose(contact):
             return False

@@ -5,8 +5,9 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
-from .collocation import discrete_gradient, elastic, end_of, law, step_within
+from .collocation import discrete_gradient, end_of, step_within
 from .coupled_records import Coupled
+from .law import elastic, law
 from .power_series import MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, value_at
 from .step_record import NODES, Step
 

@@ -16,6 +16,7 @@ from .block_records import LANES, SOFT_TERMS, TILE, Block, Lanes, motion_of
 from .block_tables import soft_answer
 from .collocation import discrete_gradient
 from .coupled_records import Coupled
+from .law import law_by_power
 
 Three: TypeAlias = tuple[float, float, float]
 
@@ -218,9 +219,8 @@ def _at(
     slack = 1.0 + lanes.mu[i] * (rate[0] + rate[1] * value[1] + rate[2] * value[2])
     touches = (x > 0.0) & (slack > 0.0)
     deep = x if touches else 0.0
-    spring = (lanes.k[i] if touches else 0.0) * _power(lanes, i, deep)
-    pressed = spring * deep
-    f, s, d = pressed * slack, lanes.a[i] * spring * slack, lanes.mu[i] * pressed
+    law = (lanes.k[i] if touches else 0.0, lanes.mu[i], lanes.a[i])
+    f, s, d = law_by_power(_power(lanes, i, deep), deep, slack, law)
     s0, s1, s2 = s * way[0] + d, s * way[1] + d * value[1], s * way[2] + d * value[2]
     return (
         sums[0] + share[0] * f, sums[1] + share[1] * f, sums[2] + share[2] * f,

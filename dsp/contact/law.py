@@ -15,7 +15,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel, simd_kernel
+from ..native.typed import View
 from ..numerics.checks import Array, checked
 from ..numerics.elementwise import elementwise
 
@@ -40,6 +41,9 @@ _STRONG_DISSIPATION = 40.0
 
 # Share of v_out by which a velocity may lie beyond it and still be taken for it: rounding.
 _BEYOND_RELEASE = 1e-12
+
+HERTZ = 1.5
+"""The exponent of round bodies (Hertz 1881), which most strikers have: what is quick for it alone asks for it here."""
 
 ELASTIC_TIME = 3.3
 """Upper bound of a contact's duration without dissipation, in L/v_in: 3.2213 (at a = 1.658; pi at a = 1), rounded
@@ -214,6 +218,127 @@ def speed_of_impulse(impulse: float, m: float, mu: float, restitution: float) ->
         square = s * s
         return impulse / m * (0.5 + s * (1.0 / 12.0 - square * (1.0 / 720.0 - square / 30240.0)))
     return (s / -math.expm1(-s) - 1.0) / mu
+
+
+# Force, slopes and potential at a compression, for those who step through a contact: every solver calls these.
+
+
+@kernel
+def raised(x: float, exponent: float) -> float:
+    """Raise x >= 0 to an exponent; by products and a root where that is a half or a whole of those of laws with an
+    exponent of 1, 3/2, 2 or 3."""
+    if exponent == 0.5:
+        return math.sqrt(x)
+    if exponent == 1.5:
+        return x * math.sqrt(x)
+    if exponent == 2.5:
+        return x * x * math.sqrt(x)
+    if exponent == 1.0:
+        return x
+    if exponent == 2.0:
+        return x * x
+    if exponent == 3.0:
+        return x * x * x
+    if exponent == 4.0:
+        return (x * x) * (x * x)
+    power: float = x**exponent
+    return power
+
+
+@simd_kernel
+def raise_all(x: float, seen: View[float], exponent: float, powers: View[float]) -> None:
+    """Raise compressions, each `seen` (m) beyond x and none where it is negative, to an exponent: that of Hertz's law
+    for all of them at once."""
+    if exponent == HERTZ - 1.0:
+        for q in range(len(powers)):
+            powers[q] = math.sqrt(max(x + seen[q], 0.0))
+    else:
+        _raise_each(x, seen, exponent, powers)
+
+
+@noinline_kernel
+def _raise_each(x: float, seen: View[float], exponent: float, powers: View[float]) -> None:
+    for q in range(len(powers)):
+        powers[q] = raised(max(x + seen[q], 0.0), exponent)
+
+
+@kernel
+def slack_of(v: float, mu: float) -> float:
+    """Return the factor of dissipation, at a rate of compression v (m/s): a contact that sticks never pulls."""
+    return max(1.0 + mu * v, 0.0)
+
+
+@kernel
+def spring_of(x: float, k: float, a: float) -> float:
+    """Return the force (N) without dissipation."""
+    return k * raised(x, a) if x > 0.0 else 0.0
+
+
+@kernel
+def law(x: float, v: float, k: float, mu: float, a: float) -> float:
+    """Return the contact force (N), never negative: equation (1) of Papetti, Avanzini, Rocchesso 2011 where x > 0."""
+    return k * raised(x, a) * slack_of(v, mu) if x > 0.0 else 0.0
+
+
+@kernel
+def law_with_slopes(x: float, v: float, law: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return that force, of a law by k, mu and a, and its slopes over x (N/m) and v (N s/m)."""
+    k, mu, a = law
+    slack = 1.0 + mu * v
+    if not (x > 0.0 and slack > 0.0):
+        return 0.0, 0.0, 0.0
+    spring = k * raised(x, a - 1.0)
+    return spring * (x * slack), spring * (a * slack), spring * (mu * x)
+
+
+@kernel
+def law_by_power(power: float, x: float, slack: float, law: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return them where x >= 0 and the factor of dissipation are known, and x^(a - 1), without a branch; k may be 0."""
+    k, mu, a = law
+    spring = k * power
+    pressed = spring * x
+    return pressed * slack, a * spring * slack, mu * pressed
+
+
+@kernel
+def elastic(x: float, k: float, a: float) -> float:
+    """Return the elastic energy V(x) in J: equation (13) of Papetti, Avanzini, Rocchesso 2011."""
+    return k * raised(x, a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
+
+
+@kernel
+def spring_and_energy(x: float, k: float, a: float, share: float) -> tuple[float, float]:
+    """Return the force without dissipation, and that energy; share: 1/(a + 1)."""
+    spring = spring_of(x, k, a)
+    return spring, spring * max(x, 0.0) * share
+
+
+@kernel
+def stiffness_at(x: float, k: float, a: float) -> float:
+    """Return the slope of the force (N/m) without dissipation at x > 0."""
+    stiffness: float = a * k * x ** (a - 1.0)
+    return stiffness
+
+
+@kernel
+def compression_at(force: float, k: float, a: float) -> float:
+    """Return the compression (m) at which the force is one (N) that lasts."""
+    x: float = (force / k) ** (1.0 / a)
+    return x
+
+
+@kernel
+def compression_of_energy(energy: float, k: float, a: float) -> float:
+    """Return the compression (m) that stores an energy (J)."""
+    x: float = ((a + 1.0) * energy / k) ** (1.0 / (a + 1.0))
+    return x
+
+
+@kernel
+def compression_of_stiffness(stiffness: float, k: float, a: float) -> float:
+    """Return the compression (m) at which the force has a slope (N/m), where it has one for each: a > 1."""
+    x: float = (stiffness / (a * k)) ** (1.0 / (a - 1.0))
+    return x
 
 
 # The public functions compile the same kernels as functions of their own.

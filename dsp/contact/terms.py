@@ -1,18 +1,17 @@
 """The arithmetic of the four Legendre terms of a force and of a rate over a sample (block.py)."""
 
-import math
 from typing import TypeAlias
 
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..native.jit import kernel, noinline_kernel, simd_kernel
+from ..native.jit import kernel, simd_kernel
 from ..native.typed import View, View2D
 from ..numerics.checks import Array
 from ..numerics.settled import same_everywhere
 from ..numerics.sums import put_few
 from .block_records import POINTS, TERMS, Newton
-from .collocation import raised
+from .law import law_by_power, raise_all, slack_of
 
 Terms: TypeAlias = tuple[float, float, float, float]
 NONE: Terms = (0.0, 0.0, 0.0, 0.0)
@@ -96,29 +95,18 @@ def project_law(newton: Newton, x: float, rate: Terms, law: tuple[float, float, 
     k, mu, a = law
     mu /= period
     put_few(newton.seen, _TO_POINTS, rate, 2 * POINTS)
-    seen, spring = newton.seen, newton.force
-    if a == 1.5:
-        for q in range(POINTS):
-            spring[q] = math.sqrt(max(x + seen[q], 0.0))
-    else:
-        _raise(newton, x, a - 1.0)
+    seen = newton.seen
+    raise_all(x, seen, a - 1.0, newton.force)
     for q in range(POINTS):
-        stiffness, slack = k * spring[q], max(1.0 + mu * seen[POINTS + q], 0.0)
-        force = stiffness * max(x + seen[q], 0.0)
-        newton.stiffness[q] = a * stiffness * slack
-        newton.damping[q] = mu * force if slack > 0.0 else 0.0
-        newton.force[q] = force * slack
+        slack = slack_of(seen[POINTS + q], mu)
+        force, stiffness, damping = law_by_power(newton.force[q], max(x + seen[q], 0.0), slack, (k, mu, a))
+        newton.stiffness[q] = stiffness
+        newton.damping[q] = damping if slack > 0.0 else 0.0
+        newton.force[q] = force
     f, s, d = newton.force, newton.stiffness, newton.damping
     put_few(newton.found, _SHARES, (f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7]), POINTS)
     each = s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7]
     put_few(newton.slopes, _SLOPES, each, TERMS * TERMS)
-
-
-@noinline_kernel
-def _raise(newton: Newton, x: float, exponent: float) -> None:
-    """Raise the compressions at the points to an exponent."""
-    for q in range(POINTS):
-        newton.force[q] = raised(max(x + newton.seen[q], 0.0), exponent)
 
 
 @simd_kernel

@@ -13,13 +13,13 @@ import numpy as np
 
 from ..contact.accuracy import LEVELS, TOLERANCE
 from ..contact.coupled_step import HELD
-from ..contact.sampled import METHODS
 from ..numerics.checks import Array
 from . import cost
 from .blocks import blocks_loop, simulate_blocks
 from .coupled import CONVERGED, Case, Run, error, random_cases, simulate, simulation_loop
 from .coupled_closed import asking_loop, strike, striking_loop
 from .coupled_sampled import sample, sampling_loop
+from .sampled import METHODS
 
 BANDS = ((1e-3, 1e-2), (1e-2, 1e-1), (1e-1, 1.0), (1.0, 10.0))
 """Ranges of sum m phi^2, the striker's mass over the object's at the point.

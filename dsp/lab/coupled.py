@@ -10,10 +10,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..contact.collocation import elastic
 from ..contact.coupled import ContactLaw, begin_coupled, respond_with
 from ..contact.coupled_group import step_together
 from ..contact.coupled_records import COUPLED_GROUP, Coupled, CoupledGroup, Member
+from ..contact.law import elastic
 from ..contact.pulse import contact_time
 from ..native.jit import kernel
 from ..native.typed import Items, Record, View, dtype_of

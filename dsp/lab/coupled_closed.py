@@ -9,9 +9,10 @@ from functools import cache, partial
 import numpy as np
 from numba import njit
 
+from ..contact.accuracy import DEFAULT
 from ..contact.closed_form import advance_pulse
-from ..engine.contacts.contact_force import begin_contact
-from ..engine.contacts.contact_list import release_modes
+from ..engine.contacts.contact_force import touch
+from ..engine.contacts.solver_choice import choose_solver, soften_pulse
 from ..engine.memory.state import COUPLING, new_state
 from ..numerics.checks import Array
 from ..resonator.bank import inject
@@ -26,9 +27,10 @@ def _strike(state, bank, fraction, samples, times, out):
     for _ in range(times):
         restart(bank)
         given = 0.0
-        begin_contact(state, contact, False)
-        coupled = contact.solver == COUPLING
-        release_modes(state, contact)
+        touch(state, contact)
+        solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact)
+        soften_pulse(state, contact, mass_ratio, seen_mass_ratio)
+        coupled = solver == COUPLING
         duration = contact.pulse.duration
         for t in range(samples):
             age = t + 1.0 - fraction
@@ -57,15 +59,13 @@ def engine_state() -> np.void:
     return state
 
 
-def _striking(case: Case, method: int) -> tuple[np.void, Bank, float]:
+def _striking(case: Case, accuracy: int) -> tuple[np.void, Bank, float]:
     """Return the engine's state with the case's object and contact in it, its modes, and the contact's fraction.
 
-    method: 0 leaves the choice of the solver to the engine; with 1, a sampled method, nothing is coupled, and the pulse
-    still gets the effective mass.
+    accuracy: a place in contact/accuracy.py's LEVELS, for the choice of the solver.
     """
     state, bank = engine_state(), bank_of(case)
-    state["choices"]["method"]["method"] = method
-    state["choices"]["method"]["oversampling"] = 1
+    state["choices"]["accuracy"] = accuracy
     n = len(bank.frequency)
     state["rate"] = case.rate
     state["bank"]["frequency"][:n] = bank.frequency
@@ -88,7 +88,7 @@ def strike(case: Case) -> Run:
     closed form does not tell how it divides.
     """
     out: Array = np.empty((case.samples, 5))
-    _strike(*_striking(case, 1), case.samples, 1, out)
+    _strike(*_striking(case, DEFAULT), case.samples, 1, out)
     return Run.of(out)
 
 
@@ -98,7 +98,7 @@ def striking_loop(case: Case, samples: int) -> Callable[[int], object]:
 
     All such functions work in one memory: use one up before the next is made.
     """
-    striking = partial(_strike, *_striking(case, 1))
+    striking = partial(_strike, *_striking(case, DEFAULT))
     return lambda times: striking(samples, times, NOT_KEPT)
 
 
@@ -108,6 +108,5 @@ def asking_loop(case: Case, accuracy: int) -> Callable[[int], bool]:
 
     accuracy: a place in contact/accuracy.py's LEVELS. Use one such function up before the next is made.
     """
-    striking = _striking(case, 0)
-    striking[0]["choices"]["accuracy"] = accuracy
+    striking = _striking(case, accuracy)
     return lambda times: bool(_strike(*striking, 0, times, NOT_KEPT))

@@ -10,12 +10,12 @@ from functools import partial
 import numpy as np
 from numba import njit
 
-from ..contact.collocation import elastic, law
-from ..contact.sampled import METHODS
+from ..contact.law import elastic, law
 from ..native.jit import simd_kernel
 from ..native.typed import View, View2D
 from ..numerics.checks import Array
 from .coupled import NOT_KEPT, Case, Run
+from .sampled import METHODS
 
 _STAGES = np.array([0.0, 0.5, 0.5, 1.0])  # of RK4, in steps
 _SHARES = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0

@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..contact.closed_form import advance_pulse, begin_pulse
 from ..contact.law import checked_law, length_scale, longest_time, potential_at, potential_from_entry, restitution_of
 from ..contact.pulse_record import PULSE
-from ..contact.sampled import CORRECTIONS, METHODS, SAMPLED, Sampled, begin_sampled, step_sampled
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.checks import Array, checked
 from ..numerics.legendre import MOMENTS
 from .reference import release_error, restitution
+from .sampled import CORRECTIONS, METHODS, SAMPLED, Sampled, begin_sampled, step_sampled
 
 Law = tuple[float, float, float, float, float]
 

@@ -17,7 +17,7 @@ from . import store as stores
 from .images import Image, image_of
 from .jit import CFunction
 from .mapping import addresses_of, mapped
-from .sources import hash_of
+from .sources import hash_of, key_of
 from .store import Store, image_key, user_cache
 from .targets import Target, targets
 
@@ -59,7 +59,7 @@ def load(module: str) -> Code:
 
         logging.getLogger(__name__).warning("%s plays by code for %s: %s", module, found.processor, why)
         return found
-    with kept.alone(module):
+    with kept.alone(module, key_of(module)):
         made: Code = _found(module, kept, "cache", own) or compiling.compiled(module)
     return made
 

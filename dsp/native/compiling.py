@@ -5,7 +5,6 @@ Kernels are looked at one by one (`translation.py`): those that changed are tran
 """
 
 import gc
-import importlib
 import shutil
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -18,7 +17,7 @@ from .code import Code, functions_of, loaded
 from .compile_notice import CompileNotice
 from .images import Image, image_of, link
 from .portable import functions
-from .sources import compiler_digest, hash_of, sources
+from .sources import compiler_digest, hash_of, key_of, sources
 from .store import Listed, Store, image_key, is_kept, user_cache
 from .targets import PORTABLE, Target, targets
 from .units import Unit
@@ -94,9 +93,8 @@ def bitcode(module: str) -> bytes:
 
 def units_of(module: str, target: Target) -> list[str]:
     """Return the keys of the units of a module for a target; what is not in the cache is compiled now."""
-    importlib.import_module(module)
     kept = Store(user_cache())
-    with kept.alone(module):
+    with kept.alone(module, key_of(module)):
         for name, listed in kept.lists(module):
             units = listed.units.get(str(target), [])
             if units and name == hash_of(listed.sources) and all(kept.read_object(unit, target) for unit in units):

@@ -21,17 +21,17 @@ def make_whole(wanted: Whole) -> None:
     for name in names if wanted.prefix else ():
         function = whole.get_function(name)
         function.name, function.visibility = wanted.prefix + name, "hidden"
-    kept.write_unit(wanted.key(units), str(wanted.target), KIND, wanted.target.machine().emit_object(whole))
+    kept.write_unit(wanted.key(units), str(wanted.target), KIND, wanted.target.object_machine().emit_object(whole))
 
 
 def _linked(parts: list[bytes], names: Collection[str], target: Target) -> Any:
     """Return LLVM's module of all units' bitcode, in which only the functions of some names can be seen."""
-    machine = target.machine()
+    machine = target.object_machine()
     whole = llvm.parse_assembly("")
     for part in parts:
         whole.link_in(llvm.parse_bitcode(part))
     show_only(whole, names)
-    whole.triple, whole.data_layout = target.triple, str(machine.target_data)
+    whole.triple, whole.data_layout = machine.triple, str(machine.target_data)
     tidy(whole, machine)
     if target.system == WASM:
         missing = [each.name for each in whole.functions if each.is_declaration and not each.name.startswith("llvm.")]

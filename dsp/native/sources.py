@@ -25,7 +25,7 @@ _COMPILER = (
 )
 
 
-def key(module: str) -> str:
+def key_of(module: str) -> str:
     """Return a hash of the sources of a module, of all that it imports, and of the compiler."""
     importlib.import_module(module)
     return hash_of(sources(module))

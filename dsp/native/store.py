@@ -6,6 +6,7 @@
     units/KEY/TARGET.HASH.o           machine code for a target
     units/KEY/TARGET.HASH.image       units' machine code, linked (`images.py`): all that a package holds of them
     modules/MODULE/KEY/listed.json    the sources of a module with functions of C, and for each target its units
+    modules/MODULE/KEY/lock           a file that whoever compiles these sources locks meanwhile
 
 A target is written SYSTEM-PROCESSOR; HASH is one of the file's own content, by which a damaged one is found out. Files
 appear whole, whoever reads them at the same time.
@@ -219,13 +220,13 @@ class Store:
         return found
 
     @contextmanager
-    def alone(self, module: str) -> Iterator[None]:
-        """Keep other processes from compiling a module meanwhile: they wait, and load what this one made. Where no file
-        can be locked, each compiles for itself."""
+    def alone(self, module: str, key: str) -> Iterator[None]:
+        """Keep other processes from compiling a module of the same sources meanwhile: they wait, and load what this one
+        made. Where no file can be locked, each compiles for itself."""
         with ExitStack() as stack:
             if fcntl:
                 with suppress(OSError):
-                    folder = self._module(module)
+                    folder = self._module(module) / key
                     folder.mkdir(parents=True, exist_ok=True)
                     fcntl.flock(stack.enter_context((folder / "lock").open("w")), fcntl.LOCK_EX)
             yield

@@ -27,14 +27,14 @@ ARM = "aarch64"
 """The 64-bit processors of Arm, whatever they can do beyond the least."""
 
 PORTABLE = "portable"
-"""Any processor, by code whose bits are the same on all of them (`portable.py`). Before a level, as in
-portable-x86-64-v4: the same bits by the instructions of that level."""
+"""This family's processors, by code whose bits are the same on all (`portable.py`). Before a level, as in
+portable-x86-64-v4: the same bits by the instructions of that level; before ARM: the same bits there."""
 
 WASM = "wasm"
 """The system of WebAssembly, which has nothing of what other systems have."""
 
 _OWN_NAMES = {"amd64": "x86_64", "arm64": ARM}
-# LLVM's names. Windows has no format of its own here: nothing but images (`images.py`) is made for it.
+# LLVM's names. Images are linked from ELF on all systems (`images.py`); Windows has its own format for object files.
 _TRIPLES = {
     ("linux", "x86_64"): "x86_64-unknown-linux-gnu",
     ("linux", ARM): "aarch64-unknown-linux-gnu",
@@ -42,6 +42,7 @@ _TRIPLES = {
     ("darwin", ARM): "arm64-apple-macosx11.0",
     ("windows", "x86_64"): "x86_64-pc-windows-msvc-elf",
 }
+_OBJECT_TRIPLES = {"x86_64-pc-windows-msvc-elf": "x86_64-pc-windows-gnu"}
 
 
 class Target(NamedTuple):
@@ -69,12 +70,20 @@ class Target(NamedTuple):
         """LLVM's name of it; this machine's where it is none of those that wheels hold code for."""
         if self.system == WASM:
             return "wasm32-unknown-unknown"
-        family = "x86_64" if self.level else _own_family() if self.is_portable else self.processor
-        return _TRIPLES.get((self.system, family)) or str(_llvm().get_process_triple())
+        return _TRIPLES.get((self.system, self.family)) or str(_llvm().get_process_triple())
+
+    @property
+    def family(self) -> str:
+        """LLVM's name of its kind of processor."""
+        return "x86_64" if self.level else self.processor.removeprefix(PORTABLE).removeprefix("-") or own_family()
 
     def machine(self) -> Any:
         """Return LLVM's maker of machine code for it."""
         return self._machine(self.triple)
+
+    def object_machine(self) -> Any:
+        """Return the same for object files that a system's own linker takes."""
+        return self._machine(_OBJECT_TRIPLES.get(self.triple, self.triple))
 
     def image_machine(self) -> Any:
         """Return the same for images, which are linked from ELF on all systems (`images.py`)."""
@@ -131,7 +140,7 @@ def system() -> str:
 def processors() -> tuple[str, ...]:
     """Return the kinds of processor whose code this one runs, the most able first; ProcessorError where VARIABLE asks
     for another."""
-    asked, own = os.environ.get(VARIABLE), _own_family()
+    asked, own = os.environ.get(VARIABLE), own_family()
     able = _able() if own == "x86_64" else [own]
     if asked == PORTABLE:
         return tuple(f"{PORTABLE}-{level}" for level in reversed(able)) if own == "x86_64" else (PORTABLE,)
@@ -160,7 +169,7 @@ def _features() -> dict[str, bool]:
     return dict(vars(import_module(f"{core}._multiarray_umath"))["__cpu_features__"])
 
 
-def _own_family() -> str:
+def own_family() -> str:
     """Return LLVM's name of this machine's kind of processor."""
     machine = platform.machine().lower()
     return _OWN_NAMES.get(machine, machine)

@@ -7,6 +7,7 @@ samples; then all bodies take each of these samples together. Each has the bits 
 
 import numpy as np
 
+from ..contact.law import HERTZ
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View
 from ..numerics.indices import index_of
@@ -16,7 +17,7 @@ from .body import is_even, modulate, share_of, stand, steer
 from .contact_step import path_at
 from .path import BATCH, PIECES, Path, make_pieces
 from .roll_record import Roll
-from .sample_step import HERTZ, lines_of, pass_on, push
+from .sample_step import lines_of, pass_on, push
 
 _MOST = PIECES - BATCH  # pieces in a stretch: after them the first may be lost where others are made
 _HALVES = np.arange(1.0, 2 * STEERS + 1)  # of a sample

@@ -17,6 +17,7 @@ others (abreast.py): from the end of the stretch in which it is seen to be one.
 
 import math
 
+from ..contact.law import compression_at
 from ..contact.step_record import NODES
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View2D
@@ -109,12 +110,27 @@ def steer(roll: Roll) -> None:
         return
     roll.m = _nearer(roll.m, roll.target.mass, near)
     roll.g = _nearer(roll.g, roll.target.gravity, near)
-    # The compression at rest, the square of the swing's frequency there, and the stiffness, which counts up to a bound.
+    weigh(roll)
+
+
+@kernel
+def weigh(roll: Roll) -> None:
+    """Find the compression at rest, the square of the swing's frequency there, and the stiffness, which counts up to a
+    bound."""
     stiffest = roll.m * roll.g / (roll.a * roll.g / (_STIFFEST * _STIFFEST)) ** roll.a
     roll.stiffness = min(roll.k, stiffest)
-    roll.rest_compression = (roll.m * roll.g / roll.stiffness) ** (1.0 / roll.a)
+    roll.rest_compression = compression_at(roll.m * roll.g, roll.stiffness, roll.a)
     roll.swing = roll.a * roll.g / roll.rest_compression
     roll.lightness = 1.0 / roll.m
+
+
+@kernel
+def change_law(roll: Roll, k: float, mu: float, a: float) -> None:
+    """Give a body that rolls another contact law."""
+    roll.k, roll.mu, roll.a = k, mu, a
+    roll.energy_share = 1.0 / (a + 1.0)
+    if roll.stiffness > 0.0:
+        weigh(roll)
 
 
 @kernel

@@ -18,8 +18,8 @@ from ..contact.collocation import (
     discrete_gradient,
     end_of,
     extrapolate,
-    raised,
 )
+from ..contact.law import slack_of, spring_and_energy
 from ..contact.step_record import NODES
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.roots import rough_eighth_root
@@ -125,9 +125,9 @@ def _judge(
     m, f = roll.m, roll.step.f
     x, v, stored = begin
     x_end = roll.level[NODES] - y
-    spring, kept = _spring(roll, k, x_end)
+    spring, kept = spring_and_energy(x_end, k, roll.a, roll.energy_share)
     v_end = _rate_under(roll, spring, roll.path_rate[NODES] - w)
-    rest = abs(end_of(f) - spring * max(1.0 + roll.mu * v_end, 0.0)) * h
+    rest = abs(end_of(f) - spring * slack_of(v_end, roll.mu)) * h
     # The work of path and dashpot, and how uncertain it is where the path bends.
     work = spread = sunk = 0.0
     for i in range(NODES):
@@ -152,13 +152,6 @@ def _tolerance(roll: Roll, pace: float) -> float:
     """Return the share of the momentum at hand by which a step of 1/pace s may err."""
     shorter = max(roll.brief * pace, 1.0)
     return min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness
-
-
-@kernel
-def _spring(roll: Roll, k: float, x: float) -> tuple[float, float]:
-    """Return the force (N) without dissipation under a compression, and the elastic energy (J)."""
-    spring = k * raised(x, roll.a) if x > 0.0 else 0.0
-    return spring, spring * max(x, 0.0) * roll.energy_share
 
 
 @kernel
@@ -208,7 +201,7 @@ def step_contact(roll: Roll, longest: float, least: float) -> None:
     level, incline = path_at(roll)
     x = level - roll.y
     v = roll.modulated_speed * incline - roll.w
-    stored = _spring(roll, k, x)[1]
+    stored = spring_and_energy(x, k, roll.a, roll.energy_share)[1]
     speed = math.sqrt(_speed_squared(roll, v, stored))
     h = min(max(roll.next, least), longest)
     if least == 0.0:

@@ -4,7 +4,7 @@ The compression is x = path - body - point, with the point moved by the modes. B
 in time, and so a part of what x would be without a force. The object is at rest under the weight: its modes get what
 the force is beyond it, as from a roll that doesn't feel them.
 
-Steered, speed, mass and gravity go on sample by sample.
+Steered, speed, mass and gravity go on sample by sample, its law once a quantum.
 """
 
 import math

@@ -6,7 +6,8 @@ each node's own slopes, and three equations are solved by their determinants. Wh
 curvature over its change: where that is bounded well enough, as mostly after the first, another one is spared.
 """
 
-from ..contact.collocation import INTEGRAL, law_with_slopes
+from ..contact.collocation import INTEGRAL
+from ..contact.law import law_with_slopes
 from ..contact.step_record import Step
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.settled import same_everywhere

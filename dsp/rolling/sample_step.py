@@ -9,7 +9,7 @@ linear. So nothing is iterated.
 Two moments of the force are known: its mean, and its tilt, by how fast the path bends and the compression changes.
 """
 
-from ..contact.collocation import raised
+from ..contact.law import HERTZ, raised
 from ..native.jit import kernel
 from .path import PIECES, Path, make_pieces
 from .roll_record import Roll
@@ -17,9 +17,6 @@ from .roll_record import Roll
 _TURN = 0.2
 """rad: the swing of a contact at rest turns by no more than this in a sample. What lands harder swings faster, by
 the tenth root of its energy over that at rest where the force goes with the 3/2nd power."""
-
-HERTZ = 1.5
-"""Exponent of the law of round bodies and flat ones that touch at points."""
 
 _SUNK = 0.1  # the most by which a dashpot gives way in a sample, over the compression at rest
 _SHORTEST = 1.0 / 64_000.0  # s: of shorter samples there are more than the steps of contact_step.py

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bodies.macros import Change
 from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
 from ..counters import Stats
 from ..engine.memory.capacity import SHAPE_VALUES, USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.memory.commands import Command, Handle, Kind
-from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
+from ..engine.memory.state import COUPLING, ENDED, QUANTUM, RING, TAP, End, Quality
 from ..native.addresses import address_of, as_bytes
 from ..native.atomics import confirm, observe, publish
 from ..native.code import Code, load
@@ -273,6 +274,15 @@ class Engine:
         friction = state["rolls"]["target"]["friction"][lasting["roll"][lasting["trait"]["rolls"] == 1]]
         return len(lasting) == 0 or bool((friction > 0.0).any() or lasting["trait"]["repeats"].any())
 
+    def most_coupled(self) -> int:
+        """Return the slot of the object whose contact is solved together with the most modes now, -1 if none is."""
+        contacts = self._record["contacts"]
+        coupled = np.flatnonzero((contacts["touching"] == 1) & (contacts["solver"] == COUPLING))
+        if not coupled.size:
+            return -1
+        most = coupled[contacts["modes"][coupled].argmax()]
+        return int(contacts["point"]["slot"][most, 0])
+
     def room(self) -> int:
         """Return how many commands can be sent now."""
         return self.ring.room()
@@ -392,6 +402,13 @@ class Engine:
             self.release(handle)
             raise
         return handle
+
+    def lay_out_macros(self, handle: Handle, modes: Modes, level: float, axes: Sequence[Sequence[Change]]) -> int:
+        """Lay out the table of an object's macros: the changes of its modes by setting of SHAPING and place.
+
+        `level` as in `lay_out`. Returns the value of the command RESHAPE. EngineFull if there is no room.
+        """
+        return self._memory.lay_out_macros(handle, modes, level, self.top_frequency, axes)
 
     def lay_out_striker(self, sound: StrikerSound) -> dict[str, float]:
         """Find the place of a striker that sounds, or give it one.

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ..contact.accuracy import LEVELS as ACCURACIES
-from ..contact.sampled import CORRECTIONS, METHODS
 from ..engine.memory.capacity import FACE, MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES
 from ..engine.memory.commands import (
     COMMAND,
@@ -24,6 +23,7 @@ from ..engine.memory.commands import (
 from ..engine.memory.mounted import SENSORS
 from ..engine.memory.state import RING, Quality, State
 from ..karman.layout import SHEETS
+from ..macros import ENGINE_SETTINGS
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View
 from ..resonator.simd import LANES
@@ -34,7 +34,6 @@ from ..schema import (
     OTHER_SEED,
     OWN_GAIN,
     ROOM,
-    SETTINGS,
     STEERABLE,
     STEPS,
     Parameter,
@@ -104,7 +103,7 @@ _LONG = 1e12  # samples
 _EVERY: _Bounds = {
     "time": (-1.0, _LONG), "has_clock": (0, 0), "number": (0, MANY), "kind": (0, len(Kind) - 1),
     "slot": (0, OBJECTS - 1), "serial": (0, MANY), "value": _ANY, "gesture": (0, MANY),
-    "parameter": (0, max(LEVEL, len(SETTINGS) - 1)), "channel": (-1, MOST_CHANNELS - 1),
+    "parameter": (0, max(LEVEL, len(ENGINE_SETTINGS) - 1)), "channel": (-1, MOST_CHANNELS - 1),
     "given": (0, 2.0 ** len(STEERABLE) - 1), "by_slot": (0, OBJECTS - 1), "by_serial": (0, MANY),
     "what": (0, len(GESTURES) - 1),
 }  # fmt: skip
@@ -112,21 +111,18 @@ _BY_KIND: dict[Kind, _Bounds] = {
     Kind.NEW: {
         "serial": (1, MANY),
         **{f"layout.{name}": bounds for name, bounds in _LAYOUT.items()},
-        **{f"settings.{name}": _bounds_of(each) for name, each in SETTINGS.items()},
+        **{f"settings.{name}": _bounds_of(each) for name, each in ENGINE_SETTINGS.items()},
     },
     Kind.FREE: {"value": (0.0, 1.0)},
     Kind.GESTURE: {f"surface.{name}": (min(low, 0.0), high) for name, (low, high) in _SURFACE.items()},
     Kind.STEER: _RAMP,
-    Kind.SET: _RAMP | {"parameter": (0, len(SETTINGS) - 1)},
-    Kind.METHOD: {
-        "method.method": (0, len(METHODS)), "method.correction": (0, len(CORRECTIONS) - 1),
-        "method.oversampling": (0, 1024),
-    },
+    Kind.SET: _RAMP | {"parameter": (0, len(ENGINE_SETTINGS) - 1)},
     Kind.ACCURACY: {"value": (0, len(ACCURACIES) - 1)},
     Kind.QUALITY: {"value": (0, len(Quality) - 1)},
     Kind.GAIN: _RAMP | {"value": _bounds_of(MAIN_GAIN)},
     Kind.LIMITER: {"value": (0.0, 1.0)},
     Kind.HEADROOM: {"value": (0.0, 1.0)},
+    Kind.RESHAPE: {"value": (0, SHAPE_VALUES)},
     Kind.PLACE: {"value": (OWN_GAIN.low, OWN_GAIN.high)},
     Kind.BUDGET: {"budget.steps": (STEPS.low, STEPS.high), "budget.modes": (ROOM.low, ROOM.high)},
     Kind.BANK: {"value": (0, len(FORMS) - 1)},
@@ -180,7 +176,7 @@ def _steered(bounds: Iterable[Iterable[tuple[float, float]]]) -> np.ndarray[Any,
     return np.array([(min(low for low, _ in each), max(high for _, high in each)) for each in map(list, bounds)])
 
 
-_SETTING_BOUNDS = _steered([_bounds_of(each)] for each in SETTINGS.values())
+_SETTING_BOUNDS = _steered([_bounds_of(each)] for each in ENGINE_SETTINGS.values())
 _STEER_BOUNDS = _steered(
     [*(map(_bounds_of, gestures_steered_by(name).values()) for name in STEERABLE), [_bounds_of(SHARED["level"])]]
 )

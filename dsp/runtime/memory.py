@@ -1,11 +1,13 @@
 """Room for objects in the engine's memory: slots, modes in the bank, and values in the table of mode shapes."""
 
 import mmap
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bodies.macros import Change
 from ..bodies.modes import Modes
 from ..engine.memory.commands import Handle
 from ..engine.memory.state import BANK
@@ -31,6 +33,7 @@ class Memory:
         self._serial = 0
         self._plans: dict[tuple[int, float], tuple[Plan, int]] = {}  # with its table, while an object has it
         self._tables: dict[int, tuple[tuple[int, float], int]] = {}  # by table: whose, and how many objects'
+        self._reshaped: dict[int, list[int]] = {}  # first values of the tables of macros, by an object's first mode
         self.reached = 0
         """Slots that have ever been used: the first so many."""
 
@@ -108,6 +111,18 @@ class Memory:
         self._plans[key], self._tables[table] = (plan, table), (key, 0)
         return table
 
+    def lay_out_macros(
+        self, handle: Handle, modes: Modes, level: float, top: float, axes: Sequence[Sequence[Change]]
+    ) -> int:
+        """Put the table of an object's macros among the mode shapes; return its first value. EngineFull: no room."""
+        from .reshaping import table_of  # with what it is for
+
+        table = table_of(self.plan(modes, top), level, axes)
+        first = self._shapes.take(table.size)
+        self._bank["shape"][first : first + table.size] = table
+        self._reshaped.setdefault(handle.first, []).append(first)
+        return first
+
     def leave(self, handle: Handle) -> None:
         """Remember that an object is being removed; its place is used again once the engine has given it up."""
         self._leaving.append(handle)
@@ -120,6 +135,8 @@ class Memory:
         """Take back the place of an object that the engine doesn't have, or has no more."""
         self._slots.append(handle.slot)
         self._modes.give(handle.first)
+        for first in self._reshaped.pop(handle.first, []):
+            self._shapes.give(first)
         self._give_sheet(handle.sheet)
         key, users = self._tables[handle.table]
         if users > 1:

@@ -35,6 +35,7 @@ class Plan(NamedTuple):
     faces: (F, FACE) float32, as engine/bodies/surface.py has them; `block` as bodies/modes.Faces has it. The first
     `felt` modes are the body's own; up to `bent` come their reliefs; the others are clicks, and from `heard` on
     modes that are felt alone. laid: the coupling of the first of them, of a plate that has one.
+    order: the numbers of the first `felt` of them among the body's modes.
     """
 
     modes: Modes
@@ -48,6 +49,7 @@ class Plan(NamedTuple):
     heard: int
     relief: Relief
     laid: "Laid | None"
+    order: NDArray[np.intp]
 
     @property
     def bytes(self) -> int:
@@ -95,7 +97,7 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
         raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
     size = max(LANES, math.ceil(count / LANES) * LANES)
     columns, shape = np.zeros((len(COLUMNS), size)), np.zeros((len(strike), size), np.float32)
-    plan = Plan(modes, columns, shape, rows, _faces(modes.faces), block, felt, bent, heard, still, laid)
+    plan = Plan(modes, columns, shape, rows, _faces(modes.faces), block, felt, bent, heard, still, laid, order)
     _fill(plan, 0, frequency, decay, *_weights(sides))
     plan.shape[:, :felt] = shapes
     for side, weights in enumerate(((1.0, 0.0), (_FAINT, 1 / _FAINT))):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dsp.arguments import explain_all_arguments
-from ...dsp.contact.accuracy import DEFAULT, LEVELS
+from ...dsp.contact.accuracy import DEFAULT, LEVELS, NUMBERS
 from ...dsp.engine.memory.state import Quality
 from ...dsp.numerics.quantities import Range
 from ...dsp.wording import expected
@@ -107,7 +107,7 @@ class Hearing:
         Largest number of rests at once; 0: bodies that lie ring as if they hung.
     seed : int, default 0
         Seed of the surfaces on which bodies slide and roll.
-    accuracy : {"-60", "-40", "-50", "-80", "exact"}
+    accuracy : {"-60", "-50", "-80", "exact"}
         Accuracy of blows, as `/accuracy` sets it; a server keeps its own.
     quality : int, default 0
         0 (everything) to 8, as `/quality` sets it; a server keeps its own. At 3 rolls and slides have fewer
@@ -132,7 +132,7 @@ class Hearing:
             require_number(name, getattr(self, name), _LEVEL)
         for name in ("blows", "gestures", "rests"):
             require_number(name, getattr(self, name), _COUNT)
-        if str(self.accuracy) not in LEVELS:
+        if str(self.accuracy) not in NUMBERS:
             raise WorldError(f"accuracy = {self.accuracy}: {expected(self.accuracy, LEVELS)}")
         if self.quality not in range(_MOST_QUALITY + 1):
             raise WorldError(f"quality = {self.quality!r}: expected a whole number from 0 to {_MOST_QUALITY}")

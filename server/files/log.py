@@ -102,7 +102,7 @@ class Log:
             return Message(message.address, (name, *rest))
         if serial not in self._names:
             return message
-        action = message.address.rsplit("/", 1)[1]
+        action = message.address.split("/", 3)[3]
         name = self._names.pop(serial) if action == "free" else self._names[serial]
         return Message(f"/object/{name}/{action}", self._struck(sent) if sent.by else message.args)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ...dsp.schema import GESTURES, Parameter
 from ..osc.addresses import calls, unknown
 from ..osc.arguments import Refused, Values, check_number
-from ..osc.midi_verbs import HIGH, LOW
+from ..osc.midi_verbs import CHANNEL, HIGH, LOW
 from ..osc.points import Change
 from ..osc.wire import Argument, Message
 
@@ -51,7 +51,7 @@ def control(values: Values, controller: str) -> Control:
     low, high = number.useful or (number.low, number.high)
     low = check_number(number, values.numbers.get(LOW.name, low))
     high = check_number(number, values.numbers.get(HIGH.name, high))
-    return Control(address, controller, int(values.number("channel")), low, high, is_change)
+    return Control(address, controller, int(values.numbers.get("channel", CHANNEL.default or 0)), low, high, is_change)
 
 
 def _number_of(address: str) -> tuple[Parameter, bool]:
@@ -61,7 +61,7 @@ def _number_of(address: str) -> tuple[Parameter, bool]:
         if call.verb is None:
             raise unknown(address)
     first = made[0].verb
-    if len(made) == 1 and isinstance(first, Change):
+    if len(made) == 1 and isinstance(first, Change) and len(first.required) == 1:
         return first.number, True
     if len(made) == 1 and first and first.action in _BEGIN:
         number = (*first.required, *first.optional)[0]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from ...dsp.macros import MACROS
 from ..net.network import Source
 from ..net.remote import Doorway, Remote
 from ..osc.arguments import Refused, Values, require_name
@@ -26,6 +27,9 @@ _PEDAL, _SOUND_OFF, _NOTES_OFF, _MODES = 64, 120, 123, 120  # controllers; from 
 _MOST = 2_048  # packets that wait
 _QUIET = 10.0  # s in which the same warning comes once
 _MOST_SAID = 64
+
+_MIDDLE = 60  # the note by which an object is found for a controller
+_MACROS = {str(macro.controller): name for name, macro in MACROS.items()}
 
 Handler = Callable[[Values, Source], Iterator[Message] | None]
 
@@ -115,7 +119,18 @@ class Midi(Remote):
             with suppress(Refused):  # others were bound meanwhile
                 self._controls.bind(learnt)
                 self._learnt.append((learnt, source))
-        return [each.message(share) for each in self._controls.of(controller, channel)]
+        return [
+            each.message(share) for each in self._controls.of(controller, channel) or self._macro(controller, channel)
+        ]
+
+    def _macro(self, controller: str, channel: int) -> list[Control]:
+        """Return the control that turns a macro of the object that plays a channel's notes, where no other is bound."""
+        name = self._player(channel, _MIDDLE) if controller in _MACROS else ""
+        return (
+            [control(Values(words={"address": f"/object/{name}/macro/{_MACROS[controller]}"}), controller)]
+            if name
+            else []
+        )
 
     def _player(self, channel: int, note: int) -> str:
         """Return the object that plays a note of a channel: the newest if none was given; "" if none is there."""

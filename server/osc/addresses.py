@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache, lru_cache
 from typing import NamedTuple
 
-from ...dsp.contact.accuracy import LEVELS
+from ...dsp.contact.accuracy import LEVELS, NUMBERS
 from ...dsp.schema import (
     BY_DIRECTION,
     BY_POINT,
@@ -37,6 +37,7 @@ from ...dsp.schema import (
 )
 from ...dsp.wording import near
 from .arguments import Either, Note, Numbers, Refused, Vector, Verb, Word
+from .macro_verbs import MACRO_VERBS
 from .midi_verbs import MIDI
 from .patterns import is_pattern, match
 from .points import Change, Move
@@ -94,10 +95,10 @@ _WORDS: dict[str, tuple[Word | Vector, ...]] = {
 }
 """Keys of gestures that are not numbers."""
 
-_RESTING: tuple[Number | Word | Vector, ...] = (*LAW, ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])
+_RESTING: tuple[Number | Word | Vector, ...] = (ON_SURFACE, BY_ON_SURFACE, BY_RADIUS, RESISTANCE, STRIKE[-1])
 _SHARED = {key.name for key in STRIKE}
 KEYS: dict[str, tuple[Number | Word | Vector, ...]] = {
-    name: (*_RESTING, gesture.argument, *gesture.keys)
+    name: (*gesture.keys[: len(LAW)], *_RESTING, gesture.argument, *gesture.keys[len(LAW) :])
     if gesture.what
     else (*(key for key in gesture.keys if key.name not in _SHARED), *_WORDS.get(name, ()))
     for name, gesture in GESTURES.items()
@@ -145,6 +146,7 @@ _OBJECTS = (
     ),
     *(_begins(gesture) for gesture in GESTURES.values()),
     *(Change(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),
+    *MACRO_VERBS,
     Verb(
         "/object/NAME/gains",
         "gives the object a factor for each channel in place of its pan; without arguments its pan counts again",
@@ -183,7 +185,7 @@ _ENGINE = (
     Verb(
         "/accuracy",
         "sets how exact contacts with objects that yield are",
-        (Either("accuracy", LEVELS, "error of the sound, dB", "-60"),),
+        (Either("accuracy", LEVELS, "error of the sound, dB", "-60", tuple(NUMBERS)),),
     ),
     Verb(
         "/quality",
@@ -194,13 +196,6 @@ _ENGINE = (
         "/bank",
         "sets the numbers that freely ringing modes are kept in",
         (Either("bank", FORMS, "float64, within -115 dB; float32, within -95 dB and faster", "float64"),),
-    ),
-    Verb(
-        "/contact",
-        "sets how contacts are solved, to compare methods",
-        (Word("method", "closed (exact), am1, verlet, heun or rk4", "closed"),),
-        (Number("oversampling", 1, 64, "", "steps per sample of a sampled method", default=1, whole=True),),
-        (Word("correction", "none, hybrid, release, both, paper-release or paper-both", "none"),),
     ),
     Verb(
         "/budget",
@@ -288,6 +283,8 @@ _SERVER = (
 
 VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *LISTENING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
 
+GONE = {"/contact": "the sampled methods are in `carom chart` alone, which compares them: leave it out"}
+"""Addresses of earlier versions, and what came of each."""
 
 _SHOWN = 60  # characters of what stands in an address, in an error
 
@@ -337,14 +334,14 @@ def _button(call: Call) -> bool | None:
     return bool(value) if isinstance(value, int | float) and value in (0, 1) else None
 
 
-_TARGETED = {tuple(address.split("/")[1::2]): verb for address, verb in VERBS.items() if address.count("/") == 3}
+_TARGETED = {(parts[1], *parts[3:]): verb for verb in VERBS.values() if len(parts := verb.address.split("/")) > 3}
 """Verbs with a NAME or an ID, by the parts before and after it."""
 
 
 def _named(message: Message) -> Call:
     parts = message.address.split("/")
-    if len(parts) == 4:
-        return Call(message, _TARGETED.get((parts[1], parts[3])), parts[2])
+    if len(parts) > 3:
+        return Call(message, _TARGETED.get((parts[1], *parts[3:])), parts[2])
     return Call(message, VERBS.get(message.address))
 
 
@@ -363,6 +360,8 @@ def _matched(pattern: str) -> list[str]:
 
 def unknown(address: str) -> Refused:
     """Return the error for an address that nothing has."""
+    if address in GONE:
+        return Refused(GONE[address])
     first, *rest = address.split(maxsplit=1)
     if rest:
         return Refused(
@@ -372,9 +371,10 @@ def unknown(address: str) -> Refused:
     if meant:
         return Refused(f"no such address; did you mean {' or '.join(meant)}?")
     parts = address.split("/")
-    actions = [verb.action for (container, _), verb in _TARGETED.items() if len(parts) == 4 and container == parts[1]]
+    above = (parts[1], *parts[3:-1])
+    actions = [verb.action for beside, verb in _TARGETED.items() if len(parts) > 3 and beside[:-1] == above]
     if actions:
-        return Refused(f"unknown action '{parts[3]}'; expected {', '.join(actions)}")
+        return Refused(f"unknown action '{parts[-1]}'; expected {', '.join(actions)}")
     return Refused(f"no such address; expected one of {', '.join(_families())}")
 
 
@@ -383,7 +383,7 @@ def _families() -> list[str]:
     """Return the addresses; of several that begin alike only that beginning, as in /gesture/ID/..."""
     families: dict[tuple[str, ...], list[str]] = {}
     for address in VERBS:
-        families.setdefault(tuple(address.split("/")[1:-1]), []).append(address)
+        families.setdefault(tuple(address.split("/")[1:-1][:2]), []).append(address)
     alone = families.pop(())
     return [
         *(each[0] if len(each) == 1 else f"/{'/'.join(parts)}/..." for parts, each in families.items()),
@@ -398,10 +398,11 @@ def _meant(address: str) -> list[str]:
     if not 1 <= len(given) <= 3:
         return []
     whole = [verb for verb in VERBS if _are_near(given, verb.split("/")[1:])]
-    exact = [verb for verb in _TARGETED.values() if verb.action == given[-1]]
-    acting = exact or [verb for verb in _TARGETED.values() if _is_near(given[-1], verb.action)]
+    acting = [verb for parts, verb in _TARGETED.items() if len(parts) == 2]
+    exact = [verb for verb in acting if verb.action == given[-1]]
+    acting = exact or [verb for verb in acting if _is_near(given[-1], verb.action)]
     there = [verb for verb in acting if len(given) > 1 and _is_near(given[0], verb.address.split("/")[1])]
-    if len(given) == 3 and any(given[0] == container for container, _ in _TARGETED):  # it was not misspelt
+    if len(given) == 3 and any(given[0] == container for container, *_ in _TARGETED):  # it was not misspelt
         acting = [verb for verb in acting if verb.action == given[-1]]
     found = whole or [_filled(verb.address, given, bool(there)) for verb in there or acting]
     from difflib import SequenceMatcher  # for an error alone

@@ -107,11 +107,13 @@ class Either(NamedTuple):
     help: str = ""
     otherwise: str = ""
     """The word where none is given."""
+    old: tuple[str, ...] = ()
+    """Words of earlier versions, which are taken, too."""
 
     def check(self, value: Argument) -> str:
         """Return the word; raise Refused if it is none of them."""
         word = shown(float(value) if isinstance(value, bool) else value) if isinstance(value, int | float) else value
-        if isinstance(word, str) and word in self.words:
+        if isinstance(word, str) and word in (*self.words, *self.old):
             return word
         raise Refused(f"{self.name} = {shown(value)}: {expected(value, self.words)}")
 

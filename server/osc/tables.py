@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from ...dsp.macros import MACROS
 from ...dsp.schema import GESTURES
 from ...dsp.schema import Parameter as Number
 from .addresses import KEYS, STRIKE, VERBS
@@ -27,6 +28,14 @@ def shared_table() -> str:
     position = VERBS["/object/NAME/impact"].named["position"]
     steered = {"position", "point", "gain"}
     return "\n".join([_STEERED, *(_row(key, "yes" * (key.name in steered)) for key in (position, *STRIKE))])
+
+
+def macro_table() -> str:
+    """Return the macros: their ends, controllers and laws."""
+    lines = ["| macro | at 0 | at 1 | MIDI | law, with m its value |\n|---|---|---|---|---|"]
+    for name, each in MACROS.items():
+        lines.append(f"| `{name}` | {each.ends[0]} | {each.ends[1]} | {each.controller} | {_sentence(each.law)} |")
+    return "\n".join(lines)
 
 
 def change_table() -> str:

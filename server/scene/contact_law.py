@@ -8,6 +8,7 @@ from ...dsp.bodies.material import Material
 from ...presets.kinds import SurfacePreset
 from ..osc.arguments import Refused
 from .limits import LAW, Contact
+from .macros import harder, touched
 from .object_call import ObjectCall
 from .objects import PlayedObject
 
@@ -32,7 +33,7 @@ def law_of(
     """
     struck_object, given = onto or to.obj, to.values.numbers
     preset, struck = struck_object.preset, struck_material(to, struck_object)
-    law = to.transaction.laws.of(to.striker, struck or preset.material)._asdict()
+    law = to.transaction.laws.of(to.striker, struck or touched(struck_object))._asdict()
     if by:
         law["mass"] = by.mass
     if by and to.by_materials:
@@ -51,7 +52,7 @@ def law_of(
         for key in said:
             lost = "restitution" if key == "dissipation" and law["restitution"] else key
             to.say(lost, law[lost])
-    return Contact(**law)
+    return Contact(**law) if by or "what" in to.values.words else harder(Contact(**law), to.obj)
 
 
 def struck_material(to: ObjectCall, struck: PlayedObject) -> Material | None:

@@ -4,14 +4,12 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-from ...dsp.contact.accuracy import LEVELS
-from ...dsp.contact.sampled import CORRECTIONS, METHODS
+from ...dsp.contact.accuracy import NUMBERS
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import CURVE, FORMS, MAIN_GAIN, OVER, Parameter
-from ...dsp.wording import expected
 from ..osc.addresses import Call
-from ..osc.arguments import Refused, Values, shown
+from ..osc.arguments import Refused, Values
 from ..osc.wire import Message
 from .transaction import Sent, Transaction
 
@@ -46,8 +44,7 @@ def _quality(transaction: Transaction, call: Call, values: Values) -> None:
 
 
 def _accuracy(transaction: Transaction, call: Call, values: Values) -> None:
-    accuracy = LEVELS.index(values.words["accuracy"])
-    send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
+    send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=NUMBERS[values.words["accuracy"]]))
 
 
 def _bank(transaction: Transaction, call: Call, values: Values) -> None:
@@ -105,33 +102,11 @@ def _end(transaction: Transaction, call: Call, values: Values) -> None:
     """Do nothing: a render looks for it before it begins."""
 
 
-def _contact(transaction: Transaction, call: Call, values: Values) -> None:
-    send(transaction, call.message, Command(NOW, Kind.METHOD, values=contact_choice(values)))
-
-
-def contact_choice(values: Values) -> dict[str, float]:
-    """Return the values of the command that chooses how contacts are solved. Refused if they don't go together."""
-    method = values.words["method"]
-    correction = values.words.get("correction", "none")
-    if method != "closed" and method not in METHODS:
-        raise Refused(f"method = {shown(method)}: {expected(method, ('closed', *METHODS))}")
-    if correction not in CORRECTIONS:
-        raise Refused(f"correction = {shown(correction)}: {expected(correction, CORRECTIONS)}")
-    oversampling = values.number("oversampling")
-    if method != "closed":
-        number = 1 + METHODS.index(method)
-        return {"method": number, "correction": CORRECTIONS[correction], "oversampling": oversampling}
-    if correction != "none" or oversampling != 1:
-        raise Refused("closed: it is exact already; expected neither correction nor oversampling")
-    return {"method": 0, "correction": 0, "oversampling": 0}
-
-
 ENGINE_HANDLERS: dict[str, Handler] = {
     "/accuracy": _accuracy,
     "/quality": _quality,
     "/bank": _bank,
     "/budget": _budget,
-    "/contact": _contact,
     "/gain": _gain,
     "/limiter": partial(_switch, Kind.LIMITER),
     "/headroom": partial(_switch, Kind.HEADROOM),

@@ -13,6 +13,7 @@ from itertools import islice
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.engine.memory.state import End
 from ...dsp.runtime.engine import Engine
 from ..osc.patterns import Selection, is_pattern
@@ -24,6 +25,14 @@ _REMEMBERED = 4_096  # ids: one that is given again soon has the number that it 
 _MOST_ENDS = 65_536  # that wait to be told
 _begin_of = itemgetter(0)
 _LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none
+
+
+class Begun(NamedTuple):
+    """What macros change of a gesture: its kind, the serial of its object, and values as its message has them."""
+
+    kind: str
+    serial: int
+    values: dict[str, float]
 
 
 @dataclass(eq=False, slots=True)
@@ -40,12 +49,21 @@ class GestureId:
     """Name of the object under its last rest; "" if that lies on a support, or there is none."""
     most_load: float = math.inf
     """N: up to which the load of its last rest may be steered."""
+    begun: "Begun | None" = None
+    """The gesture that began last with it."""
     played: list[tuple[float, "Played | None"]] = field(default_factory=list)
-    """Times (samples) of its gestures, the earliest first, and the make-up of those that go on with their argument."""
+    """Times (samples) of its gestures that last, the earliest first, and the make-up of those that have one."""
+    ahead: list[tuple[float, list[Command]]] = field(default_factory=list)
+    """Times (samples) of changes that were sent ahead, the earliest first, and their commands but for a level."""
 
     def played_at(self, time: float) -> "Played | None":
         """Return the make-up of the gesture that began last at a time (samples)."""
         return next((played for begin, played in reversed(self.played) if begin <= time), None)
+
+    def levels_of(self, time: float, commands: list[Command]) -> list[Command]:
+        """Return the commands by which a level follows those of a change at a time (samples)."""
+        played = self.played_at(time)
+        return played.levels_of(commands) if played else []
 
 
 class Ended(NamedTuple):
@@ -118,6 +136,32 @@ class GestureIds:
         entry = max(begin, now), played
         insort(known, entry, key=_begin_of)
         return lambda: known.remove(entry)
+
+    def begin(self, number: int, begun: Begun) -> None:
+        """Remember what macros change of a gesture that begins with the id of a number."""
+        if number in self._numbers:
+            self._numbers[number].begun = begun
+
+    def send_ahead(self, id: GestureId, time: float, commands: list[Command]) -> Callable[[], object]:
+        """Remember a change of a gesture if it is sent ahead of its time (samples); return how to undo that. What is
+        over is forgotten."""
+        known, now = id.ahead, float(self._engine.position)
+        del known[: bisect_right(known, now, key=_begin_of)]
+        if time <= now:
+            return lambda: None
+        entry = time, commands
+        insort(known, entry, key=_begin_of)
+        return lambda: known.remove(entry)
+
+    def levels_anew(self, number: int, begin: float) -> list[Command]:
+        """Return the commands that give changes anew the levels that come with them: those of changes that were sent
+        before a gesture, and come after its begin (samples). They are of the make-up that counts then."""
+        id = self._numbers.get(number)
+        if not id or not any(played for _, played in id.played):
+            return []
+        later = id.ahead[bisect_right(id.ahead, max(begin, float(self._engine.position)), key=_begin_of) :]
+        levels = [each for time, commands in later for each in id.levels_of(time, commands)]
+        return [Command(begin, Kind.RELEVEL, gesture=number), *levels] if later else []
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""

@@ -169,6 +169,12 @@ def require_rollable(radius: float, surface: SurfacePreset, roughness: float) ->
         raise Refused(f"radius = {radius:g}: expected at least {least:.3g} m, as {surface.name} has {heights}")
 
 
+def most_rough(radius: float, surface: SurfacePreset) -> float:
+    """Return how many times the height of a surface a body of a radius (m) can roll on."""
+    once = least_radius(surface, 1.0)
+    return radius / once if once else math.inf
+
+
 def least_radius(surface: SurfacePreset, roughness: float) -> float:
     """Return the least radius (m) of a body that rolls on a surface of which so many times the height is felt."""
     return _SMOOTH * roughness * (CREST * surface.roughness + surface.ripple)

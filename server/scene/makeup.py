@@ -78,6 +78,8 @@ _OF_PIECES = ("own_stiffness", "own_dissipation", "own_level", "level", "whole")
 """Values that what breaks has besides."""
 _ON_NOTHING = 2.0
 """Stage of pieces that fall on nothing."""
+_LEAST = 1e-6
+"""Of an argument, whose logarithm a level follows."""
 _PLAIN = (0.0, 1.0, 2.0, 0.0, 1.0, 0.0, 1.0)
 
 
@@ -144,6 +146,10 @@ def argument_of(gesture: Gesture) -> str:
     return VELOCITY.name if gesture.falls else gesture.argument.name
 
 
+ARGUMENTS = {argument_of(each) for each in GESTURES.values() if each.lasts and not each.held}
+"""Names of the arguments that make-up follows as they are steered."""
+
+
 def measured_at(kind: str, swells: bool = False) -> tuple[float, ...]:
     """Return the values of a gesture's argument at which it is measured; swells: of a plate, whose loudness is no line
     between them."""
@@ -189,6 +195,12 @@ class Played(NamedTuple):
     def level_at(self, argument: float) -> float:
         """Return the gesture's level in the engine at a value of its argument."""
         return GAIN.in_engine(gain_of(self.kind, argument, self.measure, self.preset_level))
+
+    def levels_of(self, commands: list[Command]) -> list[Command]:
+        """Return the commands by which its level follows those of a change, if that is of its argument."""
+        if commands[0].parameter != argument_of(GESTURES[self.kind]) or commands[-1].value <= 0.0:
+            return []
+        return [each._replace(parameter="level", value=self.level_at(max(each.value, _LEAST))) for each in commands]
 
 
 def _room(kind: str, aim: float) -> float:

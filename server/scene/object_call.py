@@ -26,6 +26,8 @@ class ObjectCall:
     values: Values
     name: str
     obj: PlayedObject
+    given: Values = field(default_factory=Values)
+    """The same before macros changed any."""
     chosen_keys: dict[str, Argument] = field(default_factory=dict)
     """The keys that the message left to be chosen, such as a seed."""
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from ...dsp.bodies.modes import Modes
 from ...dsp.engine.memory.commands import Handle
+from ...dsp.macros import MACROS, MORPH, NEUTRAL
 from ...dsp.runtime.engine import Engine
 from ...presets import ObjectPreset
 from ..osc.patterns import Selection, is_pattern
@@ -27,6 +28,18 @@ class PlayedObject:
     """The arguments of its /object/new."""
     settings: dict[str, float] = field(default_factory=dict)
     """Settings as they were last set, in the units of messages."""
+    macros: dict[str, float] = field(default_factory=lambda: {**dict.fromkeys(MACROS, NEUTRAL), MORPH.name: 0.0})
+    """Macros, and the share of the way to another object, as they were last set."""
+    shaped: tuple[bool, str] = (False, "")
+    """Whether its modes follow its material, and the preset that they may go to."""
+    tables: dict[tuple[bool, str], int] = field(default_factory=dict)
+    """Tables of its macros in the engine, by that."""
+    heard: dict[tuple[object, ...], Modes] = field(default_factory=dict)
+    """Its modes as its macros have them, for make-up."""
+    thrown: list[dict[str, float]] = field(default_factory=list)
+    """Macros before each throw of the dice."""
+    heavier: float = 1.0
+    """Factor of its mass by its macros."""
     copies: dict[str, "PlayedObject"] = field(default_factory=dict)
     """Copies on which its notes are played, by name; a name may be another's by now."""
     stands: int = 0
@@ -37,7 +50,7 @@ class PlayedObject:
     @property
     def mass(self) -> float:
         """kg."""
-        return self.modes.mass
+        return self.modes.mass * self.heavier
 
 
 class ObjectTable(Mapping[str, PlayedObject]):

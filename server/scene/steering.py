@@ -7,20 +7,20 @@ from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BY_POINT, BY_POSITION, GESTURES, LOAD, POINT, POSITION
 from ...dsp.wording import MOST_COMPARED, expected, suggestion, there_are
-from ..osc.addresses import Call
-from ..osc.arguments import GestureEnded, Refused, Values, shown
+from ..osc.addresses import VERBS, Call
+from ..osc.arguments import GestureEnded, Point, Refused, Values, shown
 from ..osc.points import Change, Move
 from ..osc.wire import Message
 from .engine_messages import changes, send
 from .gesture_ids import GestureId
-from .makeup import argument_of
+from .makeup import ARGUMENTS
 from .touching import position_on, require_surface
 from .transaction import Transaction
 
 _ON_SURFACE = ("point", *(each.name for each in POINT))
 _ON_OTHER = ("by_point", *(each.name for each in BY_POINT))
-_LEAST = 1e-6
-"""Of an argument, whose logarithm a level follows."""
+_STEERED = {verb.action: verb.number for verb in VERBS.values() if isinstance(verb, Change) and verb.target == "ID"}
+"""Numbers that steer gestures, by name."""
 CHANGE_WORK = 80
 """Work of carrying out a change on one gesture or object, as in patterns.work."""
 
@@ -55,20 +55,27 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
     transaction.selection.charge(CHANGE_WORK * (len(ids) * len(commands) - 1), call.target)
     for id in ids:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
-        for command in elsewhere.get(id.number, _made_up(transaction, id, action, values, commands)):
-            send(transaction, message, command._replace(gesture=id.number))
+        own = [each._replace(gesture=id.number) for each in elsewhere.get(id.number, commands)]
+        for command in (*own, *_levels(transaction, id, own)):
+            send(transaction, message, command)
 
 
-def _made_up(
-    transaction: Transaction, id: GestureId, action: str, values: Values, commands: list[Command]
-) -> list[Command]:
-    """Return the commands that steer a gesture, with those by which its make-up follows its argument."""
-    played = id.played_at(max(transaction.time, float(transaction.engine.position)))
-    if played is None or action != argument_of(GESTURES[played.kind]) or values.points[-1].value <= 0.0:
-        return commands
-    levels = [played.level_at(max(each.value, _LEAST)) for each in values.points]
-    follow = [each._replace(parameter="level", value=level) for each, level in zip(commands, levels, strict=True)]
-    return [*commands, *follow]
+def steered_by(transaction: Transaction, id: GestureId, name: str, points: tuple[Point, ...]) -> list[Command]:
+    """Return the commands that steer a number of a gesture along points, its make-up too."""
+    values = Values({name: points[-1].value}, points=points)
+    steered = changes(Kind.STEER, _STEERED[name], values)
+    commands = [each._replace(parameter=name, gesture=id.number) for each in steered]
+    return [*commands, *_levels(transaction, id, commands)]
+
+
+def _levels(transaction: Transaction, id: GestureId, commands: list[Command]) -> list[Command]:
+    """Return the commands by which the make-up of a gesture follows its argument, where that is steered."""
+    if commands[0].parameter not in ARGUMENTS:
+        return []
+    time = max(transaction.time, float(transaction.engine.position))
+    placed = [each._replace(time=transaction.time) for each in commands]
+    transaction.on_undo(transaction.gestures.send_ahead(id, time, placed))
+    return id.levels_of(time, placed)
 
 
 def _warn_of_nothing(transaction: Transaction, call: Call, ids: list[GestureId]) -> None:

@@ -119,7 +119,7 @@ def require_surface(name: str, obj: PlayedObject, key: str, point: tuple[float, 
 def _place(to: ObjectCall, key: str, vector: str, touched: tuple[str, PlayedObject]) -> tuple[float, _Point, float]:
     """Return a position, the point that it is or that is given, and 1 if one is given."""
     name, obj = touched
-    position = to.values.numbers.get(key, obj.preset.position)
+    position = to.values.numbers.get(key, to.values.defaults.get(key, obj.preset.position))
     point = to.values.vectors.get(vector)
     if point is None:
         return position, _on_path(obj, position), 0.0

@@ -22,6 +22,7 @@ from .objects import ObjectTable
 from .scale import Scale
 
 if TYPE_CHECKING:
+    from ...presets.reshaping import Axes, Wanted
     from ..bridge.bodies import Body
     from ..bridge.wire import TellsWorld
     from .sensors import SensorTable
@@ -136,6 +137,15 @@ class Transaction:
         if measure is None and self.beside is not None and digest not in self.beside:
             raise NotMade(digest, partial(self.makeup.measure, digest, pair))
         return measure or self.makeup.measure(digest, pair)
+
+    def axes(self, wanted: "Wanted") -> "Axes":
+        """Return how the macros of an object change its modes. NotMade: that is to be made beside."""
+        from ...presets.reshaping import axes_of, known_axes
+
+        known = known_axes(wanted)
+        if known is None and self.beside is not None and wanted.key not in self.beside:
+            raise NotMade(wanted.key, partial(axes_of, wanted))
+        return known or axes_of(wanted)
 
     @contextmanager
     def has_made(self, call: Call, made: "Made") -> Iterator[None]:

@@ -37,7 +37,8 @@ from ..osc.space_verbs import PLACE
 from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
-from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed, speed_by
+from .limits import Contact, fall, most_rough, require_rest, require_rollable, require_short, rim_speed, speed_by
+from .macros import MACRO_HANDLERS, begun_as, heard_as, messages_of, pressed, told
 from .makeup import Played, argument_of, velocity_of
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
@@ -233,6 +234,8 @@ def _note(to: ObjectCall) -> None:
         if to.obj.handle.serial in transaction.space.places:
             place = transaction.space.places[to.obj.handle.serial]
             translate(transaction, calls(Message(f"/object/{name}/place", place))[0])
+        for message in messages_of(to.obj, name):
+            translate(transaction, calls(message)[0])
     translate(transaction, calls(Message(f"/object/{name}/impact", (speed_of(velocity), *to.call.message.args[2:])))[0])
 
 
@@ -251,9 +254,16 @@ def _roll(to: ObjectCall) -> None:
     if speed > 0.0 and not goes_on:
         if not radius:
             raise Refused(f"radius is missing: {to.striker} is no ball; expected its radius (m)")
-        require_rollable(radius, surface, roughness)
+        require_rollable(radius, surface, to.given.number("roughness"))
+        roughness = min(roughness, most_rough(radius, surface))
     number = to.start(id)
-    motion = {**_own_values(to, ROLL), "speed": speed, "radius": radius or _ANY_RADIUS, "seed": to.seed(number)}
+    motion = {
+        **_own_values(to, ROLL),
+        "roughness": roughness,
+        "speed": speed,
+        "radius": radius or _ANY_RADIUS,
+        "seed": to.seed(number),
+    }
     given = given_of(ROLL, to)
     command = Command(NOW, "roll", gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
@@ -267,13 +277,14 @@ def _slide(to: ObjectCall) -> None:
     goes_on = to.transaction.gestures.is_running(id, to.address)
     law = law_on(to, by, surface, goes_on, "slides")
     own = {**DRY, "radius": to.contact_radius} if to.by_materials else dict(laws.sliding_of(to.striker))
-    own["force"] = law.mass * STANDARD_GRAVITY
+    own["force"] = pressed(to, law.mass * STANDARD_GRAVITY)
     own |= {key: value for key, value in (*values.defaults.items(), *values.numbers.items()) if key in own}
     motion = {**_own_values(to, SLIDE), **own}
     if motion["dynamic"] > motion["static"]:
         raise Refused(f"dynamic = {motion['dynamic']:g}: expected at most static = {motion['static']:g}")
     if not goes_on:
-        require_rollable(motion["radius"], surface, values.number("roughness"))
+        require_rollable(motion["radius"], surface, to.given.number("roughness"))
+        motion["roughness"] = min(motion["roughness"], most_rough(motion["radius"], surface))
     motion |= {"speed": values.number("speed"), "seed": to.seed(number := to.start(id))}
     if "direction" in values.vectors:
         motion["along"] = values.numbers.get("along", 1.0)
@@ -326,8 +337,13 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
     if to.is_played and not GESTURES[str(command.kind)].held:
         made_up, played = _make_up(to, command._replace(values=values), sound)
         values |= made_up
-    transaction.on_undo(transaction.gestures.play(command.gesture, transaction.time, played))
+    transaction.gestures.begin(command.gesture, begun_as(str(command.kind), to.given, to.obj))
     _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
+    if GESTURES[str(command.kind)].lasts:
+        begin = transaction.time
+        transaction.on_undo(transaction.gestures.play(command.gesture, begin, played))
+        for each in transaction.gestures.levels_anew(command.gesture, begin):
+            transaction.add(each, transaction.sent[-1])
 
 
 def _make_up(to: ObjectCall, command: Command, sound: StrikerSound | None) -> tuple[dict[str, float], Played | None]:
@@ -336,7 +352,9 @@ def _make_up(to: ObjectCall, command: Command, sound: StrikerSound | None) -> tu
     name = argument_of(GESTURES[kind])
     if swells and name != VELOCITY.name:
         return {}, None
-    measure = to.transaction.measured(to.transaction.makeup.pair(to.obj.modes, preset.position, command, sound))
+    measure = to.transaction.measured(
+        to.transaction.makeup.pair(heard_as(to.transaction, to.obj), preset.position, command, sound)
+    )
     if swells:
         return {name: velocity_of(kind, command.values[name], measure, preset.level)}, None
     played = Played(kind, measure, preset.level)
@@ -366,7 +384,9 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
         for name, obj in objects.items():
             if len(objects) > 1:
                 transaction.pause()
-            handle(ObjectCall(transaction, call, completed(values, call.verb, obj.preset), name, obj))
+            assert call.verb
+            given = completed(values, call.verb, obj.preset)
+            handle(ObjectCall(transaction, call, told(given, call.verb.action, obj), name, obj, given))
 
     return handle_all
 
@@ -378,6 +398,7 @@ HANDLERS: dict[str, Handler] = {
         for name, gesture in GESTURES.items()
     },
     **dict.fromkeys((f"/object/NAME/{setting}" for setting in SETTINGS), _on_objects(_set)),
+    **{address: _on_objects(partial(handle, translate)) for address, handle in MACRO_HANDLERS.items()},
     "/object/NAME/gains": _on_objects(_gains),
     PLACE: _on_objects(_put),
     "/object/NAME/free": _on_objects(_free),

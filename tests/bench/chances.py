@@ -1,9 +1,9 @@
 """Random combinations of objects, strikers, gestures and keys within their usual ranges: how many sound fine?
 
-Each is played with make-up (`--physical`: without), and rendered without a limiter. It is fine if its greatest
-momentary loudness is from -35 to -12 LUFS, its true peak over full scale by 3 dB at most before the limiter and by none
-behind it, it takes at most a tenth of a processor (plates that swell 0.4), and nothing is refused that a knob offers.
-Prints the shares, and the worst of each kind.
+Each is played with make-up (`--physical`: without), and rendered without a limiter. `--macros 0`, `1` or `random` turns
+one macro in two there. It is fine if its greatest momentary loudness is from -35 to -12 LUFS, its true peak over full
+scale by 3 dB at most before the limiter and by none behind it, it takes at most a tenth of a processor (plates that
+swell 0.4), and nothing is refused that a knob offers. Prints the shares, and the worst of each kind.
 """
 
 import argparse
@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 import carom
+from carom.dsp.macros import MACROS
 from carom.dsp.runtime.loudness import Heard, heard
 from carom.dsp.schema import GESTURES, SETTINGS, Parameter
 
@@ -96,32 +97,41 @@ def combination(chance: random.Random) -> tuple[str, str, dict[str, Value], dict
 
 
 def rendered(
-    name: str, kind: str, keys: dict[str, Value], made: dict[str, Value], limiter: bool
+    name: str, kind: str, keys: dict[str, Value], made: dict[str, Value], macros: dict[str, float], limiter: bool
 ) -> tuple[carom.Sound, float, bool]:
     """Render a combination; return the sound, the share of a processor, and whether the object is a plate that
     swells."""
     with carom.Scene(RATE, limiter=limiter) as scene:
         body = scene.new("a", name, **made)
+        if macros:
+            body.macro(**macros)
         getattr(body, kind)(**keys)
         begun = time.thread_time()
         sound = scene.render(SECONDS)
         return sound, (time.thread_time() - begun) / SECONDS, body._placed.modes.sheet is not None
 
 
-def tried(chance: random.Random, play: int) -> Chance:
-    """Try a combination."""
+def turned(chance: random.Random, macros: str) -> dict[str, float]:
+    """Choose macros, one in two, and turn them to a place, or each to another one at random; none without a place."""
+    named = [name for name in MACROS if chance.random() < 0.5] if macros else []
+    return {name: round(chance.random(), 3) if macros == "random" else float(macros) for name in named}
+
+
+def tried(chance: random.Random, play: int, place: str) -> Chance:
+    """Try a combination, with macros at a place."""
     name, kind, keys, made = combination(chance)
-    said = f"{name} {kind} {' '.join(f'{key} {value}' for key, value in (keys | made).items())}"
+    macros = turned(chance, place)
+    said = f"{name} {kind} {' '.join(f'{key} {value}' for key, value in (keys | made | macros).items())}"
     try:
-        sound, load, swells = rendered(name, kind, keys | {"play": play}, made, False)
+        sound, load, swells = rendered(name, kind, keys | {"play": play}, made, macros, False)
         most = LOAD_OF_PLATES if swells else USUAL_LOAD
         for _ in range(_TRIED - 1):
             if load > most:
-                load = min(load, rendered(name, kind, keys | {"play": play}, made, False)[1])
+                load = min(load, rendered(name, kind, keys | {"play": play}, made, macros, False)[1])
         before = heard(sound.samples, RATE)
         behind = before.peak
         if before.peak > BEHIND - 0.5:
-            behind = heard(rendered(name, kind, keys | {"play": play}, made, True)[0].samples, RATE).peak
+            behind = heard(rendered(name, kind, keys | {"play": play}, made, macros, True)[0].samples, RATE).peak
     except carom.CommandError as error:
         return Chance(said, None, 0.0, 0.0, False, str(error))
     return Chance(said, before, behind, load, swells, "")
@@ -132,10 +142,11 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1_000, help="combinations (%(default)s)")
     parser.add_argument("--seed", type=int, help="of the random numbers; another each time if not given")
     parser.add_argument("--physical", action="store_true", help="without make-up")
+    parser.add_argument("--macros", choices=("0", "1", "random"), default="", help="where macros are turned to")
     options = parser.parse_args()
     seed = options.seed if options.seed is not None else int(np.random.SeedSequence().generate_state(1)[0])
     chance = random.Random(seed)
-    found = [tried(chance, 0 if options.physical else 1) for _ in range(options.count)]
+    found = [tried(chance, 0 if options.physical else 1, options.macros) for _ in range(options.count)]
     fine = sum(not each.faults for each in found)
     print(f"seed {seed}: {fine} of {len(found)} fine ({fine / len(found):.1%})")
     for fault in ("refused", "silent", "soft", "loud", "over", "true peak", "slow"):

@@ -54,8 +54,8 @@ class _Struck:
 # The ringing after a strike must not change the next contact: the objects are damped, all alike.
 STRUCK = {
     "wall": _Struck(1e-7, "-60", False),
-    "m*": _Struck(5e-4, "-40", False),
-    **{f"coupled {level}": _Struck(0.5, level, True) for level in LEVELS[1:]},
+    "m*": _Struck(5e-4, "-50", False),
+    **{f"coupled {level}": _Struck(0.5, level, True) for level in LEVELS},
 }
 DECAY = 500.0  # 1/s
 CLOSED = ("wall", "m*")

@@ -23,7 +23,6 @@ KINDS = {
 }
 """The presets that a word may name, by the name of the argument."""
 _NAMES = "abcdefgh"
-_METHODS = ("closed", "am1", "verlet", "heun", "rk4")
 _NEVER = "/quit"
 
 
@@ -62,7 +61,7 @@ def argument(chance: random.Random, key: Key) -> Argument:
     assert isinstance(key, Word)
     if key.name in KINDS:
         return chance.choice(sorted(PRESETS.names(KINDS[key.name])))
-    return chance.choice(_METHODS if key.name == "method" else _NAMES)
+    return chance.choice(_NAMES)
 
 
 def argument_list(chance: random.Random, numbers: Numbers, count: int) -> list[Argument]:

@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from carom.clients.export import c, web
+from carom.clients.export.machines import machine_of
 from carom.clients.export.packing import compressed
 from carom.presets import Presets
 from tests.clients.export.make_scene import random_scene
@@ -23,7 +24,7 @@ def main(folder: Path, count: int) -> None:
     for seed in range(count):
         _, scene = random_scene(seed, presets)
         if not pages:
-            c.write_library(scene, folder / "c")
+            c.write_library(scene, folder / "c", machine_of(None))
         page, rooms = folder / str(seed), tuple(web.without(scene.baked))
         page.mkdir()
         if rooms in pages:

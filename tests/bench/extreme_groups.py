@@ -18,7 +18,7 @@ import numpy as np
 
 from carom.dsp.bodies import Modes, listed
 from carom.dsp.contact.accuracy import IN_BLOCKS, LEVELS
-from carom.dsp.contact.collocation import elastic
+from carom.dsp.contact.law import elastic
 from carom.dsp.engine.memory.commands import Command, Handle, Kind
 from carom.dsp.engine.memory.state import QUANTUM, Solver
 from carom.dsp.runtime.engine import NOW, Engine

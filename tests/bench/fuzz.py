@@ -153,8 +153,6 @@ class Junk:
         if verb == "server":
             address = self.chance.choice(["/panic", "/status", "/version", "/sync", "/notify", "/fail", "/nothing"])
             return Message(address, self.chance.choice([(), (number(),), (b"\0\1\2", None, True, "x")]))
-        if verb == "contact":
-            return Message("/contact", (self.chance.choice(["closed", "rk4", "am1"]), 2))
         return Message(self.chance.choice(["/*/*/impact", "/o*", "/{panic,status}", "//", "/*"]), (number(),))
 
     def _number(self) -> float:
@@ -280,7 +278,6 @@ def still_plays(port: int) -> bool:
                 continue
             client.send("/panic")
             client.send("/gain", 0.0)
-            client.send("/contact", "closed")
             client.send("/object/*/free", 1)
             client.ask("/sync", 1)
             time.sleep(0.3)

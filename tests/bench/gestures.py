@@ -80,7 +80,6 @@ def measure(rounds: int) -> list[dict[str, Any]]:
     ringing = math.nan
     for accuracy, rolls, bounces in (
         ("-60", 0, 0),
-        ("-40", GESTURES, 0),
         ("-50", GESTURES, 0),
         ("-60", GESTURES, 0),
         ("-60", 0, GESTURES),

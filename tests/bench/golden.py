@@ -19,6 +19,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from carom.clients.export import c
+from carom.clients.export.machines import machine_of, run
 from carom.clients.export.scene import bake_scene
 from carom.presets import Presets
 from carom.server.osc.score import parse
@@ -132,7 +133,9 @@ def played(scenes: dict[str, bytes]) -> dict[str, str]:
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         example = Path(c.__file__).parent / "c" / "example.c"
-        c.run(*c.write_static(folder), f"-I{folder}", example, "libcarom.a", "-lm", "-o", "example", cwd=folder)
+        machine = machine_of(None)
+        c.write_static(folder, machine)
+        run(*machine.compiler, f"-I{folder}", example, "libcarom.a", "-lm", "-o", "example", cwd=folder)
         for name, scene in scenes.items():
             (folder / name).write_bytes(scene)
             done = subprocess.run([folder / "example", name, "made.wav"], cwd=folder, capture_output=True, text=True)

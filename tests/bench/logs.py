@@ -37,7 +37,7 @@ def random_message(rng: random.Random) -> Message:
         case 3:
             return Message("/panic")
         case 4:
-            return Message("/contact", rng.choice((("closed",), ("verlet", 4), ("am1", "correction", "both"), ("no",))))
+            return Message("/quality", rng.choice(((0,), (1,), (9,))))
         case 5:
             action = rng.choice(("damp", "pan", "gain", "decay", "tune"))
             return Message(

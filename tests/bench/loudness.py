@@ -53,19 +53,20 @@ def measured(name: str, folders: Folders = ()) -> Loudness:
     """Measure the loudness of an object at its defaults; folders: of presets, as for a Scene."""
     preset = carom.Presets(folders).object(name)
     struck = gesture(name, "impact", folders)
-    pascals = true_peak(_played(name, "impact", folders, calibrated=True))
+    pascals = true_peak(played(name, "impact", folders, calibrated=True))
     others = {each: gesture(name, each, folders).loudness - struck.loudness for each in preset.gestures}
     return Loudness(preset.level, struck.loudness, struck.peak, pascals, decibels(pascals / _HEARING), others)
 
 
 def gesture(name: str, kind: str, folders: Folders = (), at_most: float = math.inf) -> Heard:
     """Measure the loudness of a gesture at its defaults, on an object at its defaults; at_most: s of it."""
-    return heard(_played(name, kind, folders, at_most=at_most), RATE)
+    return heard(played(name, kind, folders, at_most=at_most), RATE)
 
 
-def _played(
-    name: str, kind: str, folders: Folders, calibrated: bool = False, at_most: float = math.inf
+def played(
+    name: str, kind: str, folders: Folders = (), calibrated: bool = False, at_most: float = math.inf
 ) -> NDArray[np.float32]:
+    """Return the sound of a gesture, without a limiter, as `gesture` takes it."""
     with carom.Scene(RATE, limiter=False, presets=folders, calibrated=calibrated) as scene:
         body = scene.new("a", name)
         getattr(body, kind)(**{} if kind == "impact" else {"seed": 1})

@@ -101,12 +101,13 @@ class Tried(NamedTuple):
 def write_scenes(folder: Path) -> None:
     """Write the scenes and the library: in a process that has a page's sizes and bits."""
     from carom.clients.export import c
+    from carom.clients.export.machines import machine_of
     from carom.clients.export.scene import bake_scene
     from carom.presets import Presets
     from carom.server.osc.score import parse
     from carom.server.render import Options
 
-    c.write_static(folder)
+    c.write_static(folder, machine_of(None))
     for name, text in SCORES.items():
         score = parse(text.encode(), name)
         scene = bake_scene(score, text, name, Presets(), Options(seconds=SECONDS), print)

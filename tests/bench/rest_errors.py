@@ -10,7 +10,7 @@ _OBJECTS = ("glass-plate", "steel-plate", "ceramic-tile", "marimba-bar", "wood-b
             "glockenspiel-bar", "tin-lid")  # fmt: skip
 _UNDER = ("other", "table", "felt", "foam", "finger", "palm")
 _SPEEDS = 0.001, 0.1  # m/s: of the blows; the faster ones let some lift off
-_LEVELS = ("-40", "-50", "-60", "-80")
+_LEVELS = ("-50", "-60", "-80")
 
 
 def sound(name: str, under: str, accuracy: str, speed: float) -> NDArray[np.float64]:

@@ -5,18 +5,19 @@ import csv
 import io
 import math
 import os
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
 from carom.clients.cli import main
-from carom.dsp.contact.sampled import CORRECTIONS, METHODS
 from carom.dsp.lab import wall
 from carom.dsp.lab.bowing import schelleng_limit
 from carom.dsp.lab.bristle import METHODS as METHODS_OF_FRICTION
 from carom.dsp.lab.chart.report import PRINTED
 from carom.dsp.lab.comparison import BANDS
+from carom.dsp.lab.sampled import CORRECTIONS, METHODS
 from carom.dsp.lab.wall import PAPER_CASES, PAPER_RATE
 from tests.accuracy import RINGING
 
@@ -51,10 +52,13 @@ Rows = list[dict[str, str]]
 
 @pytest.fixture(scope="module")
 def charted(tmp_path_factory) -> Path:
-    """A quick run: all figures are drawn, and of one of each kind its files, which take most of the time."""
-    from carom.dsp.lab.chart import style
+    """A run that is quicker than quick: all figures are drawn, and of one of each kind its files, which take most of
+    the time."""
+    from carom.dsp.lab.chart import run, style
 
     save = style.save
+    least = replace(run.QUICK, durations=(200, 6, 1, 0.01), dampings=(0.01, 1, 100), repeats=3, contacts=12,
+                    coupled_oversamplings=(1, 64), coupled_repeats=1, rubs=20)  # fmt: skip
 
     def drawn(draw: style.Draw, path: Path) -> None:
         if path.name in DRAWN:
@@ -66,6 +70,7 @@ def charted(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("charts") / "new" / "out"
     with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(io.StringIO()) as out:
         patch.setattr(style, "save", drawn)
+        patch.setattr(run, "QUICK", least)
         assert main(["chart", str(folder), "--quick"]) == 0
     assert out.getvalue() == f"{folder / 'index.html'}\n"
     return folder
@@ -239,9 +244,9 @@ def test_rebounds_add_up(charted):
             assert float(row["err_H"]) > 10
 
 
-def test_a_file_in_its_place_is_said(carom, tmp_path):
+def test_a_file_in_its_place_is_said(carom_here, tmp_path):
     (tmp_path / "out").write_text("")
-    run = carom("chart", "out", "--quick")
+    run = carom_here("chart", "out", "--quick")
     assert (run.returncode, run.stderr) == (1, "carom chart: out: expected a folder, and a file is there\n")
 
 

@@ -257,6 +257,7 @@ def test_a_comparison_ends_in_a_sentence_that_a_player_understands(tmp_path, cap
         assert re.fullmatch(said, capsys.readouterr().out.splitlines()[-1]), name
 
 
+@pytest.mark.slow
 def test_a_sound_is_compared_with_recordings_of_its_kind(folder, tmp_path, capsys):
     ring, kind = folder / "ring.wav", tmp_path / "kind"
     kind.mkdir()

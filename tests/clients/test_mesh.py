@@ -150,6 +150,7 @@ def test_the_command_names_the_files_that_it_takes(tmp_path, capsys, name, first
     )
 
 
+@pytest.mark.slow
 def test_the_examples_meshes_are_closed_but_for_the_sheet():
     from carom.dsp.mesh.cleaning import cleaned
 

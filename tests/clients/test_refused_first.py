@@ -43,7 +43,6 @@ REFUSED = {
     f"{SERVE} --record out.flac": "out.flac: expected a name that ends in .wav",
     f"{SERVE} --log nowhere/out.txt": "nowhere/out.txt: No such file",
     f"{SERVE} --recordings good.txt": "good.txt: File exists",
-    f"{SERVE} --contact rk5": "/contact: method = rk5: did you mean rk4?",
     f"{SERVE} --oscquery 0 --record good.flac": "good.flac: expected a name that ends in .wav",
     f"{SERVE} --midi no-such-input": "midi",
     "page --port 0 --device none --page 0 --certificate nope.pem": "nope.pem: No such file",

@@ -12,17 +12,21 @@ from tests.support import Jack, render_lines
 pytestmark = pytest.mark.slow
 
 
-def test_a_strike_is_the_score_that_says_the_same(carom, tmp_path):
-    carom("strike", "glass-plate", "a.wav", "--velocity", "5e-1", "--position", "0.2", "--striker", "wood", check=True)
+def test_a_strike_is_the_score_that_says_the_same(carom_here, tmp_path):
+    carom_here(
+        "strike", "glass-plate", "a.wav", "--velocity", "5e-1", "--position", "0.2", "--striker", "wood", check=True
+    )
     score = b"0 /object/new p glass-plate\n0 /object/p/impact 0.5 0.2 striker wood\n"
     samples, rate = soundfile.read(tmp_path / "a.wav", dtype="float32")
     assert rate == 48_000 and np.array_equal(samples, render_lines(parse(score, "s")))
 
 
-def test_its_velocity_is_the_presets(carom, tmp_path):
+def test_its_velocity_is_the_presets(carom_here, tmp_path):
     velocity = Presets().object("wood-block").velocity
-    carom("strike", "wood-block", "a.flac", "--rate", "44100", "--seconds", "0.1", check=True)
-    carom("strike", "wood-block", "b.flac", "--rate", "44100", "--seconds", "0.1", "--velocity", velocity, check=True)
+    carom_here("strike", "wood-block", "a.flac", "--rate", "44100", "--seconds", "0.1", check=True)
+    carom_here(
+        "strike", "wood-block", "b.flac", "--rate", "44100", "--seconds", "0.1", "--velocity", velocity, check=True
+    )
     assert (tmp_path / "a.flac").read_bytes() == (tmp_path / "b.flac").read_bytes()
     assert soundfile.info(tmp_path / "a.flac").frames == 4_410
 
@@ -64,8 +68,8 @@ def test_a_strike_on_a_device_tells_of_the_limiter_as_one_in_a_file_does(carom_h
         (("wood-block", "a.mp3"), "a.mp3: expected a name that ends in .wav or .flac"),
     ],
 )
-def test_what_cannot_be_struck_is_told(carom, tmp_path, words, error):
-    run = carom("strike", *words)
+def test_what_cannot_be_struck_is_told(carom_here, tmp_path, words, error):
+    run = carom_here("strike", *words)
     assert run.returncode == 1 and error in run.stderr and run.stderr.count("\n") == 1
     assert not list(tmp_path.iterdir())
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from carom.dsp.macros import MACROS
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, gestures_steered_by
 from carom.server.osc.addresses import VERBS
 from carom.server.osc.arguments import Key, Verb
@@ -32,6 +33,10 @@ EXAMPLES = {
     "/object/NAME/damp": "/object/bell/damp 0.7 over 0.1",
     "/object/NAME/gains": "/object/bell/gains 0.5 0.5 0 1",
     "/object/NAME/place": "/object/bell/place 2 3 0.8 over 3",
+    **{f"/object/NAME/macro/{name}": f"/object/bell/macro/{name} 0.7 over 1" for name in MACROS},
+    "/object/NAME/dice": "/object/bell/dice",
+    "/object/NAME/undo": "/object/bell/undo",
+    "/object/NAME/morph": "/object/bar/morph vibraphone-bar 0.3 over 2",
     "/object/NAME/note": "/object/bar/note 69 100",
     "/object/NAME/free": "/object/bell/free",
     "/object/NAME/get": "/object/bell/get 5",
@@ -46,7 +51,6 @@ EXAMPLES = {
     "/accuracy": "/accuracy -50",
     "/quality": "/quality 2",
     "/bank": "/bank float32",
-    "/contact": "/contact verlet 4 correction both",
     "/budget": "/budget 16 8192",
     "/gain": "/gain -6 over 2",
     "/limiter": "/limiter off",
@@ -100,7 +104,6 @@ _FAMILIES = {
         "/accuracy",
         "/quality",
         "/bank",
-        "/contact",
         "/budget",
     ),
     "scores": ("/channels", "/full_scale"),
@@ -126,6 +129,7 @@ def _blocks(verbs: Iterable[Verb]) -> Iterable[str]:
     """Yield a block for each address; one for all that set a number of an object, and one for all that steer."""
     settings = [verb for verb in verbs if verb.address.startswith("/object/NAME/") and verb.action in SETTINGS]
     steering = [verb for verb in verbs if verb.address.startswith("/gesture/ID/") and verb.action in STEERABLE]
+    macros = [verb for verb in verbs if verb.address.startswith("/object/NAME/macro/")]
     for verb in verbs:
         if verb in settings[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _said(each)) for each in settings]
@@ -138,7 +142,13 @@ def _blocks(verbs: Iterable[Verb]) -> Iterable[str]:
             yield "### `/gesture/ID/KEY value [over s] [curve c]`\n\nSteer a gesture that goes on, at once or in time."
             yield f"    {EXAMPLES[verb.address]}"
             yield table(("address", "value", "steers"), rows)
-        elif verb not in (*settings, *steering):
+        elif verb in macros[:1]:
+            rows = [(f"`{each.address}`", range_of(each.required[0]), _said(each)) for each in macros]
+            yield "### `/object/NAME/macro/MACRO value [over s] [curve c]`"
+            yield "Turn a [macro](macros.md), at once or in time."
+            yield f"    {EXAMPLES[verb.address]}"
+            yield table(("address", "value", "meaning"), rows)
+        elif verb not in (*settings, *steering, *macros):
             yield from _block(verb)
 
 

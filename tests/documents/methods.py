@@ -11,6 +11,7 @@ from textwrap import wrap
 from carom.clients import actions
 from carom.clients.actions import Actions
 from carom.clients.gesture_methods import Gestures, ObjectMethods
+from carom.dsp.macros import MACROS
 from carom.dsp.schema import GESTURES, Gesture, Parameter
 from carom.presets.schema import OBJECT, REST, SHAPES, SIZED, STRIKE
 from carom.presets.values import Choice, Domain, Made, Many, Row, Rows, Text
@@ -43,7 +44,6 @@ _VERBS = {
     "Listener": "/listener",
     "Floor": "/floor",
     "Room": "/room",
-    "Contact": "/contact",
     "Pair": "/world/pair",
 }
 """An address for each set of keys of other methods."""
@@ -77,6 +77,8 @@ def stub() -> str:
     steered = {address.rpartition("/")[2]: verb.required for address, verb in VERBS.items() if "/ID/" in address}
     kinds = {name: _LIST if len(values) > 1 else "SupportsFloat" for name, values in steered.items() if values}
     parts.append(_fields("SteerKeys", _TYPED, "What a gesture may be steered by.", kinds))
+    macros = dict.fromkeys(MACROS, f"SupportsFloat | {_LIST}")
+    parts.append(_fields("MacroKeys", _TYPED, "The macros of an object.", macros))
     gestures = GESTURES.values()
     parts.append(_class(Gestures, (_method(each, "name: str, ") for each in gestures)))
     parts.append(_class(ObjectMethods, [*(_method(each, "") for each in gestures), *_on_objects()]))

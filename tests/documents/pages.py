@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from carom.dsp.schema import GESTURES
-from carom.server.osc.tables import change_table, gesture_table, shared_table
+from carom.server.osc.tables import change_table, gesture_table, macro_table, shared_table
 from tests.documents import commands, figures, methods, presets, protocol, recipes, records, scattered, swarms
 from tests.documents.addresses import addresses
 
@@ -22,6 +22,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "addresses": addresses,
     "shared keys": shared_table,
     "change keys": change_table,
+    "macros": macro_table,
     **{f"keys of {name}": partial(gesture_table, name) for name in GESTURES},
     "status": protocol.status,
     "limits": protocol.limits,

@@ -10,8 +10,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from carom.dsp.contact.sampled import METHODS
 from carom.dsp.lab.chart.tables import TITLES, Row, pick, write
+from carom.dsp.lab.sampled import METHODS
 
 ROOT = Path(__file__).parents[2]
 MEASURED = ROOT / "tests" / "measured"

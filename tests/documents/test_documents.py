@@ -102,7 +102,7 @@ def test_one_page_has_the_dial_and_the_expert_settings():
         re.findall(r"^\| `(\S+?)[` ]", part, re.M) for part in TEXTS["server/accuracy.md"].split("## Expert")
     )
     assert dial == ["/accuracy", *LEVELS]
-    assert expert == ["/quality", "/budget", "/bank", "/contact"]
+    assert expert == ["/quality", "/budget", "/bank"]
 
 
 @pytest.mark.slow

@@ -74,6 +74,7 @@ def require_body(read, volume):
     assert not openings(surface) and not sides_of(surface).wrong.any() and notes == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_concave_polygons_become_the_body_that_they_enclose(seed):
     rng = np.random.default_rng(seed)

@@ -1,5 +1,7 @@
 """Bodies that rest on objects push with their weight alone."""
 
+from itertools import cycle
+
 import numpy as np
 import pytest
 
@@ -32,10 +34,9 @@ def excess(name, accuracy, *balls):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", PRESETS.names("objects"))
-def test_a_ball_at_rest_pushes_with_its_weight(name):
-    for ball in BALLS:
-        assert excess(name, "-60", ball) < 1e-5
+@pytest.mark.parametrize(("name", "ball"), [*zip(PRESETS.names("objects"), cycle(BALLS), strict=False)])
+def test_a_ball_at_rest_pushes_with_its_weight(name, ball):
+    assert excess(name, "-60", ball) < 1e-5
 
 
 @pytest.mark.slow
@@ -52,7 +53,8 @@ def test_balls_at_rest_together_push_with_their_weights(accuracy):
     assert excess("polycarbonate-sheet", accuracy, *BALLS) < 1e-5
 
 
-@pytest.mark.parametrize("accuracy", ("-40", "-60", "-80"))
+@pytest.mark.slow
+@pytest.mark.parametrize("accuracy", ("-50", "-60", "-80"))
 @pytest.mark.parametrize("held", ({}, {"by": "b"}), ids=("a hand", "another object"))
 @pytest.mark.parametrize("name", ("wood-block", "plastic-cup", "steel-plate"))
 def test_a_press_that_rests_takes_one_step_a_sample(name, held, accuracy):

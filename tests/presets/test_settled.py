@@ -70,6 +70,7 @@ def test_a_score_of_built_in_objects_has_the_same_bits_with_other_libraries(tmp_
     assert len(found) == 1
 
 
+@pytest.mark.slow
 def test_the_modes_that_are_kept_are_those_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sorted(names()) == Presets().names("objects"), REMEDY
     for name in ("xylophone-bar", "ceramic-tile", "splash-cymbal"):

@@ -14,6 +14,7 @@ from tests import accuracy, needs
 
 PRESETS = Presets()
 RATE = 48_000
+COUPLED = [name for name in PRESETS.names("objects") if "nonlinear_modes" in PRESETS.object(name).geometry]
 
 
 def struck(name: str, seconds: float, *keys: str | float) -> tuple[np.ndarray, Engine]:
@@ -119,8 +120,8 @@ def test_no_striker_gives_more_energy_than_it_brings(name):
     """Every built-in striker at 1 m/s, at the edge and inside: sum |z|^2/2 of the modes once the contact is over.
 
     A plate whose modes are coupled has its stretching besides. A dome's is below 0 while it is pushed in: its modes,
-    which count what stretches linearly, have more by that. Such a plate takes ten times as long as others: every other
-    striker meets its edge, the rest its inside.
+    which count what stretches linearly, have more by that. Such a plate takes ten times as long as others: each meets
+    every fourth striker, others than the one before it, at its edge or inside.
     """
     engine = Engine(RATE)
     scene = Session(engine, PRESETS)
@@ -128,10 +129,12 @@ def test_no_striker_gives_more_energy_than_it_brings(name):
     engine.process(64)
     place = engine.state["objects"][0][scene.objects["a"].handle.slot]
     span = slice(place["first"], place["first"] + place["felt"])
-    coupled = "nonlinear_modes" in PRESETS.object(name).geometry
+    coupled = name in COUPLED
     for n, striker in enumerate(PRESETS.names("strikers")):
+        if coupled and n % 4 != COUPLED.index(name) % 4:
+            continue
         mass = PRESETS.striker(striker).mass
-        for position in (0.01, 0.3)[n % 2 :: 2] if coupled else (0.01, 0.3):
+        for position in (0.01, 0.3)[n // 4 % 2 :: 2] if coupled else (0.01, 0.3):
             strike = Message("/object/a/impact", (1.0, position, "striker", striker))
             assert scene.perform([Message("/panic"), strike], NOW) == []
             engine.process(64)

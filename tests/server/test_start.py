@@ -39,7 +39,7 @@ def test_what_can_not_be_served_is_told(tmp_path):
 
 def test_a_server_that_can_not_be_leaves_recordings_alone(tmp_path):
     (tmp_path / "old.wav").write_bytes(b"an earlier session")
-    for wrong in (("--contact", "euler"), ("--presets", "none"), ("--device", "no-such-device")):
+    for wrong in (("--presets", "none"), ("--device", "no-such-device")):
         args = ("--port", "0", "--device", "none", "--record", "old.wav", *wrong)
         failing(tmp_path, *args)
         failing(tmp_path, *args[:4], "--record", "new.wav", *wrong)

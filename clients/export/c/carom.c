@@ -175,7 +175,7 @@ static void push_laid(carom *scene, int64_t at, int now) {
 }
 
 static int is_of_engine(const carom *scene, int64_t at) {
-    static const char *const kinds[] = {"METHOD", "ACCURACY", "QUALITY", "GAIN", "LIMITER", "HEADROOM", "BUDGET", "BANK"};
+    static const char *const kinds[] = {"ACCURACY", "QUALITY", "GAIN", "LIMITER", "HEADROOM", "BUDGET", "BANK"};
     double kind = field_read(scene, scene->data + at, "kind");
     for (size_t n = 0; n < sizeof kinds / sizeof *kinds; n++)
         if (number_of(item(scene->rules, "kinds"), kinds[n]) == kind) return 1;

@@ -11,7 +11,9 @@
 extern "C" {
 #endif
 #ifdef __GNUC__
+#ifndef CAROM_HIDDEN /* as a plug-in has the library */
 #pragma GCC visibility push(default)
+#endif
 #endif
 
 typedef struct carom carom;
@@ -63,7 +65,9 @@ void carom_report(const carom *scene, carom_state *state);
 void carom_close(carom *scene);
 
 #ifdef __GNUC__
+#ifndef CAROM_HIDDEN
 #pragma GCC visibility pop
+#endif
 #endif
 #ifdef __cplusplus
 }

@@ -235,9 +235,10 @@ static void of_engine(carom *scene, const call *told) {
     const named *first = given.count ? &given.entries[0] : NULL;
     double number = first ? first->number : 0.0;
     if (first && first->text) {
-        int accuracy = !strcmp(kind, "ACCURACY"), is_on = !strcmp(first->text, "on") || !strcmp(first->text, "1");
-        int listed = accuracy || !strcmp(kind, "BANK");
-        number = listed ? place_of(part(scene, accuracy ? "levels" : "forms"), first->text) : is_on;
+        int is_on = !strcmp(first->text, "on") || !strcmp(first->text, "1");
+        number = !strcmp(kind, "ACCURACY") ? number_of(part(scene, "levels"), first->text)
+                 : !strcmp(kind, "BANK")   ? place_of(part(scene, "forms"), first->text)
+                                           : is_on;
     }
     set(scene, &made, "value", number);
     send_command(scene, &made);

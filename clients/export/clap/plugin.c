@@ -2,7 +2,7 @@
 
    Each object is a plug-in of the file's factory. Build it beside the scenes that scene.h names:
 
-   cc -std=c11 -O2 -shared -fPIC -fvisibility=hidden -Wl,--exclude-libs,ALL plugin.c extensions.c instrument.c \
+   cc -std=c11 -O2 -shared -fPIC -fvisibility=hidden plugin.c extensions.c instrument.c \
       libcarom.a -lm -o NAME.clap */
 #include "plugin.h"
 

@@ -3,7 +3,7 @@
    Ports: MIDI; a control for each parameter; the outputs; the latency. Each object is a plug-in. Build it with the
    sources of the CLAP plug-in, and lay it beside manifest.ttl:
 
-   cc -std=c11 -O2 -shared -fPIC -fvisibility=hidden -Wl,--exclude-libs,ALL -I. plugin.c extensions.c instrument.c guest.c \
+   cc -std=c11 -O2 -shared -fPIC -fvisibility=hidden -I. plugin.c extensions.c instrument.c guest.c \
       lv2.c libcarom.a -lm -o NAME.so */
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
    Each object is a class of the file's factory: component, processor and controller in one. Build it with the sources of
    the CLAP plug-in, as NAME.vst3/Contents/SYSTEM/NAME.so:
 
-   cc -std=c11 -fms-extensions -O2 -shared -fPIC -fvisibility=hidden -Wl,--exclude-libs,ALL plugin.c extensions.c \
+   cc -std=c11 -fms-extensions -O2 -shared -fPIC -fvisibility=hidden plugin.c extensions.c \
       instrument.c guest.c vst3.c libcarom.a -lm -o NAME.so */
 #include <math.h>
 #include <stdatomic.h>
@@ -21,7 +21,11 @@
 #include "travesty/events.h"
 #include "travesty/factory.h"
 
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
 #define EXPORT __attribute__((visibility("default")))
+#endif
 
 /* Controllers of MIDI reach a plug-in as parameters: those that an instrument knows, of each channel, hidden. */
 enum { BEND_WHEEL = 129, CHANNEL_PRESSURE = 128 }; /* among the numbers of controllers */
@@ -689,9 +693,17 @@ EXPORT const void *GetPluginFactory(void) {
     return &factory;
 }
 
-EXPORT bool ModuleEntry(void *library) {
-    (void)library;
-    return true;
-}
+/* Hosts of each system call two functions of their own before and after all others. */
+#if defined _WIN32
+EXPORT bool InitDll(void) { return true; }
+
+EXPORT bool ExitDll(void) { return true; }
+#elif defined __APPLE__
+EXPORT bool bundleEntry(void *library) { return library; }
+
+EXPORT bool bundleExit(void) { return true; }
+#else
+EXPORT bool ModuleEntry(void *library) { return library; }
 
 EXPORT bool ModuleExit(void) { return true; }
+#endif

@@ -130,7 +130,7 @@ export class Messages {
   /** True if a command of the file is about no object and no gesture. */
   isOfEngine(at) {
     const { kinds } = this.map;
-    return ["METHOD", "ACCURACY", "QUALITY", "GAIN", "LIMITER", "HEADROOM", "BUDGET", "BANK"].some((name) => kinds[name] === this.said(at, "kind"));
+    return ["ACCURACY", "QUALITY", "GAIN", "LIMITER", "HEADROOM", "BUDGET", "BANK"].some((name) => kinds[name] === this.said(at, "kind"));
   }
 
   /** Carry out a message at a sample, or now; the id of a gesture that it begins. Refused says why not. */
@@ -162,8 +162,8 @@ export class Messages {
     const kind = address.slice(1).toUpperCase();
     if (verb.changes) return this.change({ time, kind }, points(verb, args));
     const [word] = Object.values(parsed(address, verb, args).given);
-    const places = { ACCURACY: this.map.levels, BANK: this.map.forms };
-    if (kind in places) this.send({ time, kind, value: places[kind].indexOf(word) });
+    if (kind === "ACCURACY") this.send({ time, kind, value: this.map.levels[word] });
+    else if (kind === "BANK") this.send({ time, kind, value: this.map.forms.indexOf(word) });
     else if (kind === "LIMITER") this.send({ time, kind, value: ["on", "1"].includes(word) ? 1 : 0 });
     else this.send({ time, kind, value: word ?? 0 });
   }

@@ -8,7 +8,7 @@ no more than that is lent to it again when it slackens.
 
 import math
 
-from ...contact.collocation import law
+from ...contact.law import law
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
 from ...resonator.bank import Modes, inject_kept

@@ -2,16 +2,12 @@
 
 import math
 
-import numpy as np
-
 from ...native.jit import kernel
-from ...native.records import set_field
 from ...native.typed import View
 from ...numerics.indices import index_of
 from ...resonator.bank import RESPONSES, Modes, Point, reach, state_of, top_of
 from ...resonator.mode import mode_energy, recurring
 from ...resonator.simd import LANES
-from ...schema import SETTINGS
 from ..memory.capacity import DIRECTED
 from ..memory.quality import silence_of
 from ..memory.records import ContactPoint
@@ -21,37 +17,30 @@ _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
 _STILL = 1e-5  # of silence, of what is sensed
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
-_MUTED = 2.0**-200  # of a mode's weight while it is only felt: a power of two, so that it comes back to the bit
+MUTED = 2.0**-200  # of a mode's weight while it is only felt: a power of two, so that it comes back to the bit
 _FAINTEST = 1e-30  # no mode has a weight below (runtime/plan.py) that is not muted
 _HEAVIEST = 10.0  # of a mode's decay a sample, in nepers: it is gone in one, and more only costs digits
-_RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
 
 
 @kernel
-def set_of(obj: Object, parameter: int, value: float) -> None:
-    """Change a setting of an object; its modes get new coefficients where it is about them."""
-    set_field(obj.settings, parameter, value)
-    obj.returns = int(obj.spectral > 0)
-    if _RETUNES[parameter]:
-        obj.stale_modes = obj.size
-
-
-@kernel
-def place(point: ContactPoint, position: float, rows: int) -> None:
+def place(point: ContactPoint, position: float, obj: Object) -> None:
     """Find rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
-    x = position * (rows - 1)
-    row = index_of(x - 1.0, rows - 3)
+    x = position * (obj.rows - 1)
+    row = index_of(x - 1.0, obj.rows - 3)
     point.row = row
-    weigh(point.weights, x - row)
+    weigh(point.weights, x - row, obj.amplitude)
 
 
 @kernel
-def weigh(weights: View[float], x: float) -> None:
-    """Set the weights of the cubic through four rows at x in rows from the first."""
+def weigh(weights: View[float], x: float, amplitude: float) -> None:
+    """Set the weights of the cubic through four rows at x in rows from the first, times an amplitude."""
     weights[0] = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
     weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
     weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
     weights[3] = x * (x - 1.0) * (x - 2.0) / 6.0
+    if amplitude != 1.0:
+        for n in range(4):
+            weights[n] *= amplitude
 
 
 @kernel
@@ -146,7 +135,7 @@ def ringing_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     if frequency > highest and obj.sheet >= 0:
         return highest, sigma + _FADE, 0.0
     if frequency > highest:
-        return recurring(frequency, 0.5 * state.rate), sigma + _FADE, _MUTED * weight
+        return recurring(frequency, 0.5 * state.rate), sigma + _FADE, MUTED * weight
     return frequency, sigma, weight
 
 
@@ -154,7 +143,7 @@ def ringing_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
 def _weight_of(state: State, obj: Object, i: int) -> float:
     """Return the weight of an object's mode i where it is heard."""
     weight = state.bank.weight[obj.first + i]
-    return weight / _MUTED if is_muted(state, obj, i) else weight
+    return weight / MUTED if is_muted(state, obj, i) else weight
 
 
 @kernel
@@ -169,7 +158,7 @@ def weigh_anew(state: State, obj: Object, i: int, weight: float) -> None:
     at, bank = obj.first + i, state.bank
     if weight == 0.0 or weight == bank.weight[at]:
         return
-    factor = _MUTED if abs(weight) < abs(bank.weight[at]) else 1.0 / _MUTED
+    factor = MUTED if abs(weight) < abs(bank.weight[at]) else 1.0 / MUTED
     bank.weight[at] = weight
     bank.y1[at] *= factor
     bank.y2[at] *= factor
@@ -225,7 +214,7 @@ def reach_of(state: State, obj: Object, point: ContactPoint) -> tuple[float, flo
 def shape_at(state: State, obj: Object, point: ContactPoint, i: int) -> float:
     """Return the mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
     if point.directed > 0:
-        return state.directed[(point.directed - 1) * DIRECTED + i]
+        return point.weights[0] * state.directed[(point.directed - 1) * DIRECTED + i]
     at = obj.table + point.row * obj.size + i
     phi = 0.0
     for n in range(4):

@@ -5,6 +5,7 @@ from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode, set_unfelt, yield_less
 from ..memory.state import Object, State
 from .objects import is_felt, modes_of, relief_of, ringing_of, share_felt, weigh_anew
+from .reshaping import reshape_mode
 
 
 @noinline_kernel
@@ -13,6 +14,8 @@ def retune(state: State, obj: Object, count: int) -> None:
     modes = modes_of(state, obj, 0, obj.size)
     for _ in range(count):
         i = obj.retuning
+        if obj.reshaped >= 0:
+            reshape_mode(state, obj, i)
         if is_felt(obj, i):
             frequency, sigma, weight = ringing_of(state, obj, i)
             share = share_felt(state, obj, i, frequency)

@@ -35,7 +35,7 @@ def mount(state: State, event: Event) -> None:
     if event.mounted.on_surface == 1 and obj.faces > 0:
         put_at(state, obj, sensor.point, spot[0], spot[1], spot[2])
     else:
-        place(sensor.point, event.mounted.position, obj.rows)
+        place(sensor.point, event.mounted.position, obj)
 
 
 @kernel

@@ -173,7 +173,7 @@ def _renew(state: State, obj: Object, sheet: Sheet) -> None:
     if level != sheet.level:
         sheet.level, sheet.turn, sheet.looked = level, 0, 0
     scale = math.sqrt(obj.amplified)
-    sheet.tension = obj.settings.tune * obj.settings.tune
+    sheet.tension = obj.settings.tune * obj.settings.tune * obj.stiffened
     if sheet.retuned != obj.retuned or sheet.scale != scale:
         sheet.retuned, sheet.scale = obj.retuned, scale
         bank, first = state.bank, obj.first

@@ -30,7 +30,7 @@ def put(state: State, obj: Object, contact: Contact, position: float) -> None:
         if contact.trait.along == 0:
             direct(state, obj, contact, 0)
     else:
-        place(point, position, obj.rows)
+        place(point, position, obj)
 
 
 @kernel
@@ -43,7 +43,7 @@ def put_other(state: State, contact: Contact) -> None:
     if other.on_surface == 1 and obj.faces > 0:
         put_at(state, obj, other, now.by_x, now.by_y, now.by_z)
     else:
-        place(other, now.by_position, obj.rows)
+        place(other, now.by_position, obj)
 
 
 @noinline_kernel
@@ -91,7 +91,7 @@ def put_behind(state: State, contact: Contact, share: float, anew: bool) -> None
             continue
         obj = state.objects[point.slot]
         if point.on_surface == 0 or obj.faces == 0:
-            place(point, _behind(contact, first, share), obj.rows)
+            place(point, _behind(contact, first, share), obj)
         elif anew:
             x, y = _behind(contact, first + 1, share), _behind(contact, first + 2, share)
             put_at(state, obj, point, x, y, _behind(contact, first + 3, share))
@@ -144,3 +144,5 @@ def put_at(state: State, obj: Object, point: ContactPoint, x: float, y: float, z
             best = distance
             point.row = max(min(int(face[0]), last), 0)
             point.weights[0], point.weights[1], point.weights[2], point.weights[3] = 1.0 - p - q, p, q, 0.0
+    for n in range(3):
+        point.weights[n] *= obj.amplitude

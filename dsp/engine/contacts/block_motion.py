@@ -108,7 +108,7 @@ def lay_moving(state: State, contact: Contact, frame: int, stop: int, modes: Mod
         begin = end = position_of(contact, 0.5 * (frame + stop))
     put(state, obj, contact, begin)
     place = lay_point(state, samples, modes, point_of(state, obj, point))
-    weigh(scratch.drift, end * (obj.rows - 1) - point.row)
+    weigh(scratch.drift, end * (obj.rows - 1) - point.row, obj.amplitude)
     for i in range(4):
         scratch.drift[i] -= point.weights[i]
     for i in range(AHEAD * TERMS):

@@ -179,8 +179,6 @@ def _gather(state: State, net: Net, slot: int, frame: int, goes_on: bool) -> boo
     """
     net.size = net.lasts = net.moves = net.rubs = net.objects = 0
     net.stop = QUANTUM
-    if state.choices.method.method > 0:
-        return False
     _join(net, slot)
     i = 0
     while i < net.objects:

@@ -7,7 +7,7 @@ import math
 
 from ...native.jit import kernel
 from ..memory.records import Contact
-from ..memory.state import END_RESTED, END_STOPPED, SAMPLING, State
+from ..memory.state import END_RESTED, END_STOPPED, State
 from .contact_list import next_random, release_modes, report_end, schedule_contact
 
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
@@ -16,13 +16,9 @@ _TILT = 0.45 * math.pi  # the most of a bounce's velocity that irregularity turn
 
 @kernel
 def bounce_on(state: State, contact: Contact, frame: int) -> bool:
-    """End a touch of closed form or sampled. True if the striker comes back."""
-    if contact.solver == SAMPLING:
-        impulse = contact.sampled.m * (contact.v_in - contact.sampled.v)
-        contact.elapsed = (state.position + frame - contact.origin) / state.rate
-    else:
-        impulse = contact.pulse.momentum * (1.0 + contact.pulse.restitution)
-        contact.elapsed += contact.pulse.duration / state.rate
+    """End a touch of closed form. True if the striker comes back."""
+    impulse = contact.pulse.momentum * (1.0 + contact.pulse.restitution)
+    contact.elapsed += contact.pulse.duration / state.rate
     return fly_off(state, contact, impulse / contact.m - contact.v_in, 0.0)
 
 

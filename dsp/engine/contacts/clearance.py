@@ -7,8 +7,8 @@ compliance of the point, as sum phi_i q_i <= sqrt(sum omega_i^2 q_i^2 sum phi_i^
 
 import math
 
-from ...contact.collocation import elastic
 from ...contact.coupled_flight import apart_for
+from ...contact.law import elastic
 from ...native.jit import kernel
 from ...resonator.mode import energy_of
 from ..bodies.objects import modes_of, reach_of

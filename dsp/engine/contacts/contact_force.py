@@ -1,18 +1,17 @@
 """A contact's force: the solver that it gets, and what its force does to the modes, sample by sample.
 
-Every solver begins with `begin_contact`. A closed or sampled one goes on in `apply_contact_force`; coupled ones are
-solved before (contact_groups.py).
+Every solver begins with `begin_contact`. A closed one goes on in `apply_contact_force`; coupled ones are solved
+before (contact_groups.py).
 """
 
 import math
 
 from ...contact.closed_form import advance_pulse, state_of_pulse
 from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
-from ...contact.sampled import begin_sampled, step_sampled
+from ...contact.law import compression_at
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
-from ...numerics.indices import index_of
-from ...numerics.legendre import FINE, KEPT, MOMENTS, add_held
+from ...numerics.legendre import FINE, KEPT, MOMENTS
 from ...resonator.bank import inject, inject_fine, inject_kept, observe, receptance, transfer_receptance
 from ..bodies.bends import find_static
 from ..bodies.glide import tighten
@@ -22,7 +21,7 @@ from ..bodies.strikers import begin_striker, drive_striker
 from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, modes_for, room_for_coupling
 from ..memory.records import Contact, ContactPoint
-from ..memory.state import COUPLING, SAMPLING, State
+from ..memory.state import COUPLING, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
 from .coupled_rolls import put_on_line, share_driven
@@ -30,9 +29,6 @@ from .solver_choice import choose_solver, find_speed, soften_pulse, tolerance_of
 from .trace import trace_blow, trace_snap, trace_touches
 
 _FIRST = 0.05  # of a pulse: the first step after it is coupled
-_TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
-_PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
-_FEWEST_STEPS, _MOST_STEPS = 20, 2**40  # that it may take in any case, and at most
 
 
 @noinline_kernel
@@ -57,8 +53,6 @@ def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
     contact.solver = solver
     if solver == COUPLING:
         couple(state, contact)
-    elif solver == SAMPLING:
-        _begin_sampled(state, contact)
     begin_striker(state, contact)
     if contact.voice >= 0 and state.voices[contact.voice].snap > 0.0:
         trace_snap(state, contact, state.voices[contact.voice])
@@ -108,7 +102,7 @@ def _resting_speed(contact: Contact) -> float:
     A restitution is that of blows. Slower ones, near rest, get the dissipation of this speed.
     """
     push = contact.push_target
-    return math.sqrt(push / contact.m * (push / contact.k) ** (1.0 / contact.a)) if push > 0.0 else 0.0
+    return math.sqrt(push / contact.m * compression_at(push, contact.k, contact.a)) if push > 0.0 else 0.0
 
 
 @kernel
@@ -125,19 +119,6 @@ def couple(state: State, contact: Contact) -> None:
     contact.coupled.slowest = _resting_speed(contact)
     state.stats.coupled += 1
     state.stats.coupled_modes += contact.modes
-
-
-@kernel
-def _begin_sampled(state: State, contact: Contact) -> None:
-    """Begin a contact that a sampled method follows: it can't begin between samples."""
-    choice = state.choices.method
-    contact.oversampling = choice.oversampling
-    contact.fraction = 0.0
-    contact.steps = index_of(_PATIENCE * contact.pulse.duration * contact.oversampling, _MOST_STEPS) + _FEWEST_STEPS
-    m = contact.pulse.momentum / contact.v_in  # the effective mass
-    begin_sampled(
-        contact.sampled, choice.method - 1, choice.correction, contact.v_in, m, contact.k, contact.mu, contact.a
-    )  # fmt: skip
 
 
 @kernel
@@ -170,7 +151,7 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
     """Give the modes the force of a contact over the sample that ends at a frame of the quantum; those of a coupled
     contact have it already, but a slide's.
 
-    False where a closed or sampled contact ends.
+    False where a contact of closed form ends.
     """
     scratch = state.scratch
     sample = state.position + frame - 1
@@ -189,14 +170,10 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
             scratch.fine[n] *= gain
         impulse = scratch.fine[0]
     else:
-        begin, end = contact.start + contact.fraction, math.inf
-        if contact.solver == SAMPLING:
-            lasts = _advance_sampled(state, contact)
-        else:
-            advance_pulse(contact.pulse, min(age, contact.pulse.duration), age - 1.0, scratch.moments)
-            lasts = age < contact.pulse.duration  # a duration that is not a number has no end
-            end = begin + contact.pulse.duration
-        trace_blow(state, contact, sample, begin, end)
+        advance_pulse(contact.pulse, min(age, contact.pulse.duration), age - 1.0, scratch.moments)
+        lasts = age < contact.pulse.duration  # a duration that is not a number has no end
+        begin = contact.start + contact.fraction
+        trace_blow(state, contact, sample, begin, begin + contact.pulse.duration)
         note_force(contact.forces, scratch.moments[0] * state.rate)
         for n in range(MOMENTS):
             scratch.moments[n] *= contact.now.gain
@@ -307,22 +284,3 @@ def find_transfer(state: State, contact: Contact, other: Contact) -> None:
                 )
                 for n in range(FINE):
                     scratch.receptance[n] += scratch.fine[n]
-
-
-@kernel
-def _advance_sampled(state: State, contact: Contact) -> bool:
-    """Advance a sampled method by a sample: the moments of its steps, each held for the step."""
-    sampled = contact.sampled
-    for n in range(MOMENTS):
-        state.scratch.moments[n] = 0.0
-    for i in range(contact.oversampling):
-        before = sampled.v
-        lasts = step_sampled(sampled, 1.0 / (state.rate * contact.oversampling))
-        given = sampled.m * (before - sampled.v)
-        if not abs(given) < _TOO_STRONG * sampled.m * contact.v_in:
-            return False  # the method has failed: what it gave so far stays
-        add_held(given, i / contact.oversampling, (i + 1) / contact.oversampling, state.scratch.moments)
-        contact.steps -= 1
-        if not lasts or contact.steps <= 0:
-            return False
-    return True

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
+from ...rolling.body import change_law
 from ...schema import BY_POINT, POINT, STEERABLE, gestures_steered_by
 from ..bodies.strikers import roll_striker
 from ..bodies.surface import PLACES, THERE, put, put_other
@@ -33,7 +34,7 @@ from .contact_list import (
 )
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .presses import add_static, glide_push, lay_on
-from .rests import begin_rest, keep_resting
+from .rests import bear_load, begin_rest, keep_resting
 from .rolls import feed_on, feed_out
 from .slides import choose_again, lead_slide, leaves_dashpot, rub, rubs
 from .solver_choice import is_moved
@@ -92,6 +93,31 @@ def _glide(state: State, contact: Contact, obj: Object) -> None:
         elif (i == _BY_POSITION or _BY_POINT <= i < _BY_POINT + 3) and contact.solver == COUPLING:
             put_other(state, contact)
             contact.unsettled = 1
+    if contact.trait.rolls == 1 or contact.trait.held == 1 or contact.trait.rests == 1:
+        _take_law(state, contact)
+
+
+@kernel
+def _take_law(state: State, contact: Contact) -> None:
+    """Give a roll, a press or a rest the contact law that it is steered to, for the whole quantum: what its spring
+    stores changes between steps alone."""
+    now, coupled = contact.now, contact.coupled
+    mu = now.dissipation if contact.w == 0.0 else contact.mu
+    same = contact.k == now.stiffness and contact.mu == mu and contact.a == now.exponent
+    if same and (contact.m == now.mass or contact.trait.rolls == 1):
+        return
+    contact.k, contact.mu, contact.a = now.stiffness, mu, now.exponent
+    coupled.k, coupled.a = contact.k, contact.a
+    coupled.mu = mu if contact.w == 0.0 else coupled.mu
+    if contact.trait.rolls == 1:
+        roll = state.rolls[contact.roll]
+        change_law(roll, contact.k, mu, contact.a)
+        coupled.k, coupled.rest_compression = roll.stiffness, roll.rest_compression
+    elif contact.m != now.mass:
+        contact.m = coupled.m = now.mass
+        contact.unsettled = 1
+    if contact.trait.rests == 1 and contact.touching == 1:
+        bear_load(contact)
 
 
 @kernel

@@ -26,6 +26,7 @@ from ...contact.accuracy import IN_BLOCKS, LEVELS, STEPS_A_RADIAN
 from ...contact.block import renew_block
 from ...contact.block_choice import follows, swing_of
 from ...contact.block_records import TOGETHER
+from ...contact.law import compression_at
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...resonator.fed import LINE
@@ -40,7 +41,7 @@ from ..memory.state import COUPLING, QUANTUM, State
 from .contact_list import share_object
 from .solver_choice import price_of, tolerance_of
 
-GIVING = np.array([1e-3, 1e-3, 3e-4, 1e-6, 0.0])
+GIVING = np.array([1e-3, 3e-4, 1e-6, 0.0])
 """Sum, by accuracy, above which a roll feels each of the object's modes even where no block follows it. Where four
 modes ring for seconds a dashpot is 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 
@@ -66,7 +67,7 @@ def couple_roll(state: State, contact: Contact) -> None:
     """Couple a roll or slide that begins to the objects that it touches, if they give way enough."""
     level, roll = state.choices.accuracy, state.rolls[contact.roll]
     mass, gravity = roll.target.mass, roll.target.gravity
-    omega_c = math.sqrt(contact.a * gravity / (mass * gravity / contact.k) ** (1.0 / contact.a))
+    omega_c = math.sqrt(contact.a * gravity / compression_at(mass * gravity, contact.k, contact.a))
     mobility, greatest = _mobility(state, contact, omega_c)
     roll.mobility = mobility / omega_c
     gives = mass * greatest
@@ -243,7 +244,7 @@ def put_on_line(state: State, contact: Contact, frame: int, drift: View[float]) 
     for i in range(4):
         drift[i] = 0.0
     if keeps and point.on_surface == 0:
-        weigh(drift, position_of(contact, begin + LINE) * (obj.rows - 1) - point.row)
+        weigh(drift, position_of(contact, begin + LINE) * (obj.rows - 1) - point.row, obj.amplitude)
         for i in range(4):
             drift[i] = (drift[i] - point.weights[i]) / LINE
             point.weights[i] += (frame - begin) * drift[i]

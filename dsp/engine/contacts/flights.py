@@ -6,8 +6,9 @@ that it can't leave any more.
 
 import math
 
-from ...contact.collocation import captured, elastic
+from ...contact.collocation import captured
 from ...contact.coupled_flight import fly_on
+from ...contact.law import compression_at, elastic
 from ...native.jit import kernel, noinline_kernel
 from ..memory.quality import keeps_strikers
 from ..memory.records import Contact
@@ -37,7 +38,7 @@ def is_pushed(contact: Contact) -> bool:
     """
     if contact.trait.falls == 0 or contact.has_weight == 1:
         return contact.trait.held == 1 or contact.trait.falls == 1
-    deepest = (contact.m * contact.target.gravity / contact.k) ** (1.0 / contact.a)
+    deepest = compression_at(contact.m * contact.target.gravity, contact.k, contact.a)
     return contact.v_in < _SLOW * math.sqrt(contact.target.gravity * deepest)
 
 

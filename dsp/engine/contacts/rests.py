@@ -5,9 +5,9 @@ that what moves by more than the load compresses it buzzes. The load is in balan
 both alike: modes get the force beyond it, and so need not bend under it. The object as a whole, or the hand's flesh, is
 the mass on which the load acts.
 
-A rest begins at the compression x = (load/k)^(1/a), without a blow, wherever the object's point is then. A load that is
-steered moves both along to its own compression: U = V(x) - V(x_0) - load (x - x_0), the energy of the contact, is what
-it was about another rest, and one that is still stays so.
+A rest begins at the compression x = (load/k)^(1/a), without a blow, wherever the object's point is then. A load or a
+law that is steered moves both along to its own compression: U = V(x) - V(x_0) - load (x - x_0), the energy of the
+contact, is what it was about another rest, and one that is still stays so.
 
 Where nothing moves, nothing is computed. Objects that rest on each other fall asleep together, once nobody hears their
 modes and no contact swings any more. They awake before the first sample in which anything else touches one of them, so
@@ -17,6 +17,7 @@ that a rest that slept and one that did not are the same to the bit, but for wha
 import math
 
 from ...contact.coupled import begin_at_rest
+from ...contact.law import compression_at
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.constants import HARDEST_REST
 from ..bodies.objects import is_heard, least_heard
@@ -53,7 +54,7 @@ def _press(contact: Contact, load: float) -> None:
     """Put a load (N) on a contact."""
     coupled = contact.coupled
     coupled.push = coupled.rest_force = load
-    coupled.rest_compression = (load / contact.k) ** (1.0 / contact.a)
+    coupled.rest_compression = compression_at(load, contact.k, contact.a)
     coupled.swing = math.sqrt(contact.a * load / (contact.m * coupled.rest_compression))
 
 
@@ -72,16 +73,22 @@ def keep_resting(state: State, contact: Contact) -> bool:
     state.resting = 1
     if update_mode_count(state, contact):
         contact.unsettled = 1
-    load = _load_of(contact)
-    if coupled.rest_force != load:
-        before = coupled.rest_compression
-        _press(contact, load)
-        shift = coupled.rest_compression - before
-        coupled.position += shift
-        coupled.motion[0] += shift
-        if coupled.touching == 1:
-            coupled.motion[0] = max(coupled.motion[0], 0.0)
+    if coupled.rest_force != _load_of(contact):
+        bear_load(contact)
     return True
+
+
+@kernel
+def bear_load(contact: Contact) -> None:
+    """Move both bodies of a rest along to the compression at which it bears its load, where that or its law is another
+    than before."""
+    coupled, before = contact.coupled, contact.coupled.rest_compression
+    _press(contact, _load_of(contact))
+    shift = coupled.rest_compression - before
+    coupled.position += shift
+    coupled.motion[0] += shift
+    if coupled.touching == 1:
+        coupled.motion[0] = max(coupled.motion[0], 0.0)
 
 
 @noinline_kernel

@@ -15,7 +15,7 @@ from ...schema import VELOCITY
 from ..bodies.objects import is_felt, pitch_of, reach_of, shape_at
 from ..memory.quality import holds_steps
 from ..memory.records import Contact, ContactPoint
-from ..memory.state import CLOSED, COUPLING, SAMPLING, State
+from ..memory.state import CLOSED, COUPLING, State
 
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _BURST = 256  # times its steps per sample that a coupled contact may need at once: a blow at `exact` takes 4,000
@@ -76,25 +76,23 @@ def choose_solver(state: State, contact: Contact) -> tuple[int, float, float]:
     for that.
 
     r_i = m phi_i^2, and P_i is the wall pulse's power spectrum at mode i over that at 0. The second sum is -1 where it
-    was not needed. A contact is never coupled where a sampled method was requested.
+    was not needed.
     """
     mass_ratio, ringing_ratio = _ratios(state, contact)
     contact.light = int(mass_ratio >= LIGHT)
-    sampled = state.choices.method.method > 0
-    uncoupled = SAMPLING if sampled else CLOSED
     level = 0 if holds_steps(state) else state.choices.accuracy
     residual: float = RESIDUAL[level]
-    rings = not sampled and ringing_ratio >= residual
+    rings = ringing_ratio >= residual
     if not rings or contact.sound >= 0 or contact.trait.single == 0:  # strikers that sound and bounces go by it, too
         begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
     if rings:
         return COUPLING, mass_ratio, -1.0
-    if mass_ratio < _LIGHT and (sampled or mass_ratio + ringing_ratio < residual):
-        return uncoupled, mass_ratio, -1.0
+    if mass_ratio < _LIGHT and mass_ratio + ringing_ratio < residual:
+        return CLOSED, mass_ratio, -1.0
     find_nodes(contact.pulse)
     seen = _seen_mass_ratio(state, contact)
-    if sampled or closed_form_will_do(level, seen, mass_ratio, ringing_ratio, contact.pulse.restitution):
-        return uncoupled, mass_ratio, seen
+    if closed_form_will_do(level, seen, mass_ratio, ringing_ratio, contact.pulse.restitution):
+        return CLOSED, mass_ratio, seen
     return COUPLING, mass_ratio, seen
 
 

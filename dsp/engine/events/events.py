@@ -3,7 +3,7 @@
 from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import clear_record
-from ..bodies.objects import set_of
+from ..bodies.reshaping import give_time, reshape, set_of
 from ..bodies.sensing import mount
 from ..contacts.contact_list import is_running, refuse_gesture
 from ..memory.channels import ask_gains
@@ -19,22 +19,24 @@ from ..memory.commands import (
     KIND_HEADROOM,
     KIND_LIMITER,
     KIND_LISTEN,
-    KIND_METHOD,
     KIND_MOUNT,
     KIND_NEW,
     KIND_PANIC,
     KIND_PLACE,
     KIND_POSE,
     KIND_QUALITY,
+    KIND_RELEVEL,
+    KIND_RESHAPE,
     KIND_SET,
     KIND_STEER,
     KIND_STOP,
     KIND_SYNC,
+    LEVEL,
     Event,
 )
 from ..memory.order import wake
 from ..memory.ramp_list import takes_time
-from ..memory.state import END_GONE, NOTES, QUANTUM, RING, Choices, Object, State
+from ..memory.state import END_GONE, NOTES, QUANTUM, RING, Choices, Object, Queue, State
 from ..output.late import furnish
 from ..output.space_lines import leave_space, listen, place_object
 from ..panic import let_fade
@@ -201,8 +203,11 @@ def carry_out(state: State, event: Event) -> None:
     elif kind == KIND_STOP:
         stop_gesture(state, event)
     elif kind == KIND_SET:
+        give_time(state.objects[event.slot], event)
         if not takes_time(state, event, event.slot, event.serial):
-            set_of(state.objects[event.slot], event.parameter, event.value)
+            set_of(state, state.objects[event.slot], event.parameter, event.value)
+    elif kind == KIND_RESHAPE:
+        reshape(state, state.objects[event.slot], int(event.value))
     elif kind == KIND_PLACE:
         _place(state.objects[event.slot], event)
     elif kind == KIND_MOUNT:
@@ -217,6 +222,8 @@ def carry_out(state: State, event: Event) -> None:
         stop_gestures_on(state, obj, event.time)
     elif kind == KIND_PANIC:
         _panic(state, event.order)
+    elif kind == KIND_RELEVEL:
+        _forget_levels(state.queue, event)
     elif kind == KIND_SYNC:
         state.stats.synced = int(event.value)
     elif kind == KIND_GAIN:
@@ -249,8 +256,6 @@ def _choose(choices: Choices, event: Event) -> None:
         choices.accuracy = int(event.value)
     elif event.kind == KIND_BANK:
         choices.bank = int(event.value)
-    elif event.kind == KIND_METHOD:
-        choices.method = event.method
     elif event.kind == KIND_BUDGET:
         choices.budget = event.budget
     elif event.kind == KIND_LIMITER:
@@ -283,7 +288,8 @@ def _new(state: State, event: Event) -> None:
     obj.level = event.layout.level
     obj.glide, obj.cone = event.layout.glide, event.layout.cone
     obj.sheet = event.layout.sheet
-    obj.amplified = 1.0
+    obj.amplified = obj.amplitude = obj.lowered = obj.stiffened = 1.0
+    obj.reshaped = -1
     obj.settings = event.settings
     obj.stale_modes = obj.size
     obj.contact = obj.voice = -1
@@ -296,9 +302,23 @@ def _new(state: State, event: Event) -> None:
 
 
 @kernel
+def _forget_levels(queue: Queue, event: Event) -> None:
+    """Forget the levels of a gesture that arrived before and still wait."""
+    kept = 0
+    for i in range(queue.size):
+        other = queue.events[queue.heap[i]]
+        levels = other.kind == KIND_STEER and other.parameter == LEVEL and other.gesture == event.gesture
+        if not levels or other.order > event.order:
+            swap(queue, kept, i)
+            kept += 1
+    queue.size = kept
+    order_heap(queue)
+
+
+@kernel
 def _outlasts(kind: int) -> bool:
     """True if a command is carried out after a panic, too, that it arrived before."""
-    return kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH)
+    return kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH, KIND_RESHAPE)
 
 
 @kernel

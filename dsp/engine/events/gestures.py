@@ -155,7 +155,7 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
             put_at(state, partner, other, event.values.by_x, event.values.by_y, event.values.by_z)
             direct(state, partner, contact, 1)
         else:
-            place(other, event.values.by_position, partner.rows)
+            place(other, event.values.by_position, partner)
     else:
         other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
 

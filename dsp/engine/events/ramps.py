@@ -8,11 +8,12 @@ import math
 
 import numpy as np
 
+from ...macros import ENGINE_SETTINGS
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field
 from ...native.typed import View
-from ...schema import MAIN_GAIN, SETTINGS, STEERABLE, gestures_steered_by
-from ..bodies.objects import set_of
+from ...schema import MAIN_GAIN, STEERABLE, gestures_steered_by
+from ..bodies.reshaping import set_of
 from ..memory.commands import KIND_GAIN, KIND_STEER
 from ..memory.order import wake
 from ..memory.ramp_list import keep_ramp
@@ -24,7 +25,7 @@ _STEERED_BY_RATIOS: View[bool] = np.array(
     [*(any(each.by_ratios for each in gestures_steered_by(name).values()) for name in STEERABLE), True]
 )
 """The last is that of a level."""
-_SET_BY_RATIOS: View[bool] = np.array([setting.by_ratios for setting in SETTINGS.values()])
+_SET_BY_RATIOS: View[bool] = np.array([setting.by_ratios for setting in ENGINE_SETTINGS.values()])
 _GAIN_BY_RATIOS = MAIN_GAIN.by_ratios
 _STRAIGHT = 1e-3  # a curve below it is as good as a straight line
 
@@ -108,5 +109,5 @@ def _set_value(state: State, ramp: Ramp, value: float) -> None:
     elif ramp.kind == KIND_STEER:
         set_target(state, state.contacts[ramp.place], ramp.parameter, value)
     else:
-        set_of(state.objects[ramp.place], ramp.parameter, value)
+        set_of(state, state.objects[ramp.place], ramp.parameter, value)
         wake(state, ramp.place)

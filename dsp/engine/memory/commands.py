@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...macros import ENGINE_SETTINGS
 from ...native.typed import Record, dtype_of
 from ...rolling.surface import Profile
 from ...schema import (
@@ -42,30 +43,31 @@ class Kind(IntEnum):
     SET = 5  # a setting of an object
     PANIC = 6
     SYNC = 7  # value: a number that appears in the stats
-    METHOD = 8  # how contacts with objects that do not give way are solved
-    ACCURACY = 9  # value: a place in accuracy.LEVELS
-    QUALITY = 10  # value: a Quality
-    GAIN = 11  # of everything; value: amplitude
-    LIMITER = 12  # value 1: on; 0: off
-    PLACE = 13  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
-    BUDGET = 14  # of contacts that are coupled to modes
-    BANK = 15  # value: a place in schema.FORMS
-    MOUNT = 16  # a sensor, its number in `channel`, on an object; on none: value 0
-    POSE = 17  # an object, where it goes in space (value 1), or in space no more (0)
-    LISTEN = 18  # the listener, with all its values (value 1) or its pose alone (0)
-    FURNISH = 19  # walls, and a late part
-    HEADROOM = 20  # value 1: on; 0: off
+    ACCURACY = 8  # value: a place in accuracy.LEVELS
+    QUALITY = 9  # value: a Quality
+    GAIN = 10  # of everything; value: amplitude
+    LIMITER = 11  # value 1: on; 0: off
+    PLACE = 12  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
+    BUDGET = 13  # of contacts that are coupled to modes
+    BANK = 14  # value: a place in schema.FORMS
+    MOUNT = 15  # a sensor, its number in `channel`, on an object; on none: value 0
+    POSE = 16  # an object, where it goes in space (value 1), or in space no more (0)
+    LISTEN = 17  # the listener, with all its values (value 1) or its pose alone (0)
+    FURNISH = 18  # walls, and a late part
+    HEADROOM = 19  # value 1: on; 0: off
+    RESHAPE = 20  # an object; value: first value of the table by which settings change its modes
+    RELEVEL = 21  # a gesture: its levels that were sent before and wait are none, others come instead
 
 
 # The same as plain numbers, which kernels compare with.
 KIND_NEW, KIND_FREE, KIND_GESTURE = int(Kind.NEW), int(Kind.FREE), int(Kind.GESTURE)
 KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
-KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
+KIND_PANIC, KIND_SYNC = int(Kind.PANIC), int(Kind.SYNC)
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
 KIND_BUDGET, KIND_BANK, KIND_MOUNT = int(Kind.BUDGET), int(Kind.BANK), int(Kind.MOUNT)
 KIND_POSE, KIND_LISTEN, KIND_FURNISH = int(Kind.POSE), int(Kind.LISTEN), int(Kind.FURNISH)
-KIND_HEADROOM = int(Kind.HEADROOM)
+KIND_HEADROOM, KIND_RESHAPE, KIND_RELEVEL = int(Kind.HEADROOM), int(Kind.RESHAPE), int(Kind.RELEVEL)
 
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""
@@ -99,14 +101,6 @@ class Layout(Record):
     sheet: int  # place of a plate whose modes can be coupled, -1: it is none
 
 
-class Method(Record):
-    """The method by which contacts are solved."""
-
-    method: int  # 0: closed form, else 1 + method
-    correction: int
-    oversampling: int  # steps per sample
-
-
 class Budget(Record):
     """Bounds on the cost of contacts that are coupled to modes; 0: any number."""
 
@@ -128,7 +122,7 @@ class Event(Record):
     waits_until: float  # samples: for an object that is yet to come; set by the engine, -1 before
     value: float  # as Kind says
     gesture: int  # its number, 0: none
-    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS, or LEVEL
+    parameter: int  # its place in schema.STEERABLE or macros.ENGINE_SETTINGS, or LEVEL
     channel: int  # of a place
     given: int  # of a gesture along a surface: bits of the places in schema.STEERABLE that were given
     by_slot: int  # of the object that strikes, if one does
@@ -138,7 +132,6 @@ class Event(Record):
     surface: Profile  # of a gesture along a surface
     settings: Settings  # of a new object
     layout: Layout  # of a new object
-    method: Method
     budget: Budget
     ramp: RampValues  # of a change: how it takes its time
     mounted: Mounted  # of a sensor
@@ -196,12 +189,11 @@ def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:
 DEFAULTS = {name: _defaults_of(own) for name, own in OWN.items()}
 _HAS = {name: {*SHARED, *own} for name, own in OWN.items()}
 _OF_RECORDS: dict[str, dict[str, float]] = {
-    "settings": _defaults(SETTINGS.values()),
+    "settings": _defaults(ENGINE_SETTINGS.values()),
     "ramp": _defaults(OF_RAMPS.values()),
 }
 _RECORDS = {
     Kind.NEW: ("layout", "settings"),
-    Kind.METHOD: ("method",),
     Kind.BUDGET: ("budget",),
     Kind.MOUNT: ("mounted",),
     **dict.fromkeys((Kind.POSE, Kind.LISTEN, Kind.FURNISH), ("told",)),
@@ -212,7 +204,7 @@ _TAKEN = {kind: {name for _, names in records for name in names} for kind, recor
 _VALUE_NAMES = VALUES.names or ()
 _PLACES = {name: place for place, name in enumerate(STEERABLE)}
 _STEERED_PLACES = _PLACES | {"level": LEVEL}
-_SETTING_PLACES = {name: place for place, name in enumerate(SETTINGS)}
+_SETTING_PLACES = {name: place for place, name in enumerate(ENGINE_SETTINGS)}
 
 
 def write(entry: np.void, number: int, command: Command) -> None:
@@ -235,7 +227,10 @@ def write(entry: np.void, number: int, command: Command) -> None:
     elif kind in _FIELDS:
         _require_known(kind.name, command.values, _TAKEN[kind])
         for record, names in _FIELDS[kind]:
-            entry[record] = _filled(kind.name, names, command.values, _OF_RECORDS.get(record, {}))
+            values = command.values
+            if record == "settings":  # macros begin in the middle, and `size` is the layout's
+                values = {name: value for name, value in values.items() if name in SETTINGS}
+            entry[record] = _filled(kind.name, names, values, _OF_RECORDS.get(record, {}))
 
 
 def _write_gesture(entry: np.void, gesture: str, command: Command) -> None:

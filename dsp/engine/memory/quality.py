@@ -27,7 +27,7 @@ _VOICES = 32  # gestures that go on at NEWEST_32; each further step halves them
 
 @kernel
 def holds_steps(state: State) -> bool:
-    """True where coupled contacts take one step per sample, but in blocks, and the closed form serves within -40 dB."""
+    """True where coupled contacts take one step per sample, but in blocks, and the closed form serves within -50 dB."""
     return state.choices.quality >= _HELD
 
 

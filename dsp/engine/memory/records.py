@@ -6,7 +6,6 @@ import numpy as np
 
 from ...contact.coupled_records import Coupled
 from ...contact.pulse_record import Pulse
-from ...contact.sampled import Sampled
 from ...friction.record import Friction
 from ...native.typed import Record, View, View2D, View3D, dtype_of
 from ...numerics.legendre import FINE
@@ -37,7 +36,6 @@ class Contact(Record):
     """A contact of an object with a striker, or with another object."""
 
     pulse: Pulse
-    sampled: Sampled
     coupled: Coupled
     point: Annotated[View[ContactPoint], 2]  # on the object touched, and on the object that touches it, if one does
     kind: int  # of the gesture: its place in schema.GESTURES
@@ -59,8 +57,6 @@ class Contact(Record):
     moments: Annotated[View[float], FINE]  # N s
     ahead: int  # frames of this quantum for which a coupled roll has been solved
     led: int  # 1: it has been brought to the next one
-    oversampling: int  # steps per sample of a sampled contact
-    steps: int  # that a sampled contact may still take
     v_in: float  # m/s
     impulse: float  # N s: of a blow that is known by it, from which v_in follows; else 0
     m: float
@@ -196,7 +192,7 @@ class Ramp(Record):
     """A ramp that runs or waits."""
 
     kind: int  # STEER, SET or GAIN: what it changes
-    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS, or commands.LEVEL
+    parameter: int  # its place in schema.STEERABLE or macros.ENGINE_SETTINGS, or commands.LEVEL
     place: int  # of the contact, or the slot of the object
     serial: int  # number of the command that brought that contact, or the object's serial
     begun: int  # 1: `first` is known

@@ -28,7 +28,7 @@ from ...spectral.layout import PHASES, REGION, Spectral
 from ...swarm.record import PLACES, SOUNDS, SWARMS, Blows, Pulses, Swarm
 from .capacity import DIRECTED, MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
 from .clock import Clock
-from .commands import Budget, Event, Method
+from .commands import Budget, Event
 from .meter_record import Meter
 from .mounted import SENSORS
 from .records import Contact, Place, RampList, Slide, Tails, Through
@@ -64,7 +64,7 @@ class Quality(IntEnum):
 
     FULL = 0
     HELD = 1  # coupled contacts take one step per sample but in blocks, which cost less, and the closed form where that
-    # errs by no more than -40 dB; forces of plates' stretching are computed every third sample at most
+    # errs by no more than -50 dB; forces of plates' stretching are computed every third sample at most
     QUIET = 2  # modes below -80 dB are put to rest; half as many modes of plates are coupled
     COARSE = 3  # plates are linear; rolls have fewer and stronger micro-impacts; they and presses act on the 256
     # longest ringing modes
@@ -79,9 +79,8 @@ class Solver(IntEnum):
     """Solver of a contact's force."""
 
     CLOSED = 0  # the closed form
-    SAMPLED = 1  # a method of sampled.py
-    COUPLED = 2  # with the modes
-    ROLLING = 3  # a roll's own
+    COUPLED = 1  # with the modes
+    ROLLING = 2  # a roll's own
 
 
 class End(IntEnum):
@@ -95,7 +94,7 @@ class End(IntEnum):
 
 
 # The same as plain numbers, which kernels compare with.
-CLOSED, SAMPLING, COUPLING, ROLLING = (int(solver) for solver in Solver)
+CLOSED, COUPLING, ROLLING = (int(solver) for solver in Solver)
 END_RESTED, END_STOPPED, END_NO_ROOM, END_GONE, END_JOINED = (int(end) for end in End)
 
 
@@ -181,6 +180,10 @@ class Object(Record):
     contact: int  # head of its list of contacts, -1: none
     voice: int  # head of its list of strikers that sound, -1: none
     level: float  # output per Pa
+    reshaped: int  # first value of the table by which macros change its modes (bodies/reshaping.py), -1: it has none
+    amplitude: float  # factor of its shapes by these
+    lowered: float  # factor of its frequencies by these, on the whole
+    stiffened: float  # factor of the stretching of a plate by these
     faults: int  # times it was silenced for not being finite
     settings: Settings
     place: Place
@@ -320,7 +323,6 @@ class Choices(Record):
 
     quality: int  # a Quality
     accuracy: int  # a place in accuracy.LEVELS
-    method: Method
     budget: Budget
     bank: int  # a place in schema.FORMS: of modes in the spectral bank
     gain: float  # amplitude: of everything

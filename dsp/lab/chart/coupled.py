@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...contact.sampled import METHODS
 from ..comparison import BANDS
+from ..sampled import METHODS
 from .style import COLOURS
 from .tables import TITLES, Row
 
@@ -19,7 +19,7 @@ _STYLES: dict[str, dict[str, Any]] = {
     "closed": {"color": "black", "marker": "*", "markersize": 9, "linestyle": "", "label": "closed form with m*"},
     "engine": {
         "color": "black", "marker": "D", "markersize": 5, "markerfacecolor": "none", "linewidth": 0.8,
-        "label": "the engine's choice at -40, -50, -60, -80 dB",
+        "label": "the engine's choice at -50, -60, -80 dB",
     },
 }  # fmt: skip
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from ...contact.sampled import CORRECTIONS, METHODS
+from ..sampled import CORRECTIONS, METHODS
 from ..wall import Outcome
 from .style import COLOURS, LEAST_ERROR, LINES, Draw, method_legend
 from .tables import TITLES, Failures

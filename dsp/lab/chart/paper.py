@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from ... import contact
-from ...contact.sampled import METHODS
 from .. import wall
+from ..sampled import METHODS
 from ..wall import PAPER_CASES, PAPER_RATE
 from .style import COLOURS, LEAST_ERROR, Draw
 from .tables import TITLES, Sequences

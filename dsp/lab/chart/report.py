@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ...contact.sampled import METHODS
 from ..comparison import BANDS
+from ..sampled import METHODS
 from ..wall import PAPER_CASES
 from .tables import REBOUND_CASES, REBOUNDS, TITLES, Row, pick
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...contact.sampled import METHODS
+from ..sampled import METHODS
 from ..spectrum import SPECTRUM_TOP
 from ..wall import PAPER_CASES, Outcome, pareto
 from .style import COLOURS, LEAST_ERROR, LINES, Draw, correction_legend, method_legend

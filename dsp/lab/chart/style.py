@@ -8,7 +8,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...contact.sampled import METHODS
+from ..sampled import METHODS
 from .tables import TITLES
 
 Draw = Callable[[], Figure]

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from ... import contact
 from ...contact import contact_time
-from ...contact.sampled import CORRECTIONS, METHODS
 from .. import bowing, bristle, comparison, cost, reference, ringing, spectrum, wall
+from ..sampled import CORRECTIONS, METHODS
 from ..wall import PAPER_CASES, PAPER_RATE, Law, Outcome
 
 Row = dict[str, Any]

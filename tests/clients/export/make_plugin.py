@@ -11,6 +11,7 @@ import math
 import sys
 from pathlib import Path
 
+from carom.clients.export.machines import machine_of
 from carom.clients.export.plugins import FORMATS, RATES, write_plugin
 from carom.clients.export.scene import bake_scene
 from carom.dsp.engine.memory.state import QUANTUM
@@ -92,7 +93,7 @@ def main(folder: Path) -> None:
         for rate in RATES
     ]
     for form in FORMATS:
-        write_plugin(scenes, folder, form)
+        write_plugin(scenes, folder, machine_of(None), form)
     baked = scenes[0].baked
     played = Played(69.0 + 12.0 * math.log2(float(baked.objects["bell"].modes.frequency[0]) / 440.0))
     play(played, scenes[0].strikers.names[1])

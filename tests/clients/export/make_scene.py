@@ -17,6 +17,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from carom.clients.export import c, web
+from carom.clients.export.machines import machine_of
 from carom.clients.export.scene import Scene, bake_scene
 from carom.dsp.engine.memory.state import RING
 from carom.dsp.runtime import engine
@@ -148,7 +149,7 @@ def main(folder: Path, seed: int) -> None:
     baked = scene.baked
     web.write_page(scene, folder)
     if shutil.which("cc"):
-        c.write_library(scene, folder)
+        c.write_library(scene, folder, machine_of(None))
     baked.sound.astype("<f4").tofile(folder / "sound.f32")
     sent, session, asked = baked.engine, baked.session, []
     chance = random.Random(seed)

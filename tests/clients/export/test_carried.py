@@ -19,7 +19,7 @@ MODULES = ("carom.dsp.native.atomics", "carom.dsp.swarm.making")
 EXPORTS = """
 import sys
 from pathlib import Path
-from carom.clients.export import c, web
+from carom.clients.export import c, machines, web
 from carom.clients.export.scene import bake_scene
 from carom.dsp.native import compiling, targets, wasm
 from carom.presets import Presets, stored
@@ -32,16 +32,16 @@ SCENE = """
 folder, module = Path(sys.argv[1]), sys.argv[2]
 use(module)
 stored.folder = lambda: folder.parent / "modes"  # none of another BLAS's, that this one finds in the user's cache
-c._FLAGS = tuple(each for each in c._FLAGS if each != "-O2")  # sooner
+machines._FLAGS = tuple(each for each in machines._FLAGS if each != "-O2")  # sooner
 text = "0 /object/new a church-bell\\n0 /object/a/impact 1\\n0.01 /object/a/rain 500\\n"
 scene = bake_scene(parse(text.encode(), "score"), text, "bell", Presets(), Options(seconds=0.1), print)
 web.write_page(scene, folder)
-c.write_library(scene, folder)
+c.write_library(scene, folder, machines.machine_of(None))
 """
 
 PACKS = """
 code, modules = Path(sys.argv[3]), sys.argv[4:]
-files = [c.engine_file(), wasm.object_file(module)]
+files = [c.engine_file(targets.Target(targets.system(), targets.PORTABLE)), wasm.object_file(module)]
 compiling.pack([module, *modules], targets.targets()[:1], files, code)
 """
 

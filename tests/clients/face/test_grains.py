@@ -113,6 +113,7 @@ def test_a_kept_world_renders_to_the_bits_that_were_heard_as_it_was_stepped():
     assert np.array_equal(kept.sound().samples[:frames], rendered[:frames])
 
 
+@pytest.mark.slow
 def test_swarms_of_grains_end_and_begin_again_and_restart():
     made = world(True, keep=False)
     shower(made, 0.1)

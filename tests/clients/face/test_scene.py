@@ -34,7 +34,6 @@ SCORE = """
 0.18  /gesture/palm/stop
 0.19  /quality 1
 0.19  /bank float32
-0.2   /contact heun 2 correction both
 0.21  /object/*/impact 0.5
 0.25  /object/b/free 1
 0.3   /panic
@@ -61,7 +60,6 @@ def play(scene):
     scene.stop("palm", at=0.18)
     scene.quality(1, at=0.19)
     scene.bank("float32", at=0.19)
-    scene.contact("heun", 2, at=0.2, correction="both")
     scene.impact("*", 0.5, at=0.21)
     b.free(True, at=0.25)
     scene.panic(at=np.float64(0.3))

@@ -189,6 +189,8 @@ def test_objects_are_added_heard_and_removed_and_undo_takes_it_back(play):
 
 def test_controls_cover_what_is_useful_and_set_what_they_say(play):
     table = play()
+    for section in ("Object", "Impact"):
+        table.page.locator("summary", has_text=section).click()
     slider = table.page.get_by_role("slider", name="velocity").first
     for place, speed in (("0", 0.01), ("500", (0.01 * 5.0) ** 0.5), ("1000", 5.0)):
         slider.fill(place)

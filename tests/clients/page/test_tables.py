@@ -43,6 +43,7 @@ def test_a_restarted_server_finds_the_pages_table_again(browser, tmp_path):
             table.settle("window.carom?.scene.objects.size === 6 && carom.scene.pending.size === 0")
             page.get_by_role("button", name="Add glass ball").click()
             table.settle("carom.scene.selected === 'glass-ball' && carom.scene.objects.get('glass-ball').modes")
+            page.locator("summary", has_text="Object").click()
             page.get_by_role("slider", name="tune").fill("750")
             with server.client() as client:
                 client.new("pane", "glass-plate", length=0.3, edges=["free", "free", "clamped", "free"])
@@ -70,6 +71,7 @@ def shelf(table: Table) -> None:
 
 def test_tables_are_kept_by_their_names(play):
     table = play()
+    table.page.locator("summary", has_text="Object").click()
     table.page.get_by_role("slider", name="pan").fill("0")
     shelf(table)
     table.page.get_by_label("Name of the table").fill("Kitchen")

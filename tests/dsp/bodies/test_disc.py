@@ -64,6 +64,7 @@ def test_membrane_by_bessel_zeros():
     assert modes.frequency.size == MOST_MODES
 
 
+@pytest.mark.slow
 def test_a_membrane_has_the_fundamental_that_it_is_given():
     given = {"radius": 0.2, "thickness": 2e-4, "top": 20000}
     assert bodies.membrane(HEAVY, fundamental=50, **given).frequency[0] == pytest.approx(50, rel=1e-6)

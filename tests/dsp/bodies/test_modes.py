@@ -73,6 +73,7 @@ def test_shapes_of_one_dimension_are_orthonormal_over_the_mass(shape):
     assert product == pytest.approx(np.eye(modes.frequency.size), abs=1e-4 + rotary)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["bar", "plate", "disc", "ring", "glass", "can", "membrane", "string"])
 def test_a_body_of_twice_the_mass_answers_half_as_much(shape):
     heavy = replace(HEAVY, density=2 * HEAVY.density, youngs_modulus=2 * HEAVY.youngs_modulus)

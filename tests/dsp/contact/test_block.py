@@ -12,9 +12,9 @@ from carom.dsp.contact.block import end_block, step_blocks
 from carom.dsp.contact.block_choice import SMOOTHEST, SOFTEST, follows
 from carom.dsp.contact.block_records import SOFT_TERMS, TERMS, TILE, Block, Lanes, Net
 from carom.dsp.contact.block_tables import feel, feel_tile
-from carom.dsp.contact.collocation import elastic
 from carom.dsp.contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
 from carom.dsp.contact.lanes import enter_lane, lay_line, leave_lane, step_lane, take_by_itself
+from carom.dsp.contact.law import elastic
 from carom.dsp.lab.blocks import begin_alone, find_tables, simulate_blocks
 from carom.dsp.lab.coupled import (
     MEMBER,

@@ -5,10 +5,10 @@ import pytest
 from numba import njit
 
 from carom.dsp.contact.accuracy import LIGHT_TOLERANCE
-from carom.dsp.contact.collocation import elastic
 from carom.dsp.contact.coupled import ContactLaw, answer_of, begin_coupled, respond_with
 from carom.dsp.contact.coupled_group import step_together
 from carom.dsp.contact.coupled_records import COUPLED_GROUP
+from carom.dsp.contact.law import elastic
 from carom.dsp.lab.coupled import MEMBER, Case, bank_of, motion_and_energy, restart, ring_on, simulate
 from carom.dsp.resonator.bank import Point, inject_fine, observe, receptance, transfer_receptance
 

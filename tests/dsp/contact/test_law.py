@@ -164,3 +164,26 @@ def test_the_speed_of_an_impulse_gives_that_impulse(mu):
         given = 2 * mp.mpf(speed) * (1 + exact_restitution(mp.mpf(mu) * mp.mpf(speed)))
         assert abs(given / mp.mpf(impulse) - 1) < 2e-14
     assert law.speed_of_impulse(3.0, 2.0, mu, 0.5) == 1.0
+
+
+@pytest.mark.parametrize("a", [1.0, 1.5, 2.0, 2.5, 3.0, 4.3])
+def test_all_forms_of_the_law_agree(a):
+    """The force, its slopes by differences, its potential, and the compressions that these invert."""
+    k, mu, step = 3.0e6, 0.4, 1e-7
+    for x, v in ((2e-4, 0.3), (1e-3, -1.2), (1e-3, -3.0), (-1e-4, 0.5)):
+        force = law.law(x, v, k, mu, a)
+        assert force == pytest.approx(max(float(contact.force(x, v, k, mu, a)), 0.0), rel=1e-13)
+        assert law.elastic(x, k, a) == pytest.approx(float(contact.potential_energy(x, k, a)), rel=1e-13)
+        slopes = law.law_with_slopes(x, v, (k, mu, a))
+        assert slopes[0] == pytest.approx(force, rel=1e-13)
+        for slope, (dx, dv) in zip(slopes[1:], ((step * abs(x), 0.0), (0.0, step)), strict=True):
+            risen = law.law(x + dx, v + dv, k, mu, a) - law.law(x - dx, v - dv, k, mu, a)
+            assert slope == pytest.approx(risen / (2 * (dx + dv)), rel=1e-5, abs=1e-12)
+        if x > 0.0 and force > 0.0:
+            by_power = law.law_by_power(x ** (a - 1.0), x, 1.0 + mu * v, (k, mu, a))
+            assert by_power == pytest.approx(slopes, rel=1e-13)
+    x = 7e-4
+    assert law.compression_at(law.spring_of(x, k, a), k, a) == pytest.approx(x)
+    assert law.compression_of_energy(law.elastic(x, k, a), k, a) == pytest.approx(x)
+    if a > 1.0:
+        assert law.compression_of_stiffness(law.stiffness_at(x, k, a), k, a) == pytest.approx(x)

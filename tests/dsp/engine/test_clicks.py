@@ -59,15 +59,19 @@ def sphere_by_quadrature(law, v_in, radius, times, answer):
     m, k, mu, a = law
     motion, duration = solution(v_in, m, k, mu, a)
     nodes, weights = leggauss(100)
-    pressure = []
-    for t in np.asarray(times):
-        edges = np.linspace(0, min(max(t, 0), duration), 9)
+
+    def momenta(end):
+        """Return times of a contact up to an end, and the momentum given about each."""
+        edges = np.linspace(0, end, 9)
         s = (edges[:-1] + np.diff(edges) * (nodes[:, None] + 1) / 2).ravel()
-        w = (np.diff(edges) / 2 * weights[:, None]).ravel()
         x, v = motion(s)
-        force = k * np.maximum(x, 0) ** a * (1 + mu * v)
-        pressure.append(w @ (force * answer(np.maximum(t - s, 0))))  # before the contact there is none to sum
-    return RHO * radius * C / math.sqrt(3) / m * np.array(pressure)
+        return s, (np.diff(edges) / 2 * weights[:, None]).ravel() * k * np.maximum(x, 0) ** a * (1 + mu * v)
+
+    pressure, (given, whole) = np.zeros(len(times)), momenta(duration)
+    for n, t in enumerate(times):
+        s, given_now = (given, whole) if t >= duration else momenta(max(t, 0))
+        pressure[n] = given_now @ answer(np.maximum(t - s, 0)) if t > 0 else 0.0
+    return RHO * radius * C / math.sqrt(3) / m * pressure
 
 
 @pytest.mark.slow

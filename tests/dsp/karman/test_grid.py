@@ -171,6 +171,7 @@ def test_a_turned_plate_stretches_alike(engine_state):
     assert after == pytest.approx(before, rel=3e-6)
 
 
+@pytest.mark.slow
 def test_a_paraboloid_stretches_as_the_closed_form_says():
     """w = r^2 on a flat disc: V = pi E h/24 R^-2, with the stress functions up to a root of 60."""
     sheet = plate(0.0, 500)

@@ -116,6 +116,7 @@ def push(sheet: Sheet, state: View[float], rate: float, gradient: View[float], h
         heard[n] = y1[0] - sheet.bent[0, 0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slow", [100.0, 200.0, 400.0])
 def test_a_slow_force_is_heard_as_the_acceleration_of_what_it_bends(slow):
     """A mode of 1 kHz that a sine of f bends is heard by its acceleration, (f/1 kHz)^2 of what its displacement would

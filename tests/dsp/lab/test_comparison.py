@@ -7,12 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from carom.dsp.contact.sampled import METHODS
 from carom.dsp.lab import cost
 from carom.dsp.lab.comparison import BANDS, Score, band_cases, scores, touched
 from carom.dsp.lab.coupled import Case, random_cases, simulate, simulation_loop
 from carom.dsp.lab.coupled_closed import asking_loop, strike, striking_loop
 from carom.dsp.lab.coupled_sampled import sample, sampling_loop
+from carom.dsp.lab.sampled import METHODS
 from carom.dsp.lab.wall import path
 
 pytestmark = pytest.mark.slow
@@ -81,7 +81,7 @@ def scored() -> dict[tuple[str, float], Score]:
 
 
 def test_scores_tell_solvers_apart(scored):
-    assert len(scored) == 2 * len(METHODS) + 1 + 4 + 1 + 4
+    assert len(scored) == 2 * len(METHODS) + 1 + 4 + 1 + 3
     for (solver, setting), score in scored.items():
         assert score.median <= score.ninety and score.ns > 10
         assert 0.0 <= score.wrong_counts <= 1.0

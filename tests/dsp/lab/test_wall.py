@@ -6,8 +6,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
-from carom.dsp.contact.sampled import CORRECTIONS, METHODS
 from carom.dsp.lab import cost, reference, spectrum_error, wall
+from carom.dsp.lab.sampled import CORRECTIONS, METHODS
 from carom.dsp.lab.wall import PAPER_CASES, PAPER_RATE, RANGES, Outcome
 from tests.dsp.contact.wall_reference import restitution
 

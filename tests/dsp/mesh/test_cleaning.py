@@ -49,6 +49,7 @@ def test_a_body_half_of_whose_triangles_are_flipped_is_whole():
         assert notes[0] == f"{half.sum()} flipped triangles turned over"
 
 
+@pytest.mark.slow
 def test_a_body_turned_inside_out_is_turned_back_and_a_cavity_is_not():
     mended, notes = cleaned(BALL.points, BALL.faces[:, ::-1])
     assert volume_of(mended) == pytest.approx(volume_of(BALL))

@@ -83,6 +83,7 @@ def test_a_strip_that_twists_grows_by_no_more_than_what_is_round():
     assert faces_of(ball).areas.sum() == pytest.approx(4 * np.pi, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_solid_whose_surface_has_wide_gaps_is_refused():
     """Of a random tube that meets itself: its lowest frequency was 16 % high, and nobody knows what its inside is."""
     chance = np.random.default_rng(88)

@@ -76,6 +76,7 @@ def test_a_body_that_has_no_thickness_anywhere_asks_for_its_wall():
         cleaned(*fin(5))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shift", "area"), [(0.05, 1.5), (0.1, 2.0)])
 def test_what_lies_inside_of_another_part_or_on_it_radiates_nothing(shift, area):
     """Of two boxes that overlap by half, or touch, that which is outside is left, within the cuts."""
@@ -96,6 +97,7 @@ def test_cavities_and_thin_walls_are_no_sheets():
     assert len(body.faces) == len(hollow.faces) and not any("thickness" in note for note in notes)
 
 
+@pytest.mark.slow
 def test_triangles_of_a_coarse_skin_bridge_no_gap():
     """A fork, whose prongs are as far apart as the skin's corners: all of the skin lies on it."""
     prong = forms.box(0.1, 0.005, 0.006)

@@ -20,7 +20,7 @@ from carom.dsp.native import compiling, store, targets
 from carom.dsp.native.code import load
 from carom.dsp.native.compiling import bitcode, compiled
 from carom.dsp.native.images import image_of
-from carom.dsp.native.sources import key, sources
+from carom.dsp.native.sources import key_of, sources
 from carom.dsp.native.store import Store
 from carom.dsp.native.targets import LEVELS, ProcessorError, Target, processors, system
 from tests.dsp.native.conftest import MODULE, doubled
@@ -60,16 +60,16 @@ def package(tmp_path, monkeypatch):
     "name", ["callback.py", "engine/clock.py", "engine/process.py", "contact/deep/law.py", "contact/plain.py"]
 )
 def test_an_edit_of_a_file_that_is_imported_however_deep_changes_the_key(package, name):
-    before = key("kernels.callback")
+    before = key_of("kernels.callback")
     (package / name).write_text(FILES[name] + "# edited\n")
-    assert key("kernels.callback") != before
+    assert key_of("kernels.callback") != before
 
 
 @pytest.mark.parametrize("name", ["bodies/bar.py", "study.py", "bodies/__init__.py"])
 def test_an_edit_of_a_file_that_is_not_imported_keeps_the_key(package, name):
-    before = key("kernels.callback")
+    before = key_of("kernels.callback")
     (package / name).write_text(FILES[name] + "# edited\n")
-    assert key("kernels.callback") == before
+    assert key_of("kernels.callback") == before
 
 
 @pytest.mark.slow
@@ -137,7 +137,7 @@ def test_only_what_is_compiled_is_announced(doubling, monkeypatch, caplog):
 def test_processes_that_start_at_once_compile_once(doubling, tmp_path, monkeypatch):
     """One that comes while another compiles waits, and loads what that one has made."""
     found = []
-    with Store(tmp_path / "cache" / "carom" / "code").alone(doubling):
+    with Store(tmp_path / "cache" / "carom" / "code").alone(doubling, key_of(doubling)):
         other = threading.Thread(target=lambda: found.append(load.__wrapped__(doubling)))
         other.start()
         other.join(0.1)
@@ -145,6 +145,14 @@ def test_processes_that_start_at_once_compile_once(doubling, tmp_path, monkeypat
         assert compiled(doubling).origin == "compiled"
     other.join(10)
     assert found[0].origin == "cache"
+
+
+def test_a_process_of_other_sources_waits_for_nobody(doubling, tmp_path):
+    """Two checkouts, one cache: one compiles its edits while the other compiles its own."""
+    before = key_of(doubling)
+    (tmp_path / "doubling.py").write_text(MODULE.replace("2 * x", "20 * x"))
+    with Store(tmp_path / "cache" / "carom" / "code").alone(doubling, before):
+        assert doubled(doubling) == (420, "compiled")
 
 
 def test_edited_sources_are_compiled_again_and_the_old_code_is_found_again(doubling, tmp_path):

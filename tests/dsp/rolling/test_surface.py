@@ -74,6 +74,7 @@ def test_a_surface_does_not_repeat_itself():
     assert np.abs(correlation[200:]).max() < 0.03 * correlation[0]
 
 
+@pytest.mark.slow
 def test_corrugation():
     ground = make(0.0, ripple=2e-3, wavelength=0.03)
     places = np.arange(0, 2**20, 997)

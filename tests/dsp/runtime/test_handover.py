@@ -98,6 +98,7 @@ def loud(_input, output, frames, times, flags, userdata):
     return 0
 
 
+@pytest.mark.slow
 def test_a_device_gets_no_more_than_full_scale():
     """Below it each bit is the engine's."""
     handover = Handover(loud.address, np.zeros(1).ctypes.data, 2)

@@ -35,6 +35,7 @@ def test_what_is_played_with_make_up_and_headroom(tmp_path):
     assert struck and all("play" in message.args for message in struck)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["gain", "roll"])
 def test_make_up_follows_times_and_not_the_order_of_sending(tmp_path, first):
     """What is sent first and comes later changes nothing of what comes before it: not the gain of a roll, nor the
@@ -44,6 +45,31 @@ def test_make_up_follows_times_and_not_the_order_of_sending(tmp_path, first):
         "gain": Message("/gesture/r/gain", (-9.0,)),
         "roll": Message("/object/board/roll", (0.5, "id", "r", "seed", 3, "striker", "wood", "play", 1)),
     }
+    sent = [([later[first]], 5_000.0), *CHANGES]
+    heard, rendered = heard_and_rendered(tmp_path, begin, sent)
+    np.testing.assert_array_equal(rendered, heard)
+
+
+@pytest.mark.parametrize("before, play", [(1, 1), (0, 1), (1, 0)])
+def test_make_up_is_of_the_gesture_that_began_last_though_it_is_sent_after_a_change(tmp_path, before, play):
+    """A roll that takes the id of another is sent once changes are, and begins before them."""
+    begin = Message("/object/floor/roll", (0.1, "id", "r", "seed", 2, "striker", "steel", "play", before))
+    roll = Message("/object/board/roll", (0.5, "id", "r", "seed", 3, "striker", "wood", "play", play))
+    third = Message("/object/floor/slide", (0.5, "id", "r", "seed", 4, "play", 1))
+    strike = Message("/object/floor/impact", (0.5, "id", "r", "play", 1))
+    sent = [*CHANGES, ([third], 6_500.0), ([roll], 5_000.0), ([strike], 6_800.0)]
+    heard, rendered = heard_and_rendered(tmp_path, begin, sent)
+    np.testing.assert_array_equal(rendered, heard)
+
+
+CHANGES = [
+    ([Message("/gesture/r/speed", (speed, "over", 0.02))], time) for time, speed in ((3_000.0, 1.0), (7_000.0, 0.3))
+]
+
+
+def heard_and_rendered(tmp_path, begin, sent):
+    """Return what is heard of a gesture that begins now, and of messages that are sent ahead, and what a log of that
+    renders to."""
     engine = Serving().engine()
     scene = Session(engine, PRESETS)
     log = Log(engine, tmp_path / "log.txt", Serving().head)
@@ -52,12 +78,10 @@ def test_make_up_follows_times_and_not_the_order_of_sending(tmp_path, first):
     made = [Message("/object/new", each) for each in (("floor", "wooden-floor"), ("board", "wood-board"))]
     scene.perform([*made, begin], NOW)
     sound = [engine.process(1_000)]
-    scene.perform([later[first]], 5_000.0)
-    for time, speed in ((3_000.0, 1.0), (7_000.0, 0.3)):
-        scene.perform([Message("/gesture/r/speed", (speed, "over", 0.02))], time)
+    for messages, time in sent:
+        assert scene.perform(messages, time) == []
     sound.append(engine.process(20_000))
     log.close()
     heard = np.concatenate(sound)[engine.delay :]
     assert heard[10_000:].any()
-    lines = read(tmp_path / "log.txt")
-    np.testing.assert_array_equal(render_lines(lines, seconds=len(heard) / 48_000), heard)
+    return heard, render_lines(read(tmp_path / "log.txt"), seconds=len(heard) / 48_000)

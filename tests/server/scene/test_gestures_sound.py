@@ -84,7 +84,7 @@ def test_a_roll_sounds_the_same_at_any_rate(render, roll):
     a dashpot."""
 
     def spectrum(rate: int) -> np.ndarray:
-        begin = "0 /accuracy -40\n0 /quality 1\n0 /object/new a seven\n"
+        begin = "0 /accuracy -50\n0 /quality 1\n0 /object/new a seven\n"
         text = f"{begin}0.01 /object/a/roll {roll.format('silent-')} seed 3\n"
         return faded_spectrum(render(text, 2.0, rate)[:, 0], rate)[:32_000]
 
@@ -182,15 +182,32 @@ def test_a_ringing_striker_rests_too(render):
 
 def test_a_roll_sounds_the_same_beside_other_contacts(render):
     """Other contacts cut an object's time into single samples; a roll's own is several of them at a time."""
-    rolls = """0 /accuracy -40
+    rolls = """0 /accuracy -50
 0 /quality 1
 0 /object/new pane glass-plate
 0 /object/new glass wine-glass
 0.01 /object/pane/roll 0.4 striker glass-marble surface glass travel 0.3 seed 1 id one
 0.02 /object/pane/roll 0.3 by glass surface wood radius 0.01 gain 6 seed 2 id other
 """
-    # 50 ms long, and not coupled to what rings
-    soft = "0.05 /contact heun\n0.05 /object/*/impact 0.01 0.3 mass 1e-3 stiffness 1 exponent 1 gain -120\n"
+    # 50 ms long, and too faint to be heard
+    soft = "0.05 /object/*/impact 1 0.3 mass 2.5e-7 stiffness 1e-3 exponent 1 gain -80\n"
     alone, beside = render(rolls, 0.2), render(rolls + soft, 0.2)
     np.testing.assert_allclose(beside, alone, atol=2e-6 * np.abs(alone).max())
     assert np.abs(alone).max() > 1e-3 and not np.array_equal(beside, alone)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("accuracy", ["-60", "-80"])
+@pytest.mark.parametrize("preset", ["glass-plate", "church-bell"])
+def test_a_roll_whose_law_is_steered_is_as_loud_as_one_that_began_with_it(render, preset, accuracy):
+    """On an object that gives way, and on one that is as good as a wall."""
+    begin = f"0 /accuracy {accuracy}\n0 /object/new a {preset}\n"
+    roll = "0 /object/a/roll 0.1 striker glass-marble mass 1e-4 surface glass seed 1 id r"
+    soft = {"stiffness": 1e5, "dissipation": 5.0, "exponent": 1.3}
+    keys = "".join(f" {name} {value}" for name, value in soft.items())
+    steers = "".join(f"0 /gesture/r/{name} {value}\n" for name, value in soft.items())
+    levels = [
+        20 * np.log10(np.std(render(begin + each, 1.5)[24_000:]))
+        for each in (f"{roll}\n", f"{roll}{keys}\n", f"{roll}\n{steers}")
+    ]
+    assert levels[0] - levels[1] > 20.0 and abs(levels[2] - levels[1]) < 1.0

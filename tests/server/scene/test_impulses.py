@@ -68,9 +68,6 @@ def test_no_impulse_is_no_blow(session):
 def test_an_impulse_is_refused_where_it_cannot_be(session):
     both = refusal(session, "/object/wall/impact", 1.0, "impulse", 0.3)
     assert both == "velocity = 1, impulse = 0.3: expected one of the two"
-    assert refusal(session, "/object/wall/impact", "impulse", -0.3).startswith(
-        "impulse = -0.3: expected a number from 0"
-    )
     fast = refusal(session, "/object/wall/impact", "impulse", 6.0, *LAW)
     assert fast == "impulse = 6: expected at most 5 N s of a striker of 0.005 kg"
     assert "the contact would last" in refusal(

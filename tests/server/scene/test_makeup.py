@@ -24,6 +24,7 @@ def played(name: str, kind: str = "impact", *args: float, seconds: float = 1.0, 
         return heard(scene.render(seconds).samples, RATE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_midi_velocities_have_their_loudness(name: str) -> None:
     strikes = [played(name, "impact", speed_of(velocity)) for velocity in (32, 64, 100, 127)]
@@ -74,6 +75,7 @@ def test_play_on_holds_until_it_is_off() -> None:
     assert np.abs(on.samples).max() > 2.0 * np.abs(off.samples).max()
 
 
+@pytest.mark.slow
 def test_the_level_does_not_depend_on_what_was_played_before() -> None:
     with carom.Scene(RATE) as scene:
         scene.play(True)
@@ -120,6 +122,7 @@ def test_steering_the_gain_of_a_played_roll_is_relative_to_its_make_up() -> None
     assert heard(sounds[0], RATE).loudness - heard(sounds[2], RATE).loudness == pytest.approx(12.0, abs=2.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name, kind", [("goblet", "shatter"), ("tin-lid", "rain"), ("plastic-cup", "shake")])
 def test_textures_and_breaking_stay_below_full_scale(name: str, kind: str) -> None:
     found = played(name, kind, seed=5, seconds=2.0)
@@ -148,6 +151,7 @@ def test_a_gain_follows_a_line_between_measurements() -> None:
     assert gain_of("impact", 1.0, measure, 20.0) < gain_of("impact", 1.0, measure, 0.0)
 
 
+@pytest.mark.slow
 def test_a_plate_that_breaks_is_as_physics_has_it() -> None:
     """A gain would have it swell as it never does."""
     keys = {"seed": 290, "striker": "mute", "seconds": 1.0}

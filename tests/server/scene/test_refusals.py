@@ -1,11 +1,55 @@
 """Messages that are refused: why, and that they leave nothing."""
 
 import math
+import random
+from collections.abc import Iterator
 
 import pytest
 
+from carom.server.osc.addresses import VERBS
+from carom.server.osc.arguments import Key, Number, Word
+from carom.server.osc.wire import Argument
 from carom.server.scene import translate
+from tests.bench.declared import argument
 from tests.server.scene.support import refusal, say
+
+NO_NUMBERS: tuple[Argument, ...] = (math.nan, math.inf, -math.inf, 1e30, "loud", None, b"abc", (1.0, 2.0))
+
+
+def wrong_numbers() -> Iterator[tuple[str, list[Argument], Number, Argument]]:
+    """Yield messages of scores, to and with whatever is declared, that have one number out of its range, or none; that
+    number's declaration; and what stands in its place."""
+    chance = random.Random(1)
+
+    def right(key: Key) -> Argument:
+        return "a" if isinstance(key, Word) and key.name in ("name", "object") else argument(chance, key)
+
+    for verb in VERBS.values():
+        address = verb.address.replace("NAME", "a").replace("ID", "a")
+        required = [right(each) for each in verb.required]
+        for n, key in enumerate((*verb.required, *verb.optional, *verb.keys)):
+            if not verb.scored or not isinstance(key, Number):
+                continue
+            begin = [*required, *(right(each) for each in verb.optional)][:n]
+            begin = [*required, key.name] if key in verb.keys else begin
+            end = required[n + 1 :]
+            beyond = key.low - 1e-3 * abs(key.low) - 1.0, key.high + 1e-3 * abs(key.high) + 1.0
+            for value in (*beyond, *NO_NUMBERS, *((key.low + 0.5,) if key.whole else ())):
+                yield address, [*begin, value, *end], key, value
+
+
+def test_each_number_that_is_none_or_out_of_range_is_refused_by_name_value_and_range(session):
+    say(session, "/object/new", "a", "church-bell")
+    say(session, "/object/a/roll", 0.3, "striker", "glass-marble", "id", "a", "seed", 1)
+    before, tried = (session.engine.room(), list(session.objects)), 0
+    for address, args, key, value in wrong_numbers():
+        said = refusal(session, address, *args)
+        if not address.endswith("point"):  # it expects three
+            shown = f" {value:g}:" if isinstance(value, float) and abs(value) < 10 and round(value, 3) == value else " "
+            assert f"{key.name} ={shown}" in said, (address, args, said)
+        assert ": expected " in said, (address, args, said)
+        tried += 1
+    assert tried > 3_000 and (session.engine.room(), list(session.objects)) == before
 
 
 @pytest.mark.parametrize(
@@ -24,7 +68,6 @@ from tests.server.scene.support import refusal, say
         ("/object/new", ("", "church-bell"), "name = '': expected a name"),
         ("/object/new", ("b", "church-bell", "length", 1, "length", 2), "length = 2: given twice"),
         ("/object/new", ("b", "church-bell", "striker", "wood", "striker", "felt"), "striker = felt: given twice"),
-        ("/object/new", ("b", "church-bell", "gain", "loud"), "gain = loud: expected a number from -120 to 40 dB"),
         ("/object/new", ("b", "glass-plate", "length", -1.0), "length = -1.0: expected a number"),
         (
             "/object/new",
@@ -41,49 +84,35 @@ from tests.server.scene.support import refusal, say
         ("/objekt/a/inpact", (1.0,), "no such address; did you mean /object/a/impact?"),
         ("/object/a/press", (), "force is missing, and church-bell has none: expected /object/NAME/press [force]"),
         ("/object/a/roll", ("striker", "steel"), "speed is missing, and church-bell has none"),
-        ("/object/a/impact", (-1,), "velocity = -1: expected a number from 0 to 1000 m/s"),
-        ("/object/a/impact", (math.nan,), "velocity = nan"),
-        ("/object/a/impact", (math.inf,), "velocity = inf"),
-        ("/object/a/impact", (1e30,), "velocity = 1e+30"),
-        ("/object/a/impact", ("fast",), "velocity = fast"),
         ("/object/a/impact", (None,), "velocity = nil: expected"),
         ("/object/a/impact", (b"abc",), "velocity = a blob of 3 bytes: expected"),
         ("/object/a/impact", ((1, (2.5, "x")),), "velocity = [1 [2.5 x]]: expected"),
         ("/object/a/impact", (1000.0001,), "velocity = 1000.0001: expected a number from 0 to 1000 m/s"),
         ("/object/a/impact", ("1e400",), "velocity = '1e400': expected a number"),
+        ("/object/a/impact", ("2",), "velocity = '2': expected a number"),
         ("/object//impact", (1.0,), "'': no such object; there is a"),
         ("/object/a/impact", (1.0, "", 1.0), "'': no such key; expected one of"),
-        ("/object/a/impact", (1.0, 1.5), "position = 1.5: expected a number from 0 to 1"),
         ("/object/a/impact", (1.0, 0.5, "position", 0.2), "position = 0.2: given twice"),
-        ("/object/a/impact", (1.0, "mass", 0.0), "mass = 0: expected a number from 1e-09 to 1e+06 kg"),
-        ("/object/a/impact", (1.0, "exponent", 0.5), "exponent = 0.5: expected a number from 1 to 6"),
         ("/object/a/impact", (1.0, "colour", 1), "colour: no such key; expected one of striker, mass"),
         ("/object/a/impact", (1.0, 0.5, 0.5), "0.5: expected a key"),
         ("/object/a/impact", (1.0, "mass", 1e3, "stiffness", 1.0), "the contact would last"),
         ("/object/a/impact", (0.0, "id", "a b"), "id = a b: expected 1 to 64 printable characters"),
-        ("/object/a/impact", ("2",), "velocity = '2': expected a number"),
         ("/panic", ("now",), "now: one argument too many: expected /panic"),
         ("/panic", (2,), "2: one argument too many: expected /panic"),
         ("/object/a/free", (0.5,), "at_once = 0.5: expected a whole number"),
-        ("/quality", (1.5,), "quality = 1.5: expected a whole number"),
         ("/bank", ("double",), "bank = double: expected one of float64, float32"),
-        ("/accuracy", (-55,), "accuracy = -55: expected one of -40, -50, -60, -80, exact"),
-        ("/object/a/damp", (2.0,), "damp = 2: expected a number from 0 to 1"),
-        ("/object/a/pan", (-2.0,), "pan = -2"),
+        ("/accuracy", (-55,), "accuracy = -55: expected one of -50, -60, -80, exact"),
         ("/object/new", ("b", "glass-ball", "radius", 0.005, "note", 60), "note: it has no mode that is heard"),
         ("/object/new", ("b", "glass-ball", "radius", 0.005, "pitch", 60), "pitch: it has no mode that is heard"),
         ("/world/body", ("b", "mesh", "wood", 1, 1, 1), "size, of shape (3,): expected its vertices"),
-        ("/object/a/distance", (0.0,), "distance = 0: expected a number from 0.1 to 1000 m"),
         ("/object/a/gains", (0.1, 0.2, 0.3), "3 gains: expected at most 2, one for each channel"),
         ("/object/a/gains", ((0.0,) * 65,), "65 gains: expected at most 64"),
         ("/object/a/gains", (0.1, "loud"), "gain = loud: expected a number from -100 to 100"),
         ("/object/a/gains", (0.1, (0.2,)), "gain = [0.2]: expected a number from -100 to 100"),
         ("/object/new", ("b", "church-bell", "gains", "loud"), "gain = loud: expected a number"),
-        ("/gain", (50,), "gain = 50: expected a number from -120 to 40 dB"),
         ("/gain", (), "gain is missing: expected /gain gain [key value ...], with gain -120 to 40 dB"),
         ("/limiter", ("maybe",), "limiter = maybe: expected one of on, off"),
         ("/channels", (8,), "channels = 8: expected 2, as many as were opened at the start"),
-        ("/channels", (0,), "channels = 0: expected a number from 1 to 64"),
     ],
 )
 def test_bad_messages_are_told_why(session, address, args, reason):
@@ -120,17 +149,8 @@ def test_overlong_names_are_refused(session, key):
 @pytest.mark.parametrize(
     ("args", "reason"),
     [
-        ((-0.1,), "height = -0.1: expected a number from 0 to 1000 m"),
-        ((float("nan"),), "height = nan: expected"),
-        ((1e9,), "height = 1e+09: expected"),
-        ((1, "gravity", 0), "gravity = 0: expected"),
-        ((1, "gravity", -9.81), "gravity = -9.81: expected"),
-        ((1, "mass", 0), "mass = 0: expected"),
-        ((1, "mass", float("inf")), "mass = inf: expected"),
         ((1, "dissipation", 0), "dissipation = 0: the bounce would never end"),
         ((1, "dissipation", 1e-5), "dissipation = 1e-05: the bounce might last"),
-        ((1, "irregularity", 2), "irregularity = 2: expected"),
-        ((1, "seed", 0.5), "seed = 0.5: expected a whole number"),
         ((1, "id", "a b"), "id = a b: expected 1 to 64"),
         ((1, "id", 3), "id = 3: expected a name"),
         ((1, "stiffness", 1e-3, "mass", 1e6), "the contact would last"),
@@ -147,7 +167,6 @@ def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, re
         ("roll", ("striker", "felt-hammer"), "radius is missing: felt-hammer is no ball; expected its radius (m)"),
         ("roll", ("surface", "wood", "radius", 1e-3, "roughness", 100), "radius = 0.001: expected at least"),
         ("roll", ("striker", "steel", "radius", 8e-4, "surface", "corrugated"), "radius = 0.0008: expected at least"),
-        ("roll", ("striker", "steel", "corners", 0.5), "corners = 0.5: expected a whole number"),
         ("roll", ("striker", "steel", "surface", "mud"), "no surface 'mud'"),
         ("slide", ("striker", "bow", "dynamic", 0.9), "dynamic = 0.9: expected at most static = 0.8"),
         ("slide", ("striker", "bow", "press", "hand"), "press = hand: expected the id of a press on pane that goes on"),
@@ -155,7 +174,6 @@ def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, re
         ("shake", ("by", "cup"), "by = cup: many small ones hit pane; expected a striker"),
         ("shake", ("by", "nobody"), "by = nobody: many small ones hit pane; expected a striker"),
         ("place", (2.0,), "x = 1, y = 2: expected x, y and z (m), or none of them"),
-        ("rain", ("size", 1), "size = 1: expected a number from 5e-05 to 0.002 m"),
         ("shake", ("mass", 1e6, "stiffness", 1e-3), "the contact would last"),
         ("impact", ("id", "x" * 65), "expected 1 to 64 printable characters"),
         ("impact", ("id", "x\x07"), "expected 1 to 64 printable characters"),

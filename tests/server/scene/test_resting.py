@@ -85,7 +85,6 @@ EXPECTED = "expected another object, felt, foam, finger, palm, table or none"
         (("felz",), f"what = felz: {EXPECTED}; did you mean felt?"),
         (("cup",), f"what = cup: {EXPECTED}"),
         (("pane", "resistance", 5), "resistance = 5: expected none, as pane is an object"),
-        (("felt", "load", 0), "load = 0: expected a number from 1e-06 to 100000 N"),
         (("felt", "load", 1e5, "mass", 1e-7), "load = 100000, mass = 1e-07: expected at most 1e+09 N per kg"),
         (("felt", "load", 2e4), "load = 20000: expected at most 10000 N on felt"),
         (("finger", "load", 300), "load = 300: expected at most 200 N on finger"),
@@ -108,7 +107,7 @@ def test_an_object_that_has_a_supports_name_is_meant(played):
     assert contact["point"][1]["slot"] == played.objects["table"].handle.slot
 
 
-LEVELS = ("-40", "-60")
+LEVELS = ("-50", "-60")
 
 
 @pytest.mark.slow

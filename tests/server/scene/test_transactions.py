@@ -96,7 +96,7 @@ def test_too_many_contacts_leave_the_rest_alone(session):
     session.perform([strike] * (CONTACTS + 5), NOW)
     session.engine.process(64)
     assert session.engine.stats.contacts_dropped == 5
-    session.engine.process(640)
+    session.engine.process(192)
     say(session, "/object/b/impact", 1.0)
     assert session.engine.process(480).any()
 

@@ -64,6 +64,7 @@ def summed(engine: Engine, modes: Modes, handle: Handle, trace: np.ndarray, fram
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "error"), [(SOFT, 1e-6), (STIFF, 2e-5)], ids=["soft", "stiff"])
 @pytest.mark.parametrize("struck", [0.5, 0.13])
 def test_a_struck_free_bar_is_sensed_as_the_sum_of_its_modes(law, error, struck):

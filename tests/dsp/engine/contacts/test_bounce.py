@@ -181,22 +181,6 @@ def test_a_thrown_ball_begins_when_it_has_fallen():
     assert sound[: int(first) + 1].max() == 0.0 and sound[int(first) + 1 : int(first) + 50].max() > 0.0
 
 
-@pytest.mark.parametrize("block", [1, 37, 480])
-def test_block_size_changes_no_bit(block):
-    def run(size):
-        engine = Engine(RATE)
-        handles = [floor(engine, modal_mass=0.1, level=1.0) for _ in range(2)]
-        for i in range(12):
-            law = (0.01, 10.0 ** (5 + i % 5), 0.5, 1.5)
-            bounce(engine, handles[i % 2], law, 0.02 + 0.05 * i, irregularity=0.4, seed=i, number=i, time=97.3 * i)
-        engine.send([steer(3, "gravity", 40.0, 3000.0)])
-        engine.send([stop(4, 3500.0)])
-        engine.send([panic(5000.0)])
-        return np.concatenate([engine.process(size) for _ in range(math.ceil(6000 / size))])[:6000]
-
-    np.testing.assert_array_equal(run(block), run(64))
-
-
 def test_a_bounce_can_be_stopped_and_steered():
     engine = Engine(RATE)
     handle = floor(engine)

@@ -33,11 +33,12 @@ def light(modal_mass=0.05, t60=0.3):
     )  # fmt: skip
 
 
-def reference(frequency, sigma, shape_at, times, law, body, surface=SURFACE, rubbed=lambda t: 0.0):
+def reference(frequency, sigma, shape_at, times, law, body, surface=SURFACE, rubbed=lambda t: 0.0, within=1e-10):
     """Return the states z of the modes at `times` (s), by DOP853 from kink to kink of a body's path.
 
     m y'' = f - weight, which may be a function of time; the modes get f - weight, and `rubbed(t)` of f, by their shapes
-    where it is on its way (m). The compression follows from how fast the object's point moves.
+    where it is on its way (m). The compression follows from how fast the object's point moves. within: relative, what a
+    step may err by.
     """
     m, k, mu, a = law
     omega, n, speed = 2 * np.pi * frequency, len(frequency), body["speed"]
@@ -63,7 +64,7 @@ def reference(frequency, sigma, shape_at, times, law, body, surface=SURFACE, rub
         wanted = np.append(times[(times > t) & (times < end)], end)
         if end > t:
             args = begin, incline, curvature
-            solved = solve_ivp(motion, (t, end), y, "DOP853", wanted, args=args, rtol=1e-10, atol=1e-13).y
+            solved = solve_ivp(motion, (t, end), y, "DOP853", wanted, args=args, rtol=within, atol=1e-3 * within).y
             found += [solved[2:, i] for i in range(len(wanted)) if wanted[i] in times]
             y, t = solved[:, -1], end
     z = np.array(found)
@@ -311,7 +312,7 @@ def test_a_pane_is_a_dashpot_for_less():
     many = rolled(pane(0.5), "-80", seeds=16)[0]
     further = rolled(pane(0.5), "-80", quality=1, seeds=16)[0] - many
     assert np.abs(further).max() < 5.0 < (rigid - full).mean()
-    cheapest, counted = rolled(pane(0.5), "-40", seeds=16)
+    cheapest, counted = rolled(pane(0.5), "-50", seeds=16)
     assert counted.coupled == 1 and np.abs(cheapest - many).max() < 1.0
 
 

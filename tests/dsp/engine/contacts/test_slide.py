@@ -201,12 +201,3 @@ def test_an_object_may_bow_another():
     alone = slid(1.0, **BOW)[0][24_000:]
     assert np.isfinite(sound).all() and np.abs(sound).max() < 1.0
     assert not np.allclose(sound, alone, atol=0.1 * np.abs(alone).max())
-
-
-def test_blocks_of_any_size_are_the_same():
-    def run(size):
-        engine = Engine(RATE)
-        engine.send([gesture("slide", engine.add(glass(), 0.05), TIP, 13.7, 7, **BOW)])
-        return np.concatenate([engine.process(size) for _ in range(-(-8_192 // size))])[:8_192]
-
-    np.testing.assert_array_equal(run(37), run(64))

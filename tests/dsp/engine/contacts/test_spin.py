@@ -117,18 +117,6 @@ def test_irregular_contacts_scatter_and_the_seed_says_how():
     assert ratio.max() < 1.1 and 0.4 < ratio.min() < 0.65 and 0.7 < ratio.mean() < 0.85
 
 
-def test_bits_do_not_depend_on_the_block():
-    def played(blocks):
-        engine = Engine(RATE)
-        handle = engine.add(bell(), 1.0)
-        engine.send([gesture("spin", handle, COIN, 100.25, 7, **{**EURO, "duration": 0.2}, irregularity=0.3)])
-        return np.concatenate([engine.process(n) for n in blocks])
-
-    whole = played([12_800])
-    assert np.abs(whole).max() > 0
-    assert np.array_equal(whole, played([64] * 200)) and np.array_equal(whole, played([37, 1_000, 11_763]))
-
-
 def test_it_is_steered_from_its_next_contact_on():
     engine = Engine(RATE)
     handle = engine.add(bell(modal_mass=1e7))

@@ -104,12 +104,6 @@ def test_rain_on_a_wide_level_is_as_loud_as_its_drops_at_all_distances_are():
     assert far / near == pytest.approx(np.log(16.0) / 15.0, rel=0.1)
 
 
-def test_a_swarm_sounds_the_same_in_any_blocks():
-    whole, _ = swarmed("crumple", CRUMPLE, seconds=0.3)
-    for blocks in ([37] * 1000, [1000] * 100):
-        assert np.array_equal(swarmed("crumple", CRUMPLE, seconds=0.3, blocks=blocks)[0], whole)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.1, 2.0])
 def test_a_swarm_of_one_blow_sounds_as_that_impact(speed):

@@ -29,7 +29,7 @@ BLOWS = {
     "stiff": (STIFF, Blow(3.25 / RATE, 2.0, 0.004, 1e9, 0.4, 1.5)),
 }
 SECONDS = 0.01
-SLIPS = {"-40": (1e-6, 1e-2), "-50": (5e-7, 5e-3), "-60": (2e-7, 2e-3), "-80": (2e-8, 2e-4), "exact": (2e-9, 2e-5)}
+SLIPS = {"-50": (5e-7, 5e-3), "-60": (2e-7, 2e-3), "-80": (2e-8, 2e-4), "exact": (2e-9, 2e-5)}
 """Bounds by accuracy: s by which a contact's times may differ, and the share of the blow by which its other figures
 may."""
 

@@ -14,7 +14,7 @@ HERE, THERE = Handle(3, 7, 64, 128), Handle(5, 9, 0, 0)
 RECORDS = {
     Kind.NEW: ("layout", "settings"),
     **dict.fromkeys(GESTURES, ("values",)),
-    Kind.METHOD: ("method",),
+    Kind.BUDGET: ("budget",),
 }
 """The records that a command of a kind fills."""
 
@@ -39,7 +39,7 @@ NEEDED = {
     "pour": ("mass", "stiffness", "dissipation", "exponent", "position", "rate", "seed"),
     "step": ("mass", "stiffness", "dissipation", "exponent", "position", "force", "seed"),
     "shatter": ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
-    Kind.METHOD: ("method", "correction", "oversampling"),
+    Kind.BUDGET: ("steps", "modes"),
 }
 """The values that have no default."""
 
@@ -93,7 +93,7 @@ def test_every_value_lands_in_the_field_of_its_name(kind):
     values = some(fields(kind))
     entry = written(Command(NOW, kind, HERE, values))
     assert {name: entry[record][name] for name, record in fields(kind).items()} == values
-    others = [(record, name) for record in ("values", "settings", "layout", "method") for name in COMMAND[record].names]
+    others = [(record, name) for record in ("values", "settings", "layout", "budget") for name in COMMAND[record].names]
     assert not any(entry[record][name] for record, name in others if fields(kind).get(name) != record)
 
 

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from carom.dsp import contact
-from carom.dsp.contact import sampled
-from carom.dsp.lab import wall
+from carom.dsp.lab import sampled, wall
 from carom.dsp.lab.wall import PAPER_CASES, PAPER_RATE
 from tests.dsp.contact.wall_reference import solution
 

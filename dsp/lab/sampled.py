@@ -1,7 +1,7 @@
 """The sampled methods that the paper compares, on the rigid wall, and its two corrections.
 
 A method is one function of a contact and a step of h seconds that returns x, v and the acceleration after it; a new one
-takes a place in METHODS and in `step`. Equations are those of Papetti, Avanzini, Rocchesso 2011 (see law.py).
+takes a place in METHODS and in `step`. Equations are those of Papetti, Avanzini, Rocchesso 2011 (see contact/law.py).
 Verlet and Heun keep the acceleration of their predicted state for the next step, as printed there. Verlet's is taken
 with the velocity of the half step: it converges with order 1, and with its order of 2 only without dissipation.
 
@@ -12,9 +12,9 @@ the velocity at release by the exact root of equation (6), or by the approximati
 
 import math
 
+from ..contact.law import paper_release_of, restitution_of, trajectory
 from ..native.jit import kernel
 from ..native.typed import Record, dtype_of
-from .law import paper_release_of, restitution_of, trajectory
 
 METHODS = ("am1", "verlet", "heun", "rk4")
 """Names of the methods; their places are their numbers."""
