@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 from ..dsp.arguments import explain_all_arguments, switch_of
 from ..dsp.errors import CaromError
 from ..server.osc.wire import Message
-from .gesture_methods import Gestures, Value, with_gestures
+from .gesture_methods import Gestures, Value, with_gestures, with_shared_help
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -32,14 +32,13 @@ class CommandError(CaromError, RuntimeError):
 
 
 @explain_all_arguments
+@with_shared_help
 @with_gestures
 class Actions(Gestures, ABC):
     """Every address of a score as a method, but `/object/new`. A method makes messages; a subclass sends them.
 
-    name, id: of objects and gestures, or an OSC pattern. at: the time (s) at which the sound is heard, on the clock
-    that the subclass states; None is as soon as possible. Values that a gesture is not given are the object's preset's.
-    keys: those of the OSC address of the same name; where a number changes, `over` says how many seconds that takes.
-    Numbers may be NumPy's, fractions or decimals, lists may be arrays.
+    The subclass states the clock of `at`. Values that a gesture is not given are the object's preset's. Keys are those
+    of the OSC address of the same name. Numbers may be NumPy's, fractions or decimals, lists may be arrays.
     """
 
     @abstractmethod
@@ -47,7 +46,17 @@ class Actions(Gestures, ABC):
         """Send messages that happen together at a time (s), or as soon as possible (None)."""
 
     def send(self, address: str, *args: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Send any message, say `send("/object/bar/gain", -6, at=1.0)`."""
+        """Send any message, such as `send("/object/bar/gain", -6, at=1.0)`.
+
+        Parameters
+        ----------
+        address : str
+            OSC address, or a pattern.
+        *args : float, int, str or list
+            Arguments of the address.
+        **keys
+            Keys of the address, with their values.
+        """
         self._send([message_of(address, args, keys)], at)
 
     def _send_keyed(
@@ -72,49 +81,100 @@ class Actions(Gestures, ABC):
         at: SupportsFloat | None = None,
         **keys: Unpack[NoteKeys],
     ) -> None:
-        """Strike a copy of an object that is tuned to a note: a MIDI number, or a name such as C#4.
+        """Strike a copy of an object that is tuned to a note. It is named NAME.NOTE.
 
-        velocity: of MIDI, 0 to 127. The copy is named NAME.NOTE, and made when the note is first played.
+        Parameters
+        ----------
+        note : float or str
+            MIDI number, or a name such as C#4.
+        velocity : float, 0 to 127
+            MIDI velocity.
+        position : float, 0 to 1, optional
+            Position on the object's strike path.
+        **keys
+            `striker`, `play`.
         """
         place = () if position is None else (position,)
         self.send(f"/object/{name}/note", note, velocity, *place, *key_pairs(keys), at=at)
 
     def damp(self, name: str, amount: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Lay a hand on an object: 0 none, 1 the firmest."""
+        """Damp an object, as a hand on it does.
+
+        Parameters
+        ----------
+        amount : float, 0 to 1
+            0 none, 1 the firmest.
+        """
         self.send(f"/object/{name}/damp", amount, at=at, **keys)
 
     def gain(self, name: str, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Set an object's level (dB)."""
+        """Set an object's level.
+
+        Parameters
+        ----------
+        level : float, dB
+            Level of the object.
+        """
         self.send(f"/object/{name}/gain", level, at=at, **keys)
 
     def pan(self, name: str, place: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Place an object between left (-1) and right (1).
+        """Place an object between left and right.
 
-        On a ring of channels it goes from behind (-1) over left, in front (0) and right to behind (1).
+        Parameters
+        ----------
+        place : float, -1 to 1
+            Left (-1) to right (1). On a ring of channels: behind (-1), left, in front (0), right, behind (1).
         """
         self.send(f"/object/{name}/pan", place, at=at, **keys)
 
     def gains(self, name: str, *gains: Value, at: SupportsFloat | None = None) -> None:
-        """Place an object by a factor for each channel, one by one or as a list.
+        """Set a factor for each channel, in place of the pan. Without any the pan counts again.
 
-        Without any, it is placed by its pan again.
+        Parameters
+        ----------
+        *gains : float or array (channels,), -100 to 100
+            Factors, one by one or as a list.
         """
         self.send(f"/object/{name}/gains", *gains, at=at)
 
     def distance(self, name: str, metres: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Set how far (m) the listener is from an object: twice as far is half the pressure."""
+        """Set the distance from an object to the listener.
+
+        Parameters
+        ----------
+        metres : float, 0.1 to 1000 m
+            Twice as far is half the pressure.
+        """
         self.send(f"/object/{name}/distance", metres, at=at, **keys)
 
     def tune(self, name: str, semitones: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Move all frequencies of an object by some semitones from the preset's."""
+        """Shift all frequencies of an object.
+
+        Parameters
+        ----------
+        semitones : float, -60 to 60
+            Shift from the preset's pitch.
+        """
         self.send(f"/object/{name}/tune", semitones, at=at, **keys)
 
     def decay(self, name: str, ratio: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Multiply all decay times of the preset by a ratio."""
+        """Multiply all decay times of an object.
+
+        Parameters
+        ----------
+        ratio : float, 0.001 to 100
+            Factor of the preset's decay times.
+        """
         self.send(f"/object/{name}/decay", ratio, at=at, **keys)
 
     def free(self, name: str, at_once: bool = False, at: SupportsFloat | None = None) -> None:
-        """Remove an object and the copies for its notes, once silent or at once, with a fade; its name is free."""
+        """Remove an object and the copies for its notes, once they are silent. Its name is free immediately.
+
+        Parameters
+        ----------
+        at_once : bool, default False
+            Whether it is removed immediately, with a short fade.
+        """
         address = f"/object/{name}/free"
         self.send(address, *([1] if switch_of(f"{address}: at_once", at_once, CommandError) else []), at=at)
 
@@ -122,9 +182,21 @@ class Actions(Gestures, ABC):
         self, id: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None,
         **values: Unpack[SteerKeys],
     ) -> None:  # fmt: skip
-        """Change the running gestures of an id or pattern, all values together: `steer("ball", speed=0.8, gain=-6)`.
+        """Change running gestures, all values together: `steer("ball", speed=0.8, gain=-6)`.
 
-        The change takes `over` s, by a `curve`, if these are given. CommandError if no value is.
+        Parameters
+        ----------
+        over : float, optional
+            Duration of the change, s. Default: at once.
+        curve : float, -20 to 20, optional
+            Shape of the change: 0 even, below 0 fast at first, above 0 slow at first.
+        **values : float or list
+            Keys that can be steered, with their new values.
+
+        Raises
+        ------
+        CommandError
+            No value is given.
         """
         if not values:
             raise CommandError(f"/gesture/{id}: expected a value to steer, such as speed=0.5")
@@ -137,8 +209,19 @@ class Actions(Gestures, ABC):
     ) -> None:  # fmt: skip
         """Turn macros of an object, all of them together: `macro("bell", size=0.7, brightness=0.2)`.
 
-        Each goes from 0 to 1; at 0.5 it changes nothing. The change takes `over` s, by a `curve`, if these are given.
-        CommandError if no macro is named.
+        Parameters
+        ----------
+        over : float, optional
+            Duration of the change, s.
+        curve : float, -20 to 20, optional
+            Shape of the change: 0 even, below 0 fast at first, above 0 slow at first.
+        **values : float or list, 0 to 1
+            Macros, with their new values; 0.5 changes nothing.
+
+        Raises
+        ------
+        CommandError
+            No macro is named.
         """
         if not values:
             raise CommandError(f"/object/{name}/macro: expected a macro, such as size=0.7")
@@ -146,7 +229,13 @@ class Actions(Gestures, ABC):
         self._send([message_of(f"/object/{name}/macro/{macro}", (each,), ramp) for macro, each in values.items()], at)
 
     def dice(self, name: str, seed: int | None = None, at: SupportsFloat | None = None) -> None:
-        """Turn all macros of an object at random, within what sounds good; equal seeds choose the same."""
+        """Turn all macros of an object at random, within what sounds good.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Equal seeds choose the same. Default: another each time.
+        """
         self.send(f"/object/{name}/dice", *([] if seed is None else [seed]), at=at)
 
     def undo(self, name: str, at: SupportsFloat | None = None) -> None:
@@ -156,40 +245,67 @@ class Actions(Gestures, ABC):
     def morph(
         self, name: str, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]
     ) -> None:
-        """Bring an object a share (0 to 1) of the way to another preset of its shape."""
+        """Bring an object some of the way to another preset of its shape.
+
+        Parameters
+        ----------
+        preset : str
+            Name of the preset.
+        share : float, 0 to 1
+            Share of the way.
+        """
         self.send(f"/object/{name}/morph", preset, share, at=at, **keys)
 
     def stop(self, id: str, at: SupportsFloat | None = None) -> None:
-        """End the running gestures of an id or pattern."""
+        """End running gestures."""
         self.send(f"/gesture/{id}/stop", at=at)
 
     def place(self, name: str, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
-        """Put an object into space at x, y, z (m), one by one or as a list, or have it go there.
+        """Place an object in space, or move it. Without a place its pan counts again.
 
-        It is then heard from where `listener` is: by its time, its distance and its direction. keys: over (s), the time
-        that it takes. Without a place it is placed by its pan again.
+        Parameters
+        ----------
+        *place : float or array (3,), m
+            x, y, z, one by one or as a list.
+        **keys
+            `over`: duration of the way there, s.
         """
         self.send(f"/object/{name}/place", *_spread(place), at=at, **keys)
 
     def listener(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[ListenerKeys]) -> None:
-        """Place the listener at x, y, z (m), who looks along x, with y to the left and z up.
+        """Place the listener, who looks along x, with y to the left and z up.
 
-        keys: yaw, pitch, roll (degrees), over (s), layout ("pan", "binaural" or "ambisonics"), head (m), temperature
-        (degrees Celsius), humidity (%), air (times its absorption).
+        Parameters
+        ----------
+        *place : float or array (3,), m
+            x, y, z, one by one or as a list.
+        **keys
+            `yaw`, `pitch`, `roll` (degrees), `over` (s), `layout` ("pan", "binaural" or "ambisonics"), `head` (m),
+            `temperature` (degrees Celsius), `humidity` (%), `air` (factor of its absorption).
         """
         self.send("/listener", *_spread(place), at=at, **keys)
 
     def floor(self, z: SupportsFloat | None = None, at: SupportsFloat | None = None, **keys: Unpack[FloorKeys]) -> None:
         """Lay a floor that reflects.
 
-        z: its height (m); None: nothing reflects. keys: absorption (0 to 1).
+        Parameters
+        ----------
+        z : float, m, optional
+            Height of the floor. None removes floor and room.
+        **keys
+            `absorption` (0 to 1).
         """
         self.send("/floor", *([] if z is None else [z]), at=at, **keys)
 
     def room(self, *size: Value, at: SupportsFloat | None = None, **keys: Unpack[RoomKeys]) -> None:
-        """Put all into a box of lengths along x, y and z (m): first reflections, and a late part.
+        """Put everything into a box that reflects and reverberates.
 
-        keys: x, y, z (m, of its lowest corner), absorption (0 to 1), t60, t60_high (s), late (0: reflections alone).
+        Parameters
+        ----------
+        *size : float or array (3,), m
+            Lengths along x, y and z, one by one or as a list.
+        **keys
+            `x`, `y`, `z` (m, lowest corner), `absorption` (0 to 1), `t60`, `t60_high` (s), `late` (0 or 1).
         """
         self.send("/room", *_spread(size), at=at, **keys)
 
@@ -197,42 +313,74 @@ class Actions(Gestures, ABC):
         self, sensor: str, object: str, position: SupportsFloat | None = None, at: SupportsFloat | None = None,
         **keys: Unpack[SensorKeys],
     ) -> None:  # fmt: skip
-        """Mount a sensor on an object: a channel of its own after those of the sound, which no gain changes.
+        """Mount a sensor on an object. It has a channel of its own, after those of the sound.
 
-        sensor: its name. position: 0 to 1 along the object's strike path (None: where its preset is struck). keys:
-        preset (ideal, accelerometer, mems, piezo-20, piezo-27, piezo-35, velocity), quantity (acceleration, in m/s^2,
-        or velocity, in m/s), resonance (Hz), damping (its ratio), full (the value of a sample of 1.0).
+        Parameters
+        ----------
+        sensor : str
+            Name of the sensor.
+        object : str
+            Name of the object.
+        position : float, 0 to 1, optional
+            Position on the object's strike path. Default: where its preset is struck.
+        **keys
+            `preset` ("ideal", "accelerometer", "mems", "piezo-20", "piezo-27", "piezo-35", "velocity"), `quantity`
+            ("acceleration" in m/s^2, or "velocity" in m/s), `resonance` (Hz), `damping` (ratio), `full` (value of a
+            sample of 1.0); on a mesh `point` and `direction`.
         """
         place = () if position is None else (position,)
         self.send("/sensor/new", sensor, object, *place, *key_pairs(keys), at=at)
 
     def unmount(self, sensor: str, at: SupportsFloat | None = None) -> None:
-        """Take a sensor away."""
+        """Remove a sensor; its channel is silent.
+
+        Parameters
+        ----------
+        sensor : str
+            Name of the sensor.
+        """
         self.send(f"/sensor/{sensor}/free", at=at)
 
     def accuracy(self, level: str | int, at: SupportsFloat | None = None) -> None:
-        """Set the accuracy of later contacts with objects that yield: -50, -60 (dB, the default), -80 or "exact".
+        """Set the accuracy of later contacts with objects that yield.
 
-        It is the error of the object's velocity, as a share of its greatest, in nine contacts of ten.
+        Parameters
+        ----------
+        level : {"-50", "-60", "-80", "exact"}
+            Error of the object's velocity, dB of its maximum, in nine contacts of ten. At first: -60.
         """
         self.send("/accuracy", level, at=at)
 
     def bank(self, form: str, at: SupportsFloat | None = None) -> None:
-        """Choose the numbers in which freely ringing modes are kept: "float64" (the default) or "float32".
+        """Set the number format of freely ringing modes.
 
-        float32 halves the cost; after ten seconds it errs by -95 dB in place of -115.
+        Parameters
+        ----------
+        form : {"float64", "float32"}
+            float32 is faster and less exact. At first: float64.
         """
         self.send("/bank", form, at=at)
 
     def budget(self, steps: int, modes: int, at: SupportsFloat | None = None) -> None:
-        """Bound the cost of coupled contacts: steps per sample of each, on average, and modes coupled at once.
+        """Bound the cost of contacts that are coupled to modes. 0 is no bound.
 
-        0 is no bound. A force is held where steps lack, and a contact is not coupled where there is no room.
+        Parameters
+        ----------
+        steps : int
+            Steps per sample of each contact, on average. Beyond them its force is held.
+        modes : int
+            Modes coupled at once. A contact for which no room is left is not coupled.
         """
         self.send("/budget", steps, modes, at=at)
 
     def quality(self, level: int, at: SupportsFloat | None = None) -> None:
-        """Set how much is left out from then on to save time, from 0 (nothing, the default) to 8."""
+        """Set how much is left out from then on to save time.
+
+        Parameters
+        ----------
+        level : int, 0 to 8
+            0: nothing (at first), 8: the most.
+        """
         self.send("/quality", level, at=at)
 
     def contact(self, *_given: object, **_keys: object) -> None:
@@ -242,24 +390,47 @@ class Actions(Gestures, ABC):
         raise CommandError(f"/contact: {GONE['/contact']}")
 
     def main_gain(self, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Set the level of everything (dB)."""
+        """Set the level of everything.
+
+        Parameters
+        ----------
+        level : float, dB
+            Level of the sum of all objects.
+        """
         self.send("/gain", level, at=at, **keys)
 
     def limiter(self, on: bool, at: SupportsFloat | None = None) -> None:
-        """Keep the sound within full scale (the default), or leave it as it is."""
+        """Turn the limiter on or off. It keeps the sound within full scale.
+
+        Parameters
+        ----------
+        on : bool
+            At first: True.
+        """
         self.send("/limiter", "on" if switch_of("/limiter: on", on, CommandError) else "off", at=at)
 
     def headroom(self, on: bool, at: SupportsFloat | None = None) -> None:
-        """Turn what goes on being too loud down slowly, ahead of the limiter, or leave it (the default)."""
+        """Turn the slow automatic level on or off, which turns down what goes on being too loud.
+
+        Parameters
+        ----------
+        on : bool
+            At first: False in a score or a Scene, True on a server.
+        """
         self.send("/headroom", "on" if switch_of("/headroom: on", on, CommandError) else "off", at=at)
 
     def play(self, on: bool, at: SupportsFloat | None = None) -> None:
-        """Give later gestures make-up, so that any striker is heard on any object, or leave them to physics (the
-        default)."""
+        """Turn make-up on or off for later gestures: a gain by which every striker is heard on every object.
+
+        Parameters
+        ----------
+        on : bool
+            At first: False.
+        """
         self.send("/play", "on" if switch_of("/play: on", on, CommandError) else "off", at=at)
 
     def panic(self, at: SupportsFloat | None = None) -> None:
-        """End everything: all sound fades within 11 ms; objects stay."""
+        """End all gestures. The sound fades; objects stay."""
         self.send("/panic", at=at)
 
 

@@ -31,9 +31,8 @@ KEPT = 1_000
 class Client(Actions, Closing):
     """A connection to one server: UDP, or TCP, which loses nothing.
 
-    Each address of a score is a method. `at` is the Unix time (s) at which its sound is heard; None is as soon as
-    possible. A name or id may be an OSC pattern. All methods but `new`, `ask`, `ask_all` and `status` only send: what
-    the server refuses is kept for `errors`.
+    Each address of a score is a method. `at` is a Unix time, s. Methods only send, and `errors` returns what the server
+    refused; `new`, `ask`, `ask_all` and `status` wait for it.
 
     Parameters
     ----------
@@ -49,7 +48,16 @@ class Client(Actions, Closing):
     CommandError
         A message that cannot be sent.
     ConnectionRefusedError
-        Nothing listens there; for TCP already here.
+        Nothing listens there. Over UDP a later method raises it.
+
+    Examples
+    --------
+    With a server that runs (`carom serve`)::
+
+        with carom.Client() as client:
+            client.new("bell", "church-bell")
+            client.impact("bell", 1.0, at=time.time() + 0.1)
+            print(client.errors())
     """
 
     def __init__(self, host: str = "127.0.0.1", port: int = wire.DEFAULT_PORT, tcp: bool = False) -> None:
@@ -66,11 +74,17 @@ class Client(Actions, Closing):
         """Replies that were forgotten, the oldest first, as more than KEPT of their kind waited to be asked for."""
 
     def tell_compiling(self, tell: Callable[[float, float], object]) -> None:
-        """Call `tell` while the server compiles its engine: with the share that is done, and the seconds left."""
+        """Report the progress while the server compiles its engine.
+
+        Parameters
+        ----------
+        tell : callable
+            Called with the share that is done, 0 to 1, and the time that is left, s.
+        """
         self._connection.on_compiling = tell
 
     def close(self) -> None:
-        """Close the connection; over TCP, once the server has read all that was sent: it has up to 2 s for that."""
+        """Close the connection; over TCP, once the server has read everything, or after 2 s."""
         if self._tcp and not self._is_read:
             # A socket that is closed while replies wait in it is reset, and takes along what is still on its way.
             with suppress(OSError, CommandError, RuntimeError):
@@ -88,9 +102,17 @@ class Client(Actions, Closing):
 
     @contextmanager
     def bundle(self, at: SupportsFloat | None = None) -> Iterator[None]:
-        """Send all messages of the block as one bundle, to happen together at a Unix time (s), or at once (None).
+        """Send all messages of a `with` block as one bundle, which happens together.
 
-        Nothing is sent if the block raises an exception.
+        Parameters
+        ----------
+        at : float, optional
+            Unix time, s. Default: as soon as possible.
+
+        Raises
+        ------
+        CommandError
+            A message cannot be sent. If the block raises an exception, nothing is sent.
         """
         if self._bundle is not None:
             raise RuntimeError("a bundle inside a bundle")
@@ -114,9 +136,30 @@ class Client(Actions, Closing):
         self._connection.transmit(packet)
 
     def ask(self, address: str, *args: Value, timeout: float = 2.0, at: SupportsFloat | None = None) -> wire.Message:
-        """Send a message and wait up to `timeout` seconds for its reply: /done, ADDRESS.reply or /synced.
+        """Send a message and wait for its reply.
 
-        CommandError for /fail, TimeoutError for silence.
+        Parameters
+        ----------
+        address : str
+            OSC address.
+        *args : float, int, str or list
+            Arguments of the address.
+        timeout : float, default 2
+            Longest wait, s.
+        at : float, optional
+            Unix time, s. Default: as soon as possible.
+
+        Returns
+        -------
+        Message
+            /done, ADDRESS.reply or /synced, with `address` and `args`.
+
+        Raises
+        ------
+        CommandError
+            The server refused it.
+        TimeoutError
+            The server did not answer.
         """
         self._start_asking(address)
         message = message_of(address, args, {})
@@ -131,9 +174,26 @@ class Client(Actions, Closing):
         raise TimeoutError(f"{address}: no reply from {self._connection.server} within {timeout} s")
 
     def ask_all(self, address: str, *args: Value, timeout: float = 2.0) -> list[wire.Message]:
-        """Send a message and gather all replies, /fail too, until the server has carried it out.
+        """Send a message and return all replies, /fail too, once the server has carried it out.
 
-        TimeoutError if that takes more than `timeout` seconds.
+        Parameters
+        ----------
+        address : str
+            OSC address.
+        *args : float, int, str or list
+            Arguments of the address.
+        timeout : float, default 2
+            Longest wait, s.
+
+        Returns
+        -------
+        list of Message
+            With `address` and `args`.
+
+        Raises
+        ------
+        TimeoutError
+            The server did not answer.
         """
         self._start_asking(address)
         self.send(address, *args)
@@ -175,51 +235,107 @@ class Client(Actions, Closing):
         return replies
 
     def errors(self) -> list[CommandError]:
-        """Return the server's /fail replies to messages that nobody waited for, since the last call, the oldest first.
+        """Return the refusals of messages since the last call.
 
-        The server takes some time to refuse a message: `ask("/sync", 1)` first waits until it has carried out all that
-        was sent before. Of more than KEPT errors the oldest are forgotten, and counted in `dropped`.
+        `ask("/sync", 1)` waits until the server has carried out all that was sent before.
+
+        Returns
+        -------
+        list of CommandError
+            The oldest first, at most KEPT; `dropped` counts older ones.
         """
         return [_error(reply) for reply in self._taken("/fail")]
 
     def ended(self) -> list[str]:
-        """Return the ids of gestures that have ended since the last call, the oldest first.
+        """Return the ids of gestures that have ended since the last call.
 
-        The server reports those that this client gave an `id`, and after `send("/notify", 1)` all others too.
+        Returns
+        -------
+        list of str
+            The oldest first: of gestures with an `id` of this client; after `send("/notify", 1)` of all.
         """
         return [str(reply.args[0]) for reply in self._taken("/gesture/end")]
 
     def warnings(self) -> list[str]:
-        """Return the server's warnings since the last call, the oldest first.
+        """Return the server's warnings since the last call. It sends them after `send("/notify", 1)`.
 
-        The server sends them after `send("/notify", 1)`.
+        Returns
+        -------
+        list of str
+            The oldest first.
         """
         return [str(reply.args[0]) for reply in self._taken("/warning")]
 
     def replies(self, seconds: float) -> Iterator[wire.Message]:
-        """Return all messages from the server, as they come, for some seconds; what is read here is not kept.
+        """Yield all messages from the server, as they come. What is read here is not kept.
 
-        A server that compiles its engine first reports it every second; the time counts from there.
+        Parameters
+        ----------
+        seconds : float
+            Time to read, s. It counts once the server has compiled its engine.
+
+        Yields
+        ------
+        Message
+            With `address` and `args`.
         """
         return self._connection.messages(seconds)
 
     def status(self) -> wire.Message:
-        """Return the server's counts, loads and rates: its /status.reply.
+        """Return the server's counts, loads and rates.
 
-        TimeoutError if it does not answer within 2 s.
+        Returns
+        -------
+        Message
+            /status.reply: nine values, then names and values in turn.
+
+        Raises
+        ------
+        TimeoutError
+            The server did not answer within 2 s.
         """
         return self.ask("/status")
 
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Unpack[NewKeys]) -> None:
-        """Make an object from a preset, and wait until it is there.
+        """Make an object of a preset, and wait until it is there.
 
-        Keys change the preset, or are the object's first gain, pan, gains, distance, tune, decay and damp. CommandError
-        if the server refuses; TimeoutError if it does not answer.
+        Parameters
+        ----------
+        name : str
+            Name of the new object.
+        preset : str
+            Name of its preset.
+        at : float, optional
+            Unix time, s. Default: as soon as possible.
+        **keys
+            The preset's keys (`length`, `material`, `size`, ...), or the object's first `gain` (dB), `pan`, `gains`,
+            `distance` (m), `tune` (semitones), `decay` and `damp`.
+
+        Raises
+        ------
+        CommandError
+            The server refused it.
+        TimeoutError
+            The server did not answer.
         """
         self.ask("/object/new", name, preset, *key_pairs(keys), timeout=_MAKING, at=at)
 
     def gesture(self, id: str, what: str, *value: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Steer the running gestures of an id or pattern by the name of what changes; `stop` takes no value."""
+        """Send a message to running gestures, such as `gesture("ball", "speed", 0.5, over=2)`.
+
+        Parameters
+        ----------
+        id : str
+            Id of the gesture, or a pattern.
+        what : str
+            Key that can be steered, or "stop", which takes no value.
+        *value : float or list
+            New value.
+        at : float, optional
+            Unix time, s. Default: as soon as possible.
+        **keys
+            `over` (s), `curve`.
+        """
         self.send(f"/gesture/{id}/{what}", *value, at=at, **keys)
 
 
@@ -234,7 +350,7 @@ def _time_tag(at: SupportsFloat | None) -> int:
 
 
 def _error(reply: wire.Message) -> CommandError:
-    """Return the error that a /fail tells."""
+    """Return the error of a /fail."""
     return CommandError(": ".join(map(str, reply.args)))
 
 

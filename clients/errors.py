@@ -7,7 +7,7 @@ from ..dsp.wording import near
 from .folding import columns_of, folded
 
 KINDS = (OSError, RuntimeError, ValueError)
-"""Errors that may be Carom's own or the system's; `is_expected` tells these from bugs."""
+"""Errors that may be Carom's own or the system's; `is_expected` separates these from bugs."""
 
 
 def is_expected(error: Exception) -> bool:

@@ -32,7 +32,7 @@ TOP_RATE = 48_000
 """Hz: of what is analysed; faster recordings are resampled."""
 
 UNKNOWN = "unknown"
-"""Source or licence in a preset, where nobody told it."""
+"""Source or licence in a preset, where none was given."""
 
 _MOST_MODES = 200
 _PEAK = -1.5  # dB of full scale, at most: below the limiter, which finds peaks between samples 0.2 dB otherwise
@@ -92,7 +92,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Take:
-    """A hit that is fitted: its recording, the samples, where (None: not said) and by what it was struck."""
+    """A hit that is fitted: its recording, the samples, where (None: unknown) and by what it was struck."""
 
     recording: Recording
     hit: Hit
@@ -257,7 +257,7 @@ def _write(
 ) -> tuple[list[Path], NDArray[np.float64], float, float]:
     """Write the presets, as loud as the recording says; return the files, the sound of the default strike, by how much
     (dB) it is louder than such a strike can be, and by how much it is quieter than the recording, so that its peaks
-    stay under full scale. In pascals it is as loud as it was said to be."""
+    stay under full scale. In pascals it is as loud as it was stated."""
     names = ", ".join(dict.fromkeys(take.recording.path.name for take in takes))
     source = wanted.source or UNKNOWN
     facts = texts.Facts(

@@ -45,6 +45,30 @@ def with_methods_of(scene: type) -> Callable[[_Class], _Class]:
     return decorate
 
 
+_NAMED = {
+    "name": "name : str\n    Name of the object, or a pattern.\n",
+    "id": "id : str\n    Id of the gesture, or a pattern.\n",
+}
+_AT = "at : float, optional\n    Time at which it is heard, s. Default: as soon as possible."
+_OVER = "over, curve : float, optional\n    Duration of the change, s, and its shape, -20 to 20.\n"
+
+
+def with_shared_help(cls: _Class) -> _Class:
+    """Complete the help of a class's methods with the parameters that they share, as a decorator."""
+    for method in vars(cls).values():
+        if not inspect.isfunction(method) or method.__name__.startswith("_"):
+            continue
+        given = inspect.signature(method).parameters
+        if "at" in given:
+            summary, _, rest = inspect.cleandoc(method.__doc__ or "").partition("\n\n")
+            own, _, more = rest.removeprefix("Parameters\n----------\n").partition("\n\n")
+            named = "".join(text for name, text in _NAMED.items() if name in given)
+            over = _OVER * ("RampKeys" in str(given.get("keys")))
+            parts = summary, f"Parameters\n----------\n{named}{own}{chr(10) * (own != '')}{over}{_AT}", more
+            method.__doc__ = "\n\n".join(part for part in parts if part)
+    return cls
+
+
 def _begin(gesture: Gesture) -> _Method:
     """Return the method that begins a gesture, with its argument by name, and its help."""
 
@@ -58,14 +82,12 @@ def _begin(gesture: Gesture) -> _Method:
         self._gesture(gesture.name, name, value, position, at, keys)
 
     method.__name__ = method.__qualname__ = gesture.name
-    lasts = " A gesture of that `id` that goes on (None: the object's own) is steered." if gesture.along else ""
     kind = "str" if gesture.what else f"float, {gesture.argument.allowed}"
     meaning = gesture.what or gesture.argument.help
     method.__doc__ = (
-        f"Begin a gesture that {gesture.help}.{lasts}\n\n"
+        f"Begin a gesture that {gesture.help}.\n\n"
         f"Parameters\n----------\n{first} : {kind}\n    {meaning[0].upper()}{meaning[1:]}.\n"
-        "position : float, 0 to 1, optional\n    Position on the object's strike path.\n"
-        "at : float, optional\n    Time in s. Default: as soon as possible."
+        "position : float, 0 to 1, optional\n    Position on the object's strike path."
     )
     given = inspect.signature(method).parameters.values()
     named = [each.replace(name=first) if each.name == "value" else each for each in given]
@@ -80,6 +102,7 @@ def _on_object(method: _Method) -> _Method:
     def same(self: Any, *args: Value, **keys: Value) -> None:
         getattr(self.scene, method.__name__)(self.name, *args, **keys)
 
+    same.__doc__ = (method.__doc__ or "").replace(_NAMED["name"], "")
     given = inspect.signature(method).parameters.values()
     same.__signature__ = inspect.Signature([each for each in given if each.name != "name"])  # type: ignore[attr-defined]
     return same

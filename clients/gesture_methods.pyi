@@ -11,6 +11,7 @@ Value = Any
 _Class = TypeVar("_Class", bound=type)
 
 def with_gestures(cls: _Class) -> _Class: ...
+def with_shared_help(cls: _Class) -> _Class: ...
 def with_methods_of(scene: type) -> Callable[[_Class], _Class]: ...
 
 class Keys(TypedDict, total=False):
@@ -473,8 +474,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the roll of that
-        id (NAME if none)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the running one of
+        that `id` (or NAME)."""
 
     def press(
         self,
@@ -505,8 +506,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until the speed is 0, or steers the slide of that
-        id (NAME if none)."""
+        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the running one of
+        that `id` (or NAME)."""
 
     def rest(
         self,
@@ -516,8 +517,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another one or on a support, until it is stopped: both ring
-        shorter, and may buzz."""
+        """Begin a gesture that lays the object on another or on a support, until it is stopped: both ring for less
+        time, and may buzz."""
 
     def rain(
         self,
@@ -537,8 +538,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many of the striker hit the object at random times, until it is stopped:
-        gravel, dice in a cup."""
+        """Begin a gesture that lets many copies of the striker hit the object at random times, until it is stopped:
+        dice in a cup."""
 
     def crumple(
         self,
@@ -559,7 +560,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[PourKeys],
     ) -> None:
-        """Begin a gesture that pours many of the striker on the object, until it is stopped: rice, gravel, coins."""
+        """Begin a gesture that pours many copies of the striker on the object, until it is stopped: rice, gravel,
+        coins."""
 
     def step(
         self,
@@ -611,8 +613,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the roll of that
-        id (NAME if none)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the running one of
+        that `id` (or NAME)."""
 
     def press(
         self,
@@ -640,8 +642,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until the speed is 0, or steers the slide of that
-        id (NAME if none)."""
+        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the running one of
+        that `id` (or NAME)."""
 
     def rest(
         self,
@@ -650,8 +652,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another one or on a support, until it is stopped: both ring
-        shorter, and may buzz."""
+        """Begin a gesture that lays the object on another or on a support, until it is stopped: both ring for less
+        time, and may buzz."""
 
     def rain(
         self,
@@ -669,8 +671,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many of the striker hit the object at random times, until it is stopped:
-        gravel, dice in a cup."""
+        """Begin a gesture that lets many copies of the striker hit the object at random times, until it is stopped:
+        dice in a cup."""
 
     def crumple(
         self,
@@ -689,7 +691,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[PourKeys],
     ) -> None:
-        """Begin a gesture that pours many of the striker on the object, until it is stopped: rice, gravel, coins."""
+        """Begin a gesture that pours many copies of the striker on the object, until it is stopped: rice, gravel,
+        coins."""
 
     def step(
         self,
@@ -719,31 +722,31 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[NoteKeys],
     ) -> None:
-        """Strike a copy of an object that is tuned to a note: a MIDI number, or a name such as C#4."""
+        """Strike a copy of an object that is tuned to a note. It is named NAME.NOTE."""
 
     def damp(self, amount: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Lay a hand on an object: 0 none, 1 the firmest."""
+        """Damp an object, as a hand on it does."""
 
     def gain(self, level: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Set an object's level (dB)."""
+        """Set an object's level."""
 
     def pan(self, place: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Place an object between left (-1) and right (1)."""
+        """Place an object between left and right."""
 
     def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
-        """Place an object by a factor for each channel, one by one or as a list."""
+        """Set a factor for each channel, in place of the pan. Without any the pan counts again."""
 
     def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Set how far (m) the listener is from an object: twice as far is half the pressure."""
+        """Set the distance from an object to the listener."""
 
     def tune(self, semitones: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Move all frequencies of an object by some semitones from the preset's."""
+        """Shift all frequencies of an object."""
 
     def decay(self, ratio: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Multiply all decay times of the preset by a ratio."""
+        """Multiply all decay times of an object."""
 
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
-        """Remove an object and the copies for its notes, once silent or at once, with a fade; its name is free."""
+        """Remove an object and the copies for its notes, once they are silent. Its name is free immediately."""
 
     def macro(
         self, at: SupportsFloat | None = None, over: Value = None, curve: Value = None, **values: Unpack[MacroKeys]
@@ -751,13 +754,13 @@ class ObjectMethods:
         """Turn macros of an object, all of them together: `macro("bell", size=0.7, brightness=0.2)`."""
 
     def dice(self, seed: int | None = None, at: SupportsFloat | None = None) -> None:
-        """Turn all macros of an object at random, within what sounds good; equal seeds choose the same."""
+        """Turn all macros of an object at random, within what sounds good."""
 
     def undo(self, at: SupportsFloat | None = None) -> None:
         """Take back the last throw of the dice of an object."""
 
     def morph(self, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Bring an object a share (0 to 1) of the way to another preset of its shape."""
+        """Bring an object some of the way to another preset of its shape."""
 
     def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
-        """Put an object into space at x, y, z (m), one by one or as a list, or have it go there."""
+        """Place an object in space, or move it. Without a place its pan counts again."""

@@ -45,25 +45,30 @@ class Relief(NamedTuple):
 
 
 class ModeTable(NamedTuple):
-    """Modes of an object struck at one position, by ascending frequency; each array is float64.
+    """Modes of an object struck at one position, by ascending frequency.
 
     An impulse of J (N s) at t = 0 sounds, in channel c, as
-    J sum_i gains[i, c] exp(-decays[i] t) sin(2 pi frequencies[i] t),
-    and as `clicks` and `relief` say besides.
+    J sum_i gains[i, c] exp(-decays[i] t) sin(2 pi frequencies[i] t). `clicks` and `relief` add to it.
+
+    Attributes
+    ----------
+    frequencies : float64 (n,)
+        Hz.
+    decays : float64 (n,)
+        1/s: a level falls by 60 dB in ln(1000)/decay.
+    gains : float64 (n, channels)
+        Full scale per N s, or Pa per N s in a calibrated scene. Below 0 in opposite phase, 0 at a node.
+    clicks : tuple of Click
+        Sounds of a sudden motion: of the whole body, and of a thin body about the point that is struck.
+    relief : Relief or None
+        Heavily damped modes that keep slow forces from being heard.
     """
 
     frequencies: NDArray[np.float64]
-    """(n,) Hz."""
     decays: NDArray[np.float64]
-    """(n,) 1/s: a level falls by 60 dB in ln(1000)/decay."""
     gains: NDArray[np.float64]
-    """(n, channels) of full scale, or in Pa where the scene is calibrated, per N s; a mode may be in opposite phase
-    (< 0), or silent at this position (0)."""
     clicks: tuple[Click, ...] = ()
-    """Sounds that a contact adds at once: of the whole body if it is free to move, and from about the point that is
-    struck if it is thin."""
     relief: Relief | None = None
-    """Modes beside the others, so that slow forces are not heard."""
 
 
 class Settings(NamedTuple):

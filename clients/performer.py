@@ -99,7 +99,7 @@ class Performer:
         self.scene.sensors.grows = not score
         self.warnings: list[str] = []  # for the next report
         self.off_path: set[str] = set()
-        """Names of objects touched as no contact tells: at a point, in a direction, or by a swarm."""
+        """Names of objects touched in a way that no contact shows: at a point, in a direction, or by a swarm."""
         self._names: dict[int, str] = {}  # of objects, by serial
         self._striking: dict[int, Striking] = {}  # by command
         self._trace = _NOTHING  # what was traced beyond the end of the last sound
@@ -112,7 +112,7 @@ class Performer:
         self._answered(self.scene.perform(messages, time))
 
     def repeat(self, blows: Repeated, message: Message, at: SupportsFloat) -> bool:
-        """Carry out a message at a time (s), if it tells a blow on this scene that is remembered; return whether it
+        """Carry out a message at a time (s), if it is a blow on this scene that is remembered; return whether it
         does."""
         return blows.send(message, self._sample(at, message.address))
 

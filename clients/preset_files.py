@@ -62,7 +62,7 @@ def files_in(name: str) -> list[Path]:
 
 
 def _kind_of(path: Path) -> str:
-    """Return the kind of preset that a file's keys tell."""
+    """Return the kind of preset that a file's keys show."""
     data = read_file(path)[1]
     kinds = {"shape": "objects", "youngs_modulus": "materials", "roughness": "surfaces", "object": RECIPE}
     return next((kind for key, kind in kinds.items() if key in data), "strikers")

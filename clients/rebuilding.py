@@ -60,6 +60,14 @@ def rebuild(row: Row) -> NDArray[np.float64]:
         It is no row.
     MissingLibrary
         There is no scipy.
+
+    Examples
+    --------
+    >>> import carom, numpy as np
+    >>> row = next(carom.render_many("bars", range(1)))
+    >>> sound = carom.rebuild(row)
+    >>> bool(np.abs(sound - row["sound"]).max() < 1e-3 * np.abs(sound).max())
+    True
     """
     _require_row(row)
     require_scipy("to rebuild a clip", "dataset")

@@ -18,7 +18,7 @@ LONGEST = 120.0
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 384_000  # Hz
 _UNKNOWN = 2**63 - 1
-"""Frames of a file that does not tell how many it has."""
+"""Frames of a file that does not state their number."""
 _POINTER = b"version https://git-lfs"
 _ENDINGS = {f".{name.lower()}" for name in soundfile.available_formats()} | {".aif", ".oga"}
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..presets import Presets
 from ..server.files.whole import RenderError
-from ..server.options import OVER_BUDGET
+from ..server.options import loss_of
 from ..server.osc.score import Line
 from ..server.provenance import logged_otherwise
 from ..server.render import Options, render, require_objects
@@ -152,13 +152,9 @@ def render_task(
         warnings.append(limited)
     if done.normalized is not None:
         warnings.append(f"normalized by {done.normalized:+.3g} dB")
-    for name, text in (
-        ("contacts_dropped", "{} contacts were dropped: too many at once"),
-        ("over_budget", OVER_BUDGET),
-        ("faults", "objects were silenced {} times, because their sound was not finite"),
-    ):
+    for name in ("contacts_dropped", "over_budget", "faults"):
         if count := getattr(done.engine.stats, name):
-            warnings.append(text.format(count))
+            warnings.append(loss_of(name, count))
     return warnings
 
 

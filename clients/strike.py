@@ -16,7 +16,7 @@ from ..server.scene.session import Session
 from .streams import sound_file
 
 Progress = Callable[[float], object]
-"""Function that is told how many seconds of a sound are computed."""
+"""Function that is called with the seconds of a sound that are computed."""
 
 
 class StrikeError(CaromError, ValueError):

@@ -104,20 +104,20 @@ def verdict(now: dict[str, object]) -> str:
     """Return in a sentence how the server fares, by the first trouble that a player can do something about."""
     troubles = (
         ("faults", "Some object was silenced, as its sound was not finite: free it."),
-        ("underflows", "The device had {} dropouts: start with a larger --latency."),
-        ("holes", "The process was stopped {} times, and the sound with it."),
-        ("contacts_dropped", "{} contacts were left out: play fewer at once."),
-        ("late", "{} messages came late: send them earlier."),
+        ("underflows", "The device had {} dropout{s}: start with a larger --latency."),
+        ("holes", "The process was stopped {} time{s}, and the sound with it."),
+        ("contacts_dropped", "{} contact{s} left out: play fewer at once."),
+        ("late", "{} message{s} came late: send them earlier."),
     )
     if _number(now, "load") > 100.0:
         return "The machine is too slow for what plays: stop some gestures, or raise /quality."
     for name, text in troubles:
         if count := int(_number(now, name)) if name in now else 0:
-            return text.format(f"{count:,}")
+            return text.format(f"{count:,}", s="" if count == 1 else "s")
     if "quality" in now and _number(now, "quality") > 0:
         return f"The machine is busy: it plays at quality {_number(now, 'quality'):.0f}."
     if _number(now, "limiter_lowest") < 1:
-        return "It is too loud: lower /gain."
+        return "Too loud: lower /gain."
     return f"All is well: {_number(now, 'sounding'):.0f} of {_number(now, 'objects'):.0f} objects sound."
 
 

@@ -51,7 +51,7 @@ MACROS = {
             "a line of materials; between two of them density, stiffness and losses go by equal ratios",
             21, (0.3, 1.0), True),
         _macro("brightness", "how long high partials ring", ("dark", "bright"),
-            "below the middle a loss is added that goes with the frequency's square, above it high partials lose less",
+            "below the middle a loss grows with the square of the frequency, above it high partials lose less",
             22, (0.2, 0.9), True),
         _macro("damping", "how soon the body falls silent", ("free", "held"),
             "below the middle all decay times grow, up to four times; above it a hand lies on the body",

@@ -90,7 +90,7 @@ _STEERED_LAW = tuple(replace(each, steerable=True, glide=0.02) for each in LAW)
 """The same of gestures that go on, which take it anew."""
 RESTITUTION = Parameter(
     "restitution", 1e-6, 1.0, "",
-    "share of its speed that the striker keeps at a rigid wall, in place of dissipation; not for rolls",
+    "coefficient of restitution at a rigid wall, in place of `dissipation`; not for rolls",
     useful=(0.1, 1.0),
 )  # fmt: skip
 
@@ -168,7 +168,7 @@ GRAVITY = Parameter(
     glide=0.02,
 )  # fmt: skip
 IRREGULARITY = Parameter(
-    "irregularity", 0.0, 1.0, "", "how far the body is from round; its bounces differ in height",
+    "irregularity", 0.0, 1.0, "", "deviation of the body from round, so that its bounces differ in height",
     default=0.0, steerable=True, steered="from its next contact on",
 )  # fmt: skip
 SEED = Parameter(
@@ -177,8 +177,7 @@ SEED = Parameter(
 OTHER_SEED = 2.0**40
 """What the seed of a shatter's thick parts is above that of its other pieces."""
 ROUGHNESS = Parameter(
-    "roughness", 0.0, 100.0, "times", "factor of the surface's roughness", default=1.0, useful=(0.0, 10.0),
-    steerable=True,
+    "roughness", 0.0, 100.0, "times", "factor of the roughness", default=1.0, useful=(0.0, 10.0), steerable=True,
 )  # fmt: skip
 TRAVEL = Parameter(
     "travel", 0.0, 1e3, "m", "length of the strike path, along which it goes to and fro; 0: it stays in place",
@@ -200,15 +199,14 @@ BOUNCE = Gesture(
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until the speed is 0, or steers the roll of that id (NAME if none)",
+    "roll", "rolls the striker over the object until its speed is 0, or steers the running one of that `id` (or NAME)",
     SPEED,
     (
         *_STEERED_LAW,
         RADIUS,
         ROUGHNESS,
         Parameter(
-            "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, as a share of the radius",
-            default=0.0, steerable=True,
+            "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, over the radius", default=0.0, steerable=True,
         ),
         Parameter(
             "friction", 0.0, 10.0, "", "share of the body's weight that slows it down", default=0.0, useful=(0.0, 0.2),
@@ -235,7 +233,7 @@ SPIN = Gesture(
         Parameter("angle", 0.1, 80.0, "degrees", "tilt at the beginning", default=20.0, useful=(1.0, 40.0)),
         Parameter("radius", 1e-3, 10.0, "m", "radius of the disc", default=0.0116, useful=(0.005, 0.2)),
         Parameter(
-            "quickening", 0.1, 0.9, "", "n, where the rate of contacts grows as t^-n with the time t that is left",
+            "quickening", 0.1, 0.9, "", "exponent n: the rate of contacts grows as t^-n with the time t that is left",
             default=0.4, useful=(0.3, 0.5),
         ),
         Parameter(
@@ -249,7 +247,7 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker over the object until the speed is 0, or steers the slide of that id (NAME if none)",
+    "slide", "drags the striker over the object until its speed is 0, or steers the running one of that `id` (or NAME)",
     replace(SPEED, help="slip speed of the striker over the surface; 0 stops it"),
     (
         replace(FORCE, otherwise="the striker's weight"),
@@ -291,7 +289,7 @@ SLIDE = Gesture(
     slips=True,
 )  # fmt: skip
 REST = Gesture(
-    "rest", "lays the object on another one or on a support, until it is stopped: both ring shorter, and may buzz",
+    "rest", "lays the object on another or on a support, until it is stopped: both ring for less time, and may buzz",
     LOAD,
     (
         *_STEERED_LAW,
@@ -314,8 +312,7 @@ EXCITATION = Parameter(
     "excitation", 0.0, 0.98, "", "share of the blows that other blows set off", default=0.0, steerable=True
 )
 MEMORY = Parameter(
-    "memory", 1e-4, 10.0, "s", "time for which a blow sets off others", default=0.05, useful=(0.001, 0.1),
-    steerable=True,
+    "memory", 1e-4, 10.0, "s", "time for which blows set off others", default=0.05, useful=(0.001, 0.1), steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
     "rain", "lets drops fall on the object until it is stopped", replace(RATE, help="drops per second, on average"),
@@ -325,7 +322,7 @@ RAIN = Gesture(
             default=5e-4, useful=(2e-4, 1e-3), steerable=True,
         ),
         Parameter(
-            "reach", 1.0, 100.0, "", "distance of the farthest drops, in that of the nearest; farther ones are fainter",
+            "reach", 1.0, 100.0, "", "distance of the farthest drops, as a multiple of the nearest's; they are fainter",
             default=1.0, useful=(1.0, 10.0),
         ),
         SPREAD,
@@ -334,16 +331,16 @@ RAIN = Gesture(
     swarms=DROPS,
 )  # fmt: skip
 SHAKE = Gesture(
-    "shake", "lets many of the striker hit the object at random times, until it is stopped: gravel, dice in a cup",
+    "shake", "lets many copies of the striker hit the object at random times, until it is stopped: dice in a cup",
     RATE,
     (
         Parameter(
-            "speed", 0.0, 100.0, "m/s", "speed of the grains as they hit; one in e is faster",
+            "speed", 0.0, 100.0, "m/s", "scale of the speeds at which grains hit; 37 % are faster",
             default=1.0, useful=(0.05, 5.0), steerable=True, glide=0.02,
         ),
         Parameter(
             "evenness", 0.5, 10.0, "",
-            "evenness of their speeds: the share above v is exp(-(v/speed)^evenness); 2: a gas",
+            "evenness of their speeds: exp(-(v/speed)^evenness) of them are above v; 2: as in a gas",
             default=2.0, steerable=True,
         ),
         EXCITATION,
@@ -365,7 +362,7 @@ CRUMPLE = Gesture(
         Parameter("energy", 1e-9, 10.0, "J", "energy of the strongest crackle", default=1e-3, useful=(1e-6, 1e-1),
             steerable=True),
         Parameter(
-            "steepness", 0.0, 5.0, "", "b in the distribution E^-b of energies; 1.3 to 1.6 for paper",
+            "steepness", 0.0, 5.0, "", "exponent b in the distribution E^-b of energies; 1.3 to 1.6 for paper",
             default=1.5, useful=(1.0, 2.0), steerable=True,
         ),
         Parameter("decades", 0.1, 9.0, "", "decades of energy from the weakest to the strongest", default=4.0,
@@ -379,7 +376,7 @@ CRUMPLE = Gesture(
     swarms=ENERGIES,
 )  # fmt: skip
 POUR = Gesture(
-    "pour", "pours many of the striker on the object, until it is stopped: rice, gravel, coins",
+    "pour", "pours many copies of the striker on the object, until it is stopped: rice, gravel, coins",
     replace(RATE, help="grains per second, on average"),
     (
         replace(HEIGHT, help="height of the fall", default=0.2, useful=(0.02, 2.0), steerable=True),
@@ -414,12 +411,12 @@ SHATTER = Gesture(
     (
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),
         replace(HEIGHT, help="greatest height from which a piece falls", default=0.1),
-        Parameter("steepness", 1.01, 3.0, "", "b in the distribution m^-b of the pieces' masses", default=1.35),
-        replace(MASS, name="wall_mass", help="mass of all pieces as thick as the striker; 0: the object's",
+        Parameter("steepness", 1.01, 3.0, "", "exponent b in the distribution m^-b of the masses", default=1.35),
+        replace(MASS, name="wall_mass", help="mass of all pieces as thick as the striker; 0: the object's mass",
             useful=None, default=0.0, or_zero=True),
         replace(MASS, name="thick_mass", help="mass of the thick parts, such as foot, bottom and neck; 0: none",
             useful=None, default=0.0, or_zero=True),
-        Parameter("thick_ratio", 0.1, 10.0, "times", "thickness of the thick parts, in that of the striker",
+        Parameter("thick_ratio", 0.1, 10.0, "times", "thickness of the thick parts, as a multiple of the striker's",
             default=2.5),
         Parameter("thick_parts", 1, MOST_PIECES, "", "number of thick parts", default=1.0, whole=True),
         SPREAD,

@@ -25,7 +25,7 @@ MADE = re.compile(r"mesh-([0-9a-f]{16})-([0-9a-f]{16})")
 """Names of such objects: digests of the mesh with what was wanted of it, and of the table."""
 
 STRIKER, VELOCITY, POSITION = "wood", 1.0, 0.3
-"""The blow on an object of a mesh, unless something else is said."""
+"""The blow on an object of a mesh, unless another is given."""
 
 _STEP = 1e-7  # m: to which points are rounded, so that a mesh that is placed anew is the same
 

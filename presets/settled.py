@@ -146,7 +146,7 @@ def _clicks(rows: Any) -> tuple[Click, ...]:
 
 def _packed_table(name: str, table: NDArray[np.float64]) -> dict[str, NDArray[Any]]:
     """Return the arrays of a table of shapes (P, n): the exponents of its columns' scales, 1 for those that polynomials
-    tell, their coefficients, and the steps from row to row of all others."""
+    give, their coefficients, and the steps from row to row of all others."""
     narrow = table.astype(np.float32)
     scale = scale_of(narrow)
     by_terms = told_by_terms(narrow) if len(narrow) >= LEAST_ROWS else np.zeros(scale.shape, bool)

@@ -21,9 +21,9 @@ class SupportPreset(NamedTuple):
     mass: float = 0.0
     """kg: what moves with the flesh of a hand, which presses from outside; 0: the object lies on it by its weight."""
     load: float = 0.0
-    """N: with which such a hand presses, where nothing is said."""
+    """N: with which such a hand presses, where none is given."""
     most: float = math.inf
-    """N: the greatest load that may be said, an estimate: under more, neither flesh nor a pad is as its law has it."""
+    """N: the greatest load that may be set, an estimate: under more, neither flesh nor a pad is as its law has it."""
     resistance: float = 0.0
     """N s/m: of the ground; 0: it is rigid."""
     wavelength: float = 0.0

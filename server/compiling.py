@@ -52,7 +52,7 @@ def _prepare(failed: list[BaseException]) -> None:
 
 
 def _tell(network: Network, told: dict[Any, float]) -> None:
-    """Tell clients how far it is, each once in a while; `told` holds the times of the last replies."""
+    """Report the progress to clients, each once in a while; `told` holds the times of the last replies."""
     now = time.monotonic()
     for source, last in list(told.items()):
         if now - last >= _PERIOD or last == 0.0:

@@ -20,11 +20,25 @@ from .scene.sensing import last_of_sensors
 
 BUDGET = (16, 8_192)
 """Budget at a server's start (/budget): steps per sample of a coupled contact, and modes coupled at once."""
-OVER_BUDGET = (
-    "contacts went over /budget {} times: a force was held for a sample, or a contact not coupled to the modes"
-)
-"""Meaning of the engine's count of the same name."""
+LOSSES = {
+    "contacts_dropped": "left out {} contact{s}: play fewer at once, or set a larger /budget",
+    "over_budget": "/budget was too small {} time{s}: a force was held for a sample, or a contact not coupled to modes",
+    "strikers_cut": "cut {} striker{s} short: too many sounded at once",
+    "late": "{} message{s} came late",
+    "ramps_dropped": "{} change{s} took effect immediately: too many were in progress",
+    "nonlinear_dropped": "{} blow{s} did not make a plate swell: too many plates swell at once",
+    "tap_lost": "the recording lacks {} frame{s}: the disk is too slow",
+    "underflows": "the device had {} dropout{s}: set a larger --latency",
+    "ends_lost": "did not report the end of {} gesture{s}: too many ended at once",
+    "faults": "silenced objects {} time{s}: their sound was not finite",
+}
+"""Sentences about counts of the engine, by name."""
 _LONGEST_LATENCY = 2.0  # s
+
+
+def loss_of(name: str, count: int) -> str:
+    """Return a sentence about a count of LOSSES."""
+    return LOSSES[name].format(count, s="" if count == 1 else "s")
 
 
 class ServeError(CaromError, ValueError):

@@ -49,7 +49,7 @@ class Recording:
         self._asked = source
 
     def look(self) -> None:
-        """Tell of a take that has ended."""
+        """Report a take that has ended."""
         if not self.takes or not (ended := self.takes.look()):
             return
         take, reason = ended

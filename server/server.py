@@ -283,7 +283,7 @@ class Server:
             "take": self.recording.state,
             "midi": self.midi.state,
             "pages": len(self.web.site.clients) if self.web else 0,
-            "untold": self.teller.untold + self.engine.stats.trace_lost,
+            "reports_dropped": self.teller.dropped + self.engine.stats.trace_lost,
         }
         return [self._status.reply(source, objects, self.network, own)]
 

@@ -11,7 +11,7 @@ from ..dsp.runtime.engine import Engine
 from .audio.supervisor import Player
 from .limiting import LimiterWatch
 from .net.network import Network, Source
-from .options import OVER_BUDGET
+from .options import LOSSES, loss_of
 from .osc.wire import Message
 
 _COUNTERS = (
@@ -82,7 +82,7 @@ FIELDS = {
     "take": "file that `/record` writes, no, or why the last one ended",
     "midi": "MIDI inputs that are open, or no",
     "pages": "clients of web sockets",
-    "untold": "contacts that `/notify` left out, as there were too many",
+    "reports_dropped": "reports of contacts to `/notify` that were left out, as there were too many",
     "time": "time of the sound since the server's start, s",
 }
 """The names that follow in /status.reply and their meanings; an empty one is that of the engine's statistics."""
@@ -189,21 +189,11 @@ class Status:
         """Return a line for each thing that went wrong since the last call."""
         lines = self._limiter_warnings()
         stats = self._engine.stats
-        for name, text in (
-            ("contacts_dropped", "{} contacts were left out: more room is needed, or a larger /budget"),
-            ("over_budget", OVER_BUDGET),
-            ("strikers_cut", "the strikers of {} blows were cut short: too many sounded"),
-            ("late", "{} messages came late, the last by {late_last:.1f} ms: send them earlier"),
-            ("ramps_dropped", "{} changes were made at once: too many were in progress"),
-            ("nonlinear_dropped", "{} blows left a plate linear: too many plates were coupled"),
-            ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),
-            ("underflows", "the device had {} dropouts: a larger --latency helps"),
-            ("ends_lost", "{} ends of gestures were not told: too many ended at once"),
-        ):
+        for name in (each for each in LOSSES if each != "faults"):
             now = getattr(self._engine if name == "ends_lost" else stats, name)
             if now > self._warned[name]:
-                late_last = 1e3 * stats.late_last
-                lines.append(text.format(now - self._warned[name], late_last=late_last))
+                late = f", the last by {1e3 * stats.late_last:.1f} ms: send them earlier" if name == "late" else ""
+                lines.append(f"{loss_of(name, now - self._warned[name])}{late}")
                 self._warned[name] = now
         faults = self._engine.objects["faults"].copy()
         before = np.pad(self._object_faults, (0, len(faults) - len(self._object_faults)))

@@ -42,7 +42,7 @@ class Subscribers:
         no room.
         """
         if port and not isinstance(source, tuple):
-            raise Refused(f"port = {port}: a stream is answered where it is; expected none")
+            raise Refused(f"port = {port}: a stream gets its answers itself; expected none")
         answered = (source[0], port) if port and isinstance(source, tuple) else self.receiver(source)
         for each in self:
             if not self._network.reaches(each) or (each != source and self.receiver(each) == answered):

@@ -16,7 +16,7 @@ from .scene.session import Session
 from .subscribers import Subscribers
 
 CHANGES, LEVELS = 2, 3
-"""Levels of /notify from which on contacts, and levels, are told."""
+"""Levels of /notify from which on contacts, and levels, are reported."""
 _MOST_BLOWS = 64  # told at a look
 _MOST_SAMPLES = 1 << 16  # of contacts that are looked at: 70 may go on all the time; more would take too long
 _MOST_FORCES = 128  # values of a force
@@ -47,15 +47,15 @@ class Teller:
         self._watch: ContactWatch | None = None
         self._there: dict[str, str] = {}
         self._due = 0.0
-        self._untold = 0
+        self._dropped = 0
 
     @property
-    def untold(self) -> int:
+    def dropped(self) -> int:
         """Contacts that were not reported, as there were too many."""
-        return self._untold + (self._watch.lost if self._watch else 0)
+        return self._dropped + (self._watch.lost if self._watch else 0)
 
     def look(self) -> dict[str, str]:
-        """Tell what is new; return the objects that are there, with the names of their presets."""
+        """Report what is new; return the objects that are there, with the names of their presets."""
         there = {name: self._session.objects[name].preset.name for name in self._session.objects.there(0.0)}
         self._tell_objects(there)
         self._tell_contacts(self._subscribers.of(CHANGES))
@@ -92,7 +92,7 @@ class Teller:
             self._engine.trace(True)
         trace = self._engine.traced(_MOST_SAMPLES)
         blows, on = self._watch.look(trace)
-        self._untold += max(0, len(blows) - _MOST_BLOWS) + (len(trace) == _MOST_SAMPLES)
+        self._dropped += max(0, len(blows) - _MOST_BLOWS) + (len(trace) == _MOST_SAMPLES)
         for blow in blows[-_MOST_BLOWS:]:
             seconds = (blow.end - blow.begin) / self._engine.rate
             told = (*self._head(blow, blow.begin), blow.impulse, seconds, blow.velocity)

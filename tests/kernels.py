@@ -99,6 +99,7 @@ class _Kept:
         """Keep the code for some types, if it holds no address of this process."""
         if made.library.has_dynamic_globals:
             return
-        with suppress(OSError), tempfile.NamedTemporaryFile(dir=self._folder, delete=False) as partly:
-            partly.write(serialize.dumps(made._reduce()))
-            os.replace(partly.name, self._path(signature))
+        with suppress(OSError):
+            with tempfile.NamedTemporaryFile(dir=self._folder, delete=False) as partly:
+                partly.write(serialize.dumps(made._reduce()))
+            os.replace(partly.name, self._path(signature))  # whole, whoever reads it meanwhile

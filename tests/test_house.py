@@ -18,7 +18,6 @@ CODE = ("dsp", "server", "clients", "presets", "tests")
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_IN_DSP = 500, 120, 12, 12
 
 EXCEPTIONS = {
-    "face/offline.py:render": "a face: keywords with defaults",
     "face/mujoco.py:__init__": "a face: keywords with defaults",
     "bodies/bar.py:bar": "a face: its keywords are a preset's keys",
     "bodies/disc.py:disc": "a face: its keywords are a preset's keys",

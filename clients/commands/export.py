@@ -33,7 +33,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", metavar="OUT", nargs="?", help=text)
     text = "kind of files: a web page, a C library, or a plug-in (CLAP, VST3, LV2)"
     parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")
-    text = f"machine of a library or a plug-in, one of {', '.join(MACHINES)} (this one)"
+    text = "machine of a library or a plug-in, such as windows-x86-64 or macos-arm64 (this one)"
     parser.add_argument("--for", dest="machine", metavar="MACHINE", choices=MACHINES, type=one_of(*MACHINES), help=text)
     parser.add_argument("--install", action="store_true", help="put the plug-in where hosts look for it")
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
@@ -133,7 +133,7 @@ def _require(arguments: argparse.Namespace) -> None:
 
 
 def _prepare(machine: "Machine | None") -> None:
-    """Have the machine code that an export is made of: what did not come along is compiled now, and told."""
+    """Have the machine code that an export is made of: what did not come along is compiled now, and reported."""
     from ...dsp.native.wasm import object_file
     from ...dsp.runtime import callback, engine
     from ..export import c

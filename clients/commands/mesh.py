@@ -128,7 +128,7 @@ def _make(arguments: argparse.Namespace, material: str) -> int:
 COMMAND = Command(
     "mesh",
     "FILE [FOLDER]",
-    "make an object of a mesh and a material, and a page that shows its modes (with carom[mesh])",
+    "make an object from a mesh and a material, and a page that shows its modes (needs carom[mesh])",
     _options,
     _run,
 )

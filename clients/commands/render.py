@@ -27,7 +27,7 @@ MOST_JOBS = 256
 _ONE = Work("render", SECONDS_OF_SOUND, "s of sound")
 
 PEAK = -1.0
-"""dBFS: of a render that is normalized, if nothing else is said."""
+"""dBFS: of a render that is normalized, unless another is given."""
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -121,7 +121,7 @@ def _render_one(task: Task, score: list[Line], options: Options, presets: Preset
 
 
 def _render_many(results: Iterator[Result], count: int) -> int:
-    """Tell results as they come, with progress in scores on a terminal; return the exit code."""
+    """Report results as they come, with progress in scores on a terminal; return the exit code."""
     from ..streams import score_name
 
     failed = False

@@ -28,7 +28,7 @@ _SHORTER = {"odbl-1.0": "odbl", "odc-by-1.0": "odc-by", "pddl-1.0": "pddl"}
 
 
 def _licence(identifier: str) -> str:
-    """Return the lines that tell the Hub a licence, by its SPDX identifier."""
+    """Return the lines that name a licence to the Hub, by its SPDX identifier."""
     plain = identifier.lower()
     known = _SHORTER.get(plain, plain.removesuffix("-only").removesuffix("-or-later"))
     return f"license: {known}" if known in _HUB.split() else f"license: other\nlicense_name: {plain}"

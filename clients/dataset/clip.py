@@ -158,8 +158,8 @@ def _said(item: Item) -> str:
 def _played(
     recipe: Recipe, item: Item, scene: Scene, followed: Followed, lines: Sequence[Line], is_new: bool
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], tuple[Contact, ...]]:
-    """Play lines of an item; return its sound (Pa), the signals of its sensors, and its contacts. is_new: the scene was
-    told nothing so far.
+    """Play lines of an item; return its sound (Pa), the signals of its sensors, and its contacts. is_new: the scene has
+    received nothing so far.
 
     CommandError names the line of a score that was refused.
     """
@@ -226,7 +226,7 @@ def _due(recipe: Recipe, item: Item, line: Line) -> int:
 
 
 def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | None:
-    """Return where along its strike path an object is touched; by a score, where it is hit hardest. None: not said."""
+    """Return where along its strike path an object is touched; by a score, where it is hit hardest. None: not given."""
     if item.gesture != SCORE:
         key = "position" if name == OBJECT else "by_position"
         return number(item.values[item.gesture], key) if key in item.values[item.gesture] else None

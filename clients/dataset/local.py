@@ -60,7 +60,7 @@ def by_processes(
             for each in multiprocessing.active_children():  # they ignore what ends them, and may wait to hand on
                 if each not in others:
                     each.kill()
-            raise WorkerError("a worker was killed; the same command goes on where this one ended") from None
+            raise WorkerError("a worker was killed; repeat the command to go on from here") from None
         finally:
             stop.set()
             pool.shutdown(cancel_futures=True)
@@ -96,7 +96,7 @@ def _begin(stop: Event, plan: Plan, out: Path) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this process where the first one was killed, which could not tell it to."""
+    """End this process where the first one was killed, which could not ask it to."""
     from multiprocessing import parent_process
 
     parent = parent_process()

@@ -40,11 +40,11 @@ def run(
     progress: Callable[[int, int], object] = lambda done, count: None,
     interrupted: Callable[[], bool] = lambda: False,
 ) -> Path:
-    """Make what a folder lacks of a recipe's data set; the file of its table.
+    """Make what a folder lacks of a recipe's data set; return the file of its table.
 
-    progress: told how many items are there, and of how many. KeyboardInterrupt if `interrupted` says so; what was made
-    by then stays, and another run goes on from there. PresetError, ItemError, FolderError, VersionError, WorkerError
-    or OSError say what cannot be.
+    progress: called with the number of items that are there, and of all. KeyboardInterrupt if `interrupted` says so;
+    what was made by then stays, and another run goes on from there. PresetError, ItemError, FolderError, VersionError,
+    WorkerError or OSError say what cannot be.
     """
     require_sound(recipe, Presets(folders))
     plan = outlined(recipe, folders)

@@ -72,7 +72,7 @@ def scene_for(rate: int, channels: int, made: Sequence[Message], presets: Preset
 
 @lru_cache(maxsize=_MOST)
 def _blows(*told: Hashable) -> dict[Hashable, Blow]:
-    """Return what is remembered of blows in scenes that were told so."""
+    """Return what is remembered of blows in scenes that keep them."""
     return {}
 
 

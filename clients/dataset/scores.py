@@ -98,7 +98,7 @@ def require_filled(
             raise PresetError(f"{culprit}: its last line is at {last:g} s; expected at most seconds = {seconds:g}")
     for key in keys:
         if not any(key in score.words for score in scores.values()):
-            raise PresetError(f"{where}{key}: no score says {_MARK}{key}; expected a line of {', '.join(scores)} to")
+            raise PresetError(f"{where}{key}: no score has {_MARK}{key}; expected a line of {', '.join(scores)} to")
 
 
 def _words(args: tuple[Argument, ...]) -> Iterator[str]:

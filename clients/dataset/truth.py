@@ -116,7 +116,7 @@ class Told:
     """An object of a scene as it is heard now, and all of its truth that does not depend on where it is touched."""
 
     def __init__(self, performer: Performer, rate: int, name: str, heard: tuple[Settings, NDArray[np.float64]]) -> None:
-        """Find what is told of an object with these settings and gains."""
+        """Find what is recorded of an object with these settings and gains."""
         self.strikers: dict[Hashable, _Sound] = {}
         """The sounds of strikers on it, by what they follow from."""
         self._placed, (settings, self.gains) = performer.placed(name), heard

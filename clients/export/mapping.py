@@ -55,7 +55,7 @@ class Strikers:
         return list(dict.fromkeys(sound for sound in each if sound))
 
     def said(self, baked: Baked, objects: Iterable[ObjectPreset]) -> dict[str, Any]:
-        """Return what is said of each: its laws by object, its radius, how it slides, and where its sounds are."""
+        """Return the entries of each: its laws by object, its radius, how it slides, and where its sounds are."""
         presets = list(objects)
         return {
             name: {
@@ -234,7 +234,7 @@ def _argument(each: Parameter | Word | Either | Note | Numbers) -> dict[str, Any
 
 
 def _preset(preset: ObjectPreset, others: list[ObjectPreset]) -> dict[str, Any]:
-    """Return what is said of an object's preset; `touching`: its law with each other's material, at a radius of 1 m."""
+    """Return the entries of an object's preset; `touching`: its law with each other's material, at a radius of 1 m."""
     usual = {
         name: {"striker": each.striker, "surface": each.surface, "numbers": dict(each.numbers)}
         for name, each in preset.gestures.items()

@@ -4,8 +4,8 @@
     3 x 256     the operands of each instruction: by its first byte, and by the one after 0xfc and after 0xfd
     the parts   all that is not below, in its order; numbers of locals; other numbers and offsets in memory; constants
 
-A local is told by its place in a list of all, from which each that is used comes to the front. What is parted is joined
-to the byte.
+A local is identified by its place in a list of all, from which each that is used comes to the front. What is parted is
+joined to the byte.
 """
 
 from __future__ import annotations

@@ -212,7 +212,7 @@ def seconds_of(env: Any, model: mujoco.MjModel) -> float:
 
 
 class _Sound:
-    """The sound of an environment, which is told each of its steps of MuJoCo, and begins anew where it is reset.
+    """The sound of an environment, to which each of its steps of MuJoCo is reported, and begins anew where it is reset.
 
     batch: has blocks computed; they are there after its `finish`.
     """
@@ -302,7 +302,7 @@ class _Sound:
             self._audio = block if len(block) == frames else np.concatenate([self._audio, block])[-frames:]
 
     def _simulate(self, step: Callable[[], None], count: int) -> None:
-        """Take so many steps of MuJoCo, and tell each; none as the environment is reset."""
+        """Take so many steps of MuJoCo, and report each; none as the environment is reset."""
         self._anew, self._stepped = False, True
         if self._resetting:
             for _ in range(count):

@@ -14,7 +14,7 @@ from .presets import Presets
 
 File = str | PathLike[str]
 REST = "*"
-"""The name of all parts of which none else is said."""
+"""The name of all parts that have no material of their own."""
 
 
 @explain_arguments

@@ -179,10 +179,10 @@ class Bridge(Closing):
         behind = 0 if self._late else model._address + memory_layout()["step"]
         kept = self._arrays, self._number, self._room, model, data
         self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, behind, kept)
-        """Tell the World of a step of MuJoCo, to be called after each; return the number of its blows. WorldError for
-        what is not finite, or if time has not gone on."""
+        """Report a step of MuJoCo to the World, to be called after each; return the number of its blows. WorldError
+        for what is not finite, or if time has not gone on."""
         self.hits: list[Hit] = []
-        """The blows that the last `step` or `update` told: of all the steps that a function took."""
+        """The blows of the last `step` or `update`: of all the steps that a function took."""
 
     @property
     def _now(self) -> float:
@@ -282,12 +282,23 @@ class Bridge(Closing):
             record[name] = array.ctypes.data
 
     def step(self, stepping: Callable[[], object] | None = None) -> Blocks:
-        """Take one step of MuJoCo, or all that a function takes of this model and data by `mujoco.mj_step`; return
-        their sound.
+        """Take one step of MuJoCo, or all steps of a function, and return their sound.
 
-        The function may be dm_control's `physics.step`, an environment's step with its action, or any other. Data that
-        it resets, or MuJoCo as it is unstable, begins anew in the sound. WorldError for a function that lets time go on
-        in another way.
+        Parameters
+        ----------
+        stepping : callable, optional
+            Function that steps this model and data by `mujoco.mj_step`, such as dm_control's `physics.step` or a
+            lambda with an environment's step. Where the data is reset, the sound begins anew.
+
+        Returns
+        -------
+        array
+            float32 (frames, channels), in Pa.
+
+        Raises
+        ------
+        WorldError
+            The function lets time go on without `mujoco.mj_step`.
         """
         if stepping is None:
             take_step(self._model, self._data)
@@ -301,7 +312,7 @@ class Bridge(Closing):
         return self.world.block()
 
     def _take(self, step: Callable[[], None], count: int) -> None:
-        """Take so many steps, and tell each."""
+        """Take so many steps, and report each."""
         self.restart_if_set_back()
         for _ in range(count):
             step()
@@ -309,9 +320,17 @@ class Bridge(Closing):
                 self.hits += self.world.hits
 
     def update(self) -> Blocks:
-        """Tell the step, and return the sound since the last update, float32 (frames, channels), Pa.
+        """Report a step of MuJoCo, and return the sound since the last update. To be called after each step.
 
-        Call it after each step of MuJoCo. WorldError for what is not finite, or if time has not gone on.
+        Returns
+        -------
+        array
+            float32 (frames, channels), in Pa.
+
+        Raises
+        ------
+        WorldError
+            A number is not finite, or the time is that of the last update.
         """
         self.hits = list(self.world.hits) if self.tell() else []
         return self.world.block()

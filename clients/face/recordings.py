@@ -86,7 +86,7 @@ def fit(
 
 @explain_arguments
 def compare(a: File, b: File) -> Distance:
-    """Measure how far apart two sound files are, as `carom compare` does.
+    r"""Measure how far apart two sound files are, as `carom compare` does.
 
     Parameters
     ----------
@@ -96,12 +96,22 @@ def compare(a: File, b: File) -> Distance:
     Returns
     -------
     Distance
-        `residual` and `spectral` (log-spectral distance) in dB, `thirds` (Hz, dB, dB), `decays` by octave (Hz, s, s).
+        `residual` and `spectral` (log-spectral distance), float, dB; `thirds`, array (n, 3) of Hz, dB and dB;
+        `decays` by octave, array (n, 3) of Hz, s and s.
 
     Raises
     ------
     RecordingError, OSError
         Say what cannot be read.
+
+    Examples
+    --------
+    >>> import carom
+    >>> for n, striker in enumerate(("wood", "yarn")):
+    ...     score = f"0 /object/new a marimba-bar\n0.1 /object/a/impact 1 striker {striker}"
+    ...     carom.render(score, seconds=1.5).save(f"{n}.wav")
+    >>> carom.compare("0.wav", "1.wav").spectral > 0
+    True
     """
     wanted = "a sound file, such as Sound.save writes"
     return _compare(path_of("a", a, wanted), path_of("b", b, wanted))[0]

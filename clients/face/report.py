@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from .dsp.runtime.engine import Engine
 from .server.limiting import LimiterWatch, Limiting
-from .server.options import OVER_BUDGET
+from .server.options import loss_of
 
 _COUNTERS = {
     "contacts": ("impacts", "recontacts"),
@@ -78,18 +78,9 @@ class Report:
             lines.append(Limiting(self.limited, self.limited_db, self.limited_objects).said())
         if self.normalized_db is not None:
             lines.append(f"normalized by {self.normalized_db:+.3g} dB")
-        if self.contacts_dropped:
-            lines.append(f"{self.contacts_dropped} contacts were left out: too many at once")
-        if self.over_budget:
-            lines.append(OVER_BUDGET.format(self.over_budget))
-        if self.strikers_cut:
-            lines.append(f"the strikers of {self.strikers_cut} blows were cut short: too many sounded")
-        if self.nonlinear_dropped:
-            lines.append(f"{self.nonlinear_dropped} blows left a plate linear: too many plates were coupled")
-        if self.late:
-            lines.append(f"{self.late} messages came late")
-        if self.faults:
-            lines.append(f"objects were silenced {self.faults} times: their sound was not finite")
+        for name in ("contacts_dropped", "over_budget", "strikers_cut", "nonlinear_dropped", "late", "faults"):
+            if count := getattr(self, name):
+                lines.append(loss_of(name, count))
         return "\n".join(lines) or "nothing to report"
 
 

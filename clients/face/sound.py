@@ -35,7 +35,17 @@ class Picture:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sensed:
-    """The signal of a sensor: samples float32 (frames,), in `full` times its unit, m/s^2 or m/s."""
+    """The signal of a sensor.
+
+    Attributes
+    ----------
+    samples : float32 (frames,)
+        In `full` times the unit.
+    unit : {"m/s^2", "m/s"}
+        Unit of the sensor.
+    full : float
+        Value of a sample of 1.0.
+    """
 
     samples: NDArray[np.float32]
     unit: str
@@ -143,9 +153,17 @@ class Sound:
         return replace(cut, start=start, contacts=kept)
 
     def resample(self, rate: SupportsIndex) -> "Sound":
-        """Return it at another rate (Hz), by a polyphase filter; without its contacts, which count frames.
+        """Return the sound at another rate, by a polyphase filter, without its contacts.
 
-        RenderError for a rate that cannot be.
+        Parameters
+        ----------
+        rate : int, 8000 to 192000
+            Sampling rate, Hz.
+
+        Raises
+        ------
+        RenderError
+            A rate out of range.
         """
         whole = index(rate) if hasattr(rate, "__index__") and np.shape(np.asarray(rate)) == () else 0
         if not LOWEST_RATE <= whole <= HIGHEST_RATE:
@@ -184,11 +202,22 @@ class Sound:
         return np.array(self.samples, dtype=dtype) if copy else np.asarray(self.samples, dtype=dtype)
 
     def save(self, path: str | PathLike[str], format: str | None = None) -> None:
-        """Write it to a WAV or FLAC file, by the name's ending, in place of any that is there.
+        """Write the sound to a WAV or FLAC file, in place of one that is there.
 
-        format: "16", "24" or "float" (None: "float" for WAV, "24" for FLAC; FLAC has no "float"). In "16" and "24"
-        samples beyond full scale are clipped to it. A calibrated sound is in pascals, and is only written as "float".
-        RenderError where that cannot be; OSError where the file cannot be written.
+        Parameters
+        ----------
+        path : path
+            Its ending, .wav or .flac, says which.
+        format : {"16", "24", "float"}, optional
+            Format of the samples; "16" and "24" clip. Default: "float" for WAV, "24" for FLAC, which has no "float".
+            A calibrated sound, and one with sensors, needs "float".
+
+        Raises
+        ------
+        RenderError
+            The file's kind cannot hold the sound in this format.
+        OSError
+            The file cannot be written.
         """
         if self.calibrated and format not in (None, "float"):
             raise RenderError(f"format = {format}: expected float, as calibrated samples are pascals")
@@ -205,9 +234,22 @@ class Sound:
             write(whole)
 
     def plot(self, path: str | PathLike[str] | None = None) -> Picture | None:
-        """Draw its wave and spectrogram, into a .png, .svg or .pdf file, or (None) as a picture for a notebook.
+        """Draw the wave and the spectrogram.
 
-        PlotError where matplotlib is missing (it comes with `carom[plot]`) or the path cannot be one.
+        Parameters
+        ----------
+        path : path, optional
+            .png, .svg or .pdf file. Default: a picture for a notebook.
+
+        Returns
+        -------
+        Picture or None
+            The picture, without a path.
+
+        Raises
+        ------
+        PlotError
+            matplotlib is missing (`carom[plot]` brings it), or the path has another ending.
         """
         from .clients.plot import plotter
 

@@ -139,7 +139,7 @@ class World(Grained, Closing):
         self.simulation = Simulation(
             library, top_of.py_func(rate), hearing, gravity=gravity, start=start, progress=shown_mesh
         )
-        """The simulation as it is told, and what comes of it; bridges reach into it."""
+        """The simulation as it is reported, and its sounds; bridges reach into it."""
         self._client = client
         self._scene = None
         if client is None:
@@ -289,7 +289,7 @@ class World(Grained, Closing):
             self._surfaces += 1
 
     def pair(self, a: str, b: str, **keys: Unpack[PairKeys]) -> None:
-        """Set how the contact of two bodies differs from that of their materials.
+        """Set the contact of two bodies, in place of what their materials say.
 
         Parameters
         ----------
@@ -410,7 +410,7 @@ class World(Grained, Closing):
             ride(self.simulation, tuple(self.simulation.hearing.microphones), self.simulation.microphones)
 
     def _move(self, before: float) -> None:
-        """Tell how bodies and the listener have moved since the time of the step before."""
+        """Report how bodies and the listener have moved since the time of the step before."""
         if self._listening is None:
             return
         told = list(self._listening.moved(max(self.time - before, 0.0)))
@@ -463,10 +463,23 @@ class World(Grained, Closing):
         return told
 
     def block(self, batch: Batch | None = None) -> Blocks:
-        """Return the sound from the last block up to the last step, (frames, channels).
+        """Return the sound from the last block up to the last step.
 
-        batch: a Batch of `carom.dsp.runtime.batch`. The block is filled once its `finish` was called, which is to be
-        before the next step. A World that keeps its sound fills it at once.
+        Parameters
+        ----------
+        batch : Batch of `carom.dsp.runtime.batch`, optional
+            The block is filled by its `finish`, to be called before the next step. A World that keeps its sound fills
+            it at once.
+
+        Returns
+        -------
+        array
+            float32 (frames, channels), in Pa.
+
+        Raises
+        ------
+        WorldError
+            `batch` is no Batch.
         """
         if batch is not None and not isinstance(batch, Batch):
             raise WorldError(f"batch = {batch!r}: expected a Batch")
@@ -478,9 +491,17 @@ class World(Grained, Closing):
         return self._whole
 
     def restart(self, time: float) -> None:
-        """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches.
+        """Restart at a time of the simulation, in silence. Bodies stay; nothing touches. A kept score lacks it.
 
-        A score that is kept does not have it. WorldError for a World with a client.
+        Parameters
+        ----------
+        time : float
+            In s.
+
+        Raises
+        ------
+        WorldError
+            The World has a client.
         """
         if self._scene is None:
             raise WorldError("restart: expected a World without a client")
@@ -496,7 +517,7 @@ class World(Grained, Closing):
         return self.simulation.state
 
     def ring(self, seconds: float) -> Blocks:
-        """Render the sound of some seconds more, in which no step is taken; steps go on after them.
+        """Render the sound of some more seconds without a step. Steps may follow.
 
         Parameters
         ----------
@@ -514,9 +535,17 @@ class World(Grained, Closing):
         return self._up_to(until)
 
     def sound(self) -> Sound:
-        """Return all that was heard, up to now, as a Sound.
+        """Return the sound up to now.
 
-        WorldError unless it was kept.
+        Returns
+        -------
+        Sound
+            Its `samples` are float32 (frames, channels), in Pa.
+
+        Raises
+        ------
+        WorldError
+            The sound was not kept.
         """
         if self._capture is None:
             raise WorldError("sound: expected a World(keep=True) without a client")

@@ -34,7 +34,7 @@ export class Midi {
     try {
       this.access = await navigator.requestMIDIAccess();
     } catch (error) {
-      this.state.textContent = `The browser gives no MIDI: ${error.message}`;
+      this.state.textContent = `No MIDI in this browser: ${error.message}`;
       return;
     }
     this.access.onstatechange = () => this.attend();
@@ -51,7 +51,7 @@ export class Midi {
     this.button.setAttribute("aria-pressed", String(names.length > 0));
     this.connect.hidden = !navigator.requestMIDIAccess || this.access !== null;
     if (names.length) this.state.textContent = `Listening to ${names.join(", ")}.`;
-    else if (this.access) this.state.textContent = "No keyboard is there yet: connect one.";
+    else if (this.access) this.state.textContent = "No keyboard found: connect one.";
     else if (!navigator.requestMIDIAccess) this.state.textContent = missing();
   }
 

@@ -374,20 +374,70 @@ def _potential_energy(x: float, k: float, a: float) -> float:
 
 
 def restitution(v_in: ArrayLike, mu: ArrayLike) -> Array:
-    """Return the coefficient of restitution E = |v_out/v_in|, in [0, 1], within a relative error of 1e-14.
+    """Return the coefficient of restitution E = |v_out/v_in|.
 
-    v_in (m/s) > 0 and mu (s/m) >= 0 broadcast; float64 of their shape. ValueError names what is out of range.
-    Equation (5) and the exact root of equation (6) of Papetti, Avanzini, Rocchesso 2011.
+    Parameters
+    ----------
+    v_in : float or array, m/s
+        Speed at which striker and wall meet, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+
+    Returns
+    -------
+    array
+        float64, 0 to 1, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    Equation (5) and the exact root of equation (6) of Papetti, Avanzini, Rocchesso 2011, within a relative error of
+    1e-14.
+
+    Examples
+    --------
+    >>> from carom.dsp import restitution
+    >>> float(restitution(1.0, 0.0))
+    1.0
     """
     with np.errstate(over="ignore"):
         return _restitution(checked("v_in", v_in, 0.0) * _dissipation(mu))
 
 
 def release_velocity(v_in: ArrayLike, mu: ArrayLike) -> Array:
-    """Return the velocity at release v_out (m/s, negative), within a relative error of 1e-14.
+    """Return the velocity at release v_out.
 
-    Arguments as in `restitution`. The exact root of equation (6) of Papetti, Avanzini, Rocchesso 2011, a branch of
-    Lambert's W function.
+    Parameters
+    ----------
+    v_in : float or array, m/s
+        Speed at which striker and wall meet, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+
+    Returns
+    -------
+    array
+        float64, m/s, below 0, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    The exact root of equation (6) of Papetti, Avanzini, Rocchesso 2011, a branch of Lambert's W function, within a
+    relative error of 1e-14.
+
+    Examples
+    --------
+    >>> from carom.dsp import release_velocity
+    >>> float(release_velocity(2.0, 0.0))
+    -2.0
     """
     return _release(checked("v_in", v_in, 0.0), _dissipation(mu))
 
@@ -401,58 +451,207 @@ def paper_release_velocity(v_in: ArrayLike, mu: ArrayLike) -> Array:
 
 
 def force(x: ArrayLike, v: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Return the contact force f(x, v) = k x^a (1 + mu v) in N, 0 where x <= 0.
+    """Return the contact force f(x, v) = k x^a (1 + mu v), 0 where x <= 0.
 
-    x (m), v (m/s), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1 broadcast; float64 of their shape. ValueError names what is out
-    of range or not finite. Equation (1) of Papetti, Avanzini, Rocchesso 2011.
+    Parameters
+    ----------
+    x : float or array, m
+        Compression.
+    v : float or array, m/s
+        Velocity of the compression.
+    k : float or array, N/m^a
+        Stiffness, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+    a : float or array
+        Exponent, at least 1.
+
+    Returns
+    -------
+    array
+        float64, N, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    Equation (1) of Papetti, Avanzini, Rocchesso 2011.
+
+    Examples
+    --------
+    >>> from carom.dsp import force
+    >>> f"{force(1e-4, 0.0, 1e8, 0.5, 1.5):.4g} N"
+    '100 N'
     """
     return _force(checked("x", x), checked("v", v), checked("k", k, 0.0), _dissipation(mu), _exponent(a))
 
 
 def compression(v: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Return the compression x(v) in m on the trajectory from v_in.
+    """Return the compression x(v) on the trajectory from v_in.
 
-    v (m/s) in [v_out, v_in], v_in (m/s), m (kg), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1 broadcast; float64 of their
-    shape. ValueError names what is out of range. Near both ends x ~ (v_in - v)^(1/(a+1)) amplifies an error in v.
-    Equation (3) of Papetti, Avanzini, Rocchesso 2011, well conditioned also as mu -> 0.
+    Parameters
+    ----------
+    v : float or array, m/s
+        Velocity, from v_out to v_in.
+    v_in : float or array, m/s
+        Speed at which striker and wall meet, above 0.
+    m : float or array, kg
+        Mass of the striker, above 0.
+    k : float or array, N/m^a
+        Stiffness, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+    a : float or array
+        Exponent, at least 1.
+
+    Returns
+    -------
+    array
+        float64, m, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    Equation (3) of Papetti, Avanzini, Rocchesso 2011, well conditioned also as mu -> 0. Near both ends
+    x ~ (v_in - v)^(1/(a+1)) amplifies an error in v.
     """
     law = checked_law(v_in, m, k, mu, a)
     return _compression(_during_contact(v, law[0], law[3]), *law)
 
 
 def max_compression(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Return the greatest compression x_max = x(0) in m.
+    """Return the greatest compression x_max = x(0).
 
-    Arguments as in `compression`. Equation (4) of Papetti, Avanzini, Rocchesso 2011.
+    Parameters
+    ----------
+    v_in : float or array, m/s
+        Speed at which striker and wall meet, above 0.
+    m : float or array, kg
+        Mass of the striker, above 0.
+    k : float or array, N/m^a
+        Stiffness, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+    a : float or array
+        Exponent, at least 1.
+
+    Returns
+    -------
+    array
+        float64, m, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    Equation (4) of Papetti, Avanzini, Rocchesso 2011.
     """
     return compression(0.0, v_in, m, k, mu, a)
 
 
 def potential_energy(x: ArrayLike, k: ArrayLike, a: ArrayLike) -> Array:
-    """Return the elastic energy V = k x^(a+1)/(a+1) in J, 0 where x <= 0.
+    """Return the elastic energy V = k x^(a+1)/(a+1), 0 where x <= 0.
 
-    Arguments as in `force`. Equation (13) of Papetti, Avanzini, Rocchesso 2011.
+    Parameters
+    ----------
+    x : float or array, m
+        Compression.
+    k : float or array, N/m^a
+        Stiffness, above 0.
+    a : float or array
+        Exponent, at least 1.
+
+    Returns
+    -------
+    array
+        float64, J, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    Equation (13) of Papetti, Avanzini, Rocchesso 2011.
     """
     return _potential_energy(checked("x", x), checked("k", k, 0.0), _exponent(a))
 
 
 def energy(v: ArrayLike, v_in: ArrayLike, m: ArrayLike, mu: ArrayLike) -> Array:
-    """Return the energy H(v) in J, kinetic and elastic, on the trajectory from v_in.
+    """Return the energy H(v), kinetic and elastic, on the trajectory from v_in.
 
-    H falls from m v_in^2/2 to m v_out^2/2 and does not depend on k or a. Arguments as in `compression`. Equation (20)
-    of Papetti, Avanzini, Rocchesso 2011.
+    Parameters
+    ----------
+    v : float or array, m/s
+        Velocity, from v_out to v_in.
+    v_in : float or array, m/s
+        Speed at which striker and wall meet, above 0.
+    m : float or array, kg
+        Mass of the striker, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+
+    Returns
+    -------
+    array
+        float64, J, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    Equation (20) of Papetti, Avanzini, Rocchesso 2011. H falls from m v_in^2/2 to m v_out^2/2, whatever k and a are.
     """
     v_in, m, mu = checked("v_in", v_in, 0.0), checked("m", m, 0.0), _dissipation(mu)
     return _energy(_during_contact(v, v_in, mu), v_in, m, mu)
 
 
 def contact_time_bound(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Return a time (s) within which a contact surely ends, at a fraction of the cost of `contact_time`.
+    """Return a time within which a contact surely ends, for much less work than `contact_time`.
 
-    It is 3.3 L/v_in + mu x_max. Without dissipation a contact lasts 2 ((a+1)/2)^n sqrt(pi) G(1 + n)/G(1/2 + n) L/v_in,
-    with n = 1/(a+1) and the gamma function G: 3.2213 L/v_in at most, at a = 1.658. Dissipation adds at most the time
-    that the way back from x_max takes at the limit speed 1/mu. The bound is above `contact_time` by at most 46 %,
-    measured for a from 1 to 6 and mu v_in up to 1e12. Arguments as in `compression`.
+    Parameters
+    ----------
+    v_in : float or array, m/s
+        Speed at which striker and wall meet, above 0.
+    m : float or array, kg
+        Mass of the striker, above 0.
+    k : float or array, N/m^a
+        Stiffness, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+    a : float or array
+        Exponent, at least 1.
+
+    Returns
+    -------
+    array
+        float64, s, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    The bound is 3.3 L/v_in + mu x_max, at most 46 % above `contact_time` (measured for a from 1 to 6 and mu v_in up to
+    1e12). Without dissipation a contact lasts 2 ((a+1)/2)^n sqrt(pi) G(1 + n)/G(1/2 + n) L/v_in, with n = 1/(a+1) and
+    the gamma function G: 3.2213 L/v_in at most, at a = 1.658. Dissipation adds at most the time of the way back from
+    x_max at the limit speed 1/mu.
     """
     return _longest_time(*checked_law(v_in, m, k, mu, a))
 

@@ -126,29 +126,112 @@ def _unit(v_in: float, m: float, k: float, a: float) -> float:
 
 
 def contact_time(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Return the duration tau of a contact in s, within a relative error of 1e-13.
+    """Return the duration of a contact.
 
-    v_in (m/s), m (kg), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1 broadcast; float64 of their shape. Where L/v_in needs
-    logarithms, the error is below 1e-12. ValueError names what is out of range. Equation (9) of Papetti, Avanzini,
-    Rocchesso 2011, in the variable of closed_form.py.
+    Parameters
+    ----------
+    v_in : float or array, m/s
+        Speed at which striker and wall meet, above 0.
+    m : float or array, kg
+        Mass of the striker, above 0.
+    k : float or array, N/m^a
+        Stiffness, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+    a : float or array
+        Exponent, at least 1.
+
+    Returns
+    -------
+    array
+        float64, s, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    Equation (9) of Papetti, Avanzini, Rocchesso 2011, in the variable of closed_form.py, within a relative error of
+    1e-13 (1e-12 where L/v_in needs logarithms).
+
+    Examples
+    --------
+    >>> from carom.dsp import contact_time
+    >>> f"{contact_time(1.0, 0.01, 1e4, 0.0, 1.0):.4g}"  # pi sqrt(m/k)
+    '0.003142'
     """
     return _contact_time(*checked_law(v_in, m, k, mu, a))
 
 
 def force_pulse(t: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Return the force f(t) in N at times t (s) since the contact began, 0 outside it; within 1e-10 of its peak.
+    """Return the force f(t) of a contact, 0 outside of it.
 
-    All arguments broadcast, in the units of `contact_time`; float64 of their shape. ValueError names a time that is not
-    finite, and what else is out of range. Equations (1) and (9) of Papetti, Avanzini, Rocchesso 2011.
+    Parameters
+    ----------
+    t : float or array, s
+        Times since the contact began.
+    v_in : float or array, m/s
+        Speed at which striker and wall meet, above 0.
+    m : float or array, kg
+        Mass of the striker, above 0.
+    k : float or array, N/m^a
+        Stiffness, above 0.
+    mu : float or array, s/m
+        Dissipation, at least 0.
+    a : float or array
+        Exponent, at least 1.
+
+    Returns
+    -------
+    array
+        float64, N, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    Equations (1) and (9) of Papetti, Avanzini, Rocchesso 2011, within 1e-10 of the peak.
     """
     return _force_at(checked("t", t), *checked_law(v_in, m, k, mu, a))
 
 
 def force_nodes(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[Array, Array]:
-    """Return the quadrature nodes of one force pulse: times (s, ascending) since contact, and impulses (N s).
+    """Return the quadrature nodes of a force pulse.
 
-    Both are float64 (n,), with n of some 100 to 250. The sum of impulses times exp(-s t) is the pulse's Laplace
-    transform, within 3e-10 of m (v_in - v_out) for |s| tau <= 40. Arguments as in `contact_time`, but one number each.
+    Parameters
+    ----------
+    v_in : float, m/s
+        Speed at which striker and wall meet, above 0.
+    m : float, kg
+        Mass of the striker, above 0.
+    k : float, N/m^a
+        Stiffness, above 0.
+    mu : float, s/m
+        Dissipation, at least 0.
+    a : float
+        Exponent, at least 1.
+
+    Returns
+    -------
+    times : array (n,)
+        float64, s since contact, ascending; some 100 to 250.
+    impulses : array (n,)
+        float64, N s.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range or not finite; the text names it.
+
+    Notes
+    -----
+    The sum of impulses times exp(-s t) is the pulse's Laplace transform, within 3e-10 of m (v_in - v_out) for
+    |s| tau <= 40.
     """
     names = ("v_in", "m", "k", "mu", "a")
     law = (checked_scalar(name, value) for name, value in zip(names, (v_in, m, k, mu, a), strict=True))

@@ -25,11 +25,26 @@ _FALL = (-5.0, -25.0)  # dB of the energy that is left: the decay is read off be
 
 @dataclass(frozen=True)
 class Distance:
-    """B against A, at A's rate, both from 20 Hz on, after B was shifted to agree best and made as strong as A.
+    """Distance of a sound B from A, both from 20 Hz on, after B was shifted and levelled to agree with A.
 
-    gain (dB) and shift (s): what B was changed by. residual (dB): energy of A - B, against A's. spectral (dB): rms of
-    the log-spectral distance. thirds: rows of third-octave middle (Hz), level of A and of B (dB, against A's loudest).
-    decays: rows of octave middle (Hz), T60 of A and of B (s); nan where there is none. a, b: the sounds, alike long.
+    Attributes
+    ----------
+    rate : float
+        Sampling rate of A, Hz.
+    gain : float
+        Change of B's level, dB.
+    shift : float
+        Change of B's time, s.
+    residual : float
+        Energy of A - B, dB of A's.
+    spectral : float
+        Rms of the log-spectral distance, dB.
+    thirds : array (n, 3)
+        Middle of each third octave (Hz), level of A and of B (dB of A's loudest).
+    decays : array (n, 3)
+        Middle of each octave (Hz), T60 of A and of B (s); NaN where there is none.
+    a, b : array (frames,)
+        The two sounds.
     """
 
     rate: float

@@ -206,7 +206,7 @@ def _error(asked: str, text: str) -> AudioError:
 
 
 def _found(device: int | str | None) -> dict[str, Any]:
-    """Return the device of an index or a name, None: the default one, as PortAudio tells of it. AudioError if there is
+    """Return the device of an index or a name, None: the default one, as PortAudio describes it. AudioError if there is
     none."""
     sd = portaudio()
     if device is None and not devices():

@@ -13,7 +13,7 @@ from ...dsp.errors import CaromError
 _NO_START_SERVER = 1  # JACK's option
 
 NONE_FOUND = "no device can play: start JACK, PipeWire or PulseAudio, or `carom serve --device none`"
-"""Said where there is no output device."""
+"""Text of the error where there is no output device."""
 
 _spent = threading.Event()
 """Set where PortAudio may not be touched again: its JACK server has gone, or a stream of it does not end."""

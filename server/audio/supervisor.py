@@ -29,7 +29,7 @@ class Player:
         """The latency (s) that was requested, or None."""
         self.reconnects = 0
         self.scheduling = "unknown"
-        """Scheduling of the callback's thread: fifo, rr or other; unknown where the system does not tell."""
+        """Scheduling of the callback's thread: fifo, rr or other; unknown where the system does not report it."""
         self._news: SimpleQueue[str] = SimpleQueue()
         self._leave = threading.Event()
         self._hand = threading.Lock()  # to hand the engine over, and to see that it still may be

@@ -31,7 +31,7 @@ _RANGES = {
     "density": Range(1e-6, 1e9, "kg/m3"), "mass": Range(1e-15, 1e9, "kg"), "inertia": Range(1e-30, 1e15, "kg m2"),
     "wall": Range(1e-9, 1e3, "m"),
 }  # fmt: skip
-"""The ranges of what may be said of a body; a size follows in `shapes.py`."""
+"""The ranges of a body's keys; a size follows in `shapes.py`."""
 _OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s
 
 
@@ -102,7 +102,7 @@ class NoModel(WorldError):
 
 
 Progress = Callable[[str], AbstractContextManager[Callable[[str, float], object]]]
-"""Shows how an object of a name is made: it is told what is done, and how much of the whole."""
+"""Shows how an object of a name is made: called with what is done, and with how much of the whole."""
 
 
 ABOUT = ("density", "mass", "inertia", "held", "rings", "object", "surface")

@@ -98,7 +98,7 @@ class _Running:
     place: float
     course: Course
     silent: float = 0.0
-    """s for which nothing was told."""
+    """s for which nothing was reported."""
 
 
 class Grains:

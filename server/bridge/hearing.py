@@ -175,7 +175,7 @@ def _microphone(given: Microphone | Sequence[float]) -> Microphone:
 
 
 def begin_hearing(hearing: Hearing, state: NDArray[np.void]) -> NDArray[np.void]:
-    """Tell the tracker's memory what is heard; (1,) of MICROPHONE_STATE, the microphones."""
+    """Write into the tracker's memory what is heard; (1,) of MICROPHONE_STATE, the microphones."""
     state["faintest"], state["masked"] = 20e-6 * 10.0 ** (hearing.faintest / 20.0), 10.0 ** (-hearing.masked / 20.0)
     state["most"], state["most_blows"], state["most_rests"] = hearing.gestures, hearing.blows, hearing.rests
     made = np.zeros(1, MICROPHONE_STATE)

@@ -15,7 +15,7 @@ RANGES = {
     "force": Range(-1e12, 1e12, "N"), "mass": Range(1e-15, 1e9, "kg"), "restitution": Range(0.0, 1.0),
     "friction": Range(0.0, 1e6), "impulse": Range(0.0, 1e6, "N s"),
 }  # fmt: skip
-"""The range of each quantity of a touch that a simulator may tell, in their order in a row. A body may be lighter or
+"""The range of each quantity of a touch that a simulator may report, in their order in a row. A body may be lighter or
 heavier than what a gesture's striker may be: a blow has the nearest mass that it may have."""
 FARTHEST = 1e6
 """m, m/s, rad/s: of a point, and of a body's place, velocity and spin along each axis, at most."""

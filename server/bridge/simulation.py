@@ -43,7 +43,7 @@ RANGES = {
     "gravity": Range(0.0, 1e3, "m/s^2"), "rest": Range(0.0, 1e5, "m/s"), "start": Range(-1e9, 1e9, "s"),
     "settle": Range(0.0, 1e9, "s"), "time": Range(-1e9, 1e9, "s"),
 }  # fmt: skip
-"""The ranges of the numbers that a simulation is made with, or told besides its steps."""
+"""The ranges of the numbers that a simulation is made with, or that are reported besides its steps."""
 
 
 class Simulation:
@@ -96,7 +96,7 @@ class Simulation:
         self._blows = self.state["blows"][0].view((np.void, BLOW.itemsize))
         self._order = self.state["order"][0]
         self.struck: NDArray[np.int64] = self.state["struck"]
-        """(1,): how many blows the last step told."""
+        """(1,): number of blows of the last step."""
         self._telling = np.zeros(1, TELLING)
         self._objects = np.zeros(1, OBJECTS)
         self._templates = np.zeros(SURFACES, TEMPLATES)
@@ -178,7 +178,7 @@ class Simulation:
         return record
 
     def hears_nearby(self) -> None:
-        """Tell no gains of bodies: a listener in space hears them by their places."""
+        """Send no gains of bodies: a listener in space hears them by their places."""
         self._microphones["told"], self._microphones["step"] = 0.0, np.inf
 
     @property
@@ -303,7 +303,7 @@ class Simulation:
         self.wait(time)
 
     def settle(self, seconds: float) -> None:
-        """Tell no blow for a time (s) from now on, and from each time on at which it begins anew."""
+        """Report no blow for a time (s) from now on, and from each time on at which it begins anew."""
         require_number("settle", seconds, RANGES["settle"])
         self._settle = seconds
         self.state["settles"] = self.time + seconds if seconds else -math.inf
@@ -352,7 +352,7 @@ class Simulation:
         return self.told(self._own, self._tell(self._own_at))
 
     def told(self, telling: NDArray[np.void], found: int) -> list[Request]:
-        """Return the requests of a step that was reported, of which `tell` said what it found."""
+        """Return the requests of a step that was reported, for which `tell` returned what it found."""
         if found >= 0 and not found & LOOK:
             return []
         before = float(telling["before"][0])

@@ -93,7 +93,7 @@ def begin_telling(telling: np.ndarray, **arrays: np.ndarray) -> None:
 
 
 def link_engine(telling: np.ndarray, engine: np.ndarray) -> None:
-    """Tell steps to an engine, (1,) of its STATE."""
+    """Report steps to an engine, (1,) of its STATE."""
     record, first = engine[0], engine.ctypes.data
     for name in ("entries", "written", "read"):
         telling[name] = record["ring"][name].ctypes.data

@@ -19,7 +19,7 @@ from .step import Pose, Touch
 from .telling import tell
 
 Undo: TypeAlias = Callable[[], object]
-"""Takes back what was told, as long as the step in which it was told has not ended."""
+"""Takes back what was reported, until the step ends."""
 
 
 class TellsWorld:

@@ -74,7 +74,7 @@ class Midi(Remote):
         self._doorway.hand_in(self, encode_bundle(IMMEDIATELY, messages, real="d"))
 
     def look(self, reply: Callable[[Message, Source], object]) -> None:
-        """Tell what has happened since the last call."""
+        """Report what has happened since the last call."""
         while self._learnt:
             learnt, source = self._learnt.popleft()
             reply(Message("/midi/learnt", (learnt.address, learnt.controller, learnt.channel)), source)

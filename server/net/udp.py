@@ -150,7 +150,7 @@ def drain(address: int) -> None:
 
 class Caller:
     """An address that datagrams wait from: `arrived`. Each came at a time (s), and takes room of groups of senders, as
-    Intake tells them: a sender's group may change."""
+    Intake names them: a sender's group may change."""
 
     __slots__ = ("address", "arrived", "came", "queued", "since")
 
@@ -258,7 +258,7 @@ def _address(port: bytes, host: bytes) -> tuple[str, int]:
 
 
 def dropped_by_system(udp: socket.socket) -> int:
-    """Return the datagrams that found no room in the system's buffer, where the system tells (Linux)."""
+    """Return the datagrams that found no room in the system's buffer, where the system counts them (Linux)."""
     memory_info, drops = 55, 8  # SO_MEMINFO, and where in its nine uint32 the drops stand
     if sys.platform != "linux":
         return 0

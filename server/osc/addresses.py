@@ -49,10 +49,10 @@ from .world_verbs import WORLD
 
 STRIKER = Word("striker", "preset of the striker", "the object's for such a gesture, or for a strike")
 
-ON_SURFACE = Vector("point", POINT, "point in the object's frame, in place of a position; the nearest one is touched")
-BY_ON_SURFACE = Vector("by_point", BY_POINT, "the same of the object that strikes, or that is lain on")
+ON_SURFACE = Vector("point", POINT, "point in the object's frame, in place of `position`; the nearest one counts")
+BY_ON_SURFACE = Vector("by_point", BY_POINT, "point on the other object, which strikes or supports")
 _DIRECTED = Vector("direction", DIRECTION, "direction of the push or slip at a point, in place of the normal")
-_BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "the same of the object that strikes, at its `by_point`")
+_BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "direction of the push on the striking object, at `by_point`")
 PLAY = Number(
     "play", 0, 1, "", "1: make-up, the level that suits players; 0: the level that physics gives", whole=True,
     otherwise="as `/play` says",
@@ -163,7 +163,7 @@ _OBJECTS = (
     Verb(
         "/object/NAME/free",
         "removes the object and the copies for its notes, once they are silent; its name is free at once",
-        optional=(Number("at_once", 0, 1, "", "1: it fades within 70 ms", default=0, whole=True),),
+        optional=(Number("at_once", 0, 1, "", "1: removes it immediately, with a short fade", default=0, whole=True),),
     ),
 )
 
@@ -175,27 +175,27 @@ _RUNNING = (
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
         "/gesture/ID/point",
-        "moves a gesture to the point of its object nearest to there, or along a list of points",
+        "moves a gesture to the nearest point of its object, or along a list of points",
         POINT,
     ),
-    Move("/gesture/ID/by_point", "moves a rest to such a point of the object on which it lies", BY_POINT),
+    Move("/gesture/ID/by_point", "moves a rest to the nearest point of the object on which it lies", BY_POINT),
 )
 
 _ENGINE = (
     Verb(
         "/accuracy",
-        "sets how exact contacts with objects that yield are",
+        "sets the accuracy of contacts with objects that yield",
         (Either("accuracy", LEVELS, "error of the sound, dB", "-60", tuple(NUMBERS)),),
     ),
     Verb(
         "/quality",
-        "sets how much is computed, from 0 (everything) to 8 (least); under load the server goes further by itself",
-        (Number("quality", 0, 8, "", "how much is left out; each step adds to those before it", whole=True),),
+        "sets how much is left out to save time, from 0 (nothing) to 8; under load the server leaves out more",
+        (Number("quality", 0, 8, "", "step; each adds to those before it", whole=True),),
     ),
     Verb(
         "/bank",
-        "sets the numbers that freely ringing modes are kept in",
-        (Either("bank", FORMS, "float64, within -115 dB; float32, within -95 dB and faster", "float64"),),
+        "sets the number format of freely ringing modes",
+        (Either("bank", FORMS, "number format: float64, or float32 for speed", "float64"),),
     ),
     Verb(
         "/budget",
@@ -216,35 +216,35 @@ _ENGINE = (
     ),
     Verb(
         "/play",
-        "gives gestures that come after it make-up, or no more: the level that suits players, whatever strikes what",
+        "turns make-up on or off for later gestures: a gain by which every striker is heard on every object",
         (Either("play", ("on", "off", "1", "0"), "on or off", "off"),),
     ),
     Verb(
         "/channels",
-        "sets the number of channels of a score; a server takes only its own number",
+        "sets a score's number of channels; a server accepts only the number it was started with",
         (CHANNELS,),
     ),
     Verb(
         "/sensors",
-        "sets the number of channels for sensors of a score; a server takes only its own number",
+        "sets a score's number of channels for sensors; a server accepts only the number it was started with",
         (SENSED,),
     ),
     Verb(
         "/full_scale",
-        "sets the pressure that is full scale in a score; a server takes only its own",
+        "sets a score's pressure of full scale; a server accepts only the one it was started with",
         (FULL_SCALE,),
     ),
     Verb("/end", "ends a score's render at its time; a server does nothing"),
-    Verb("/panic", "ends all gestures; the sound fades within 11 ms, and objects stay"),
+    Verb("/panic", "ends all gestures; the sound fades, and objects stay"),
 )
 
 _SERVER = (
     *(verb for verb, _ in QUESTIONS.values()),
-    Verb("/status", "answers `/status.reply`, whose values the page on replies lists", scored=False),
-    Verb("/version", "answers `/version.reply name major minor patch`", scored=False),
+    Verb("/status", "answers with `/status.reply`: nine values, then pairs of name and value", scored=False),
+    Verb("/version", "answers with `/version.reply name major minor patch`", scored=False),
     Verb(
         "/sync",
-        "answers `/synced id` once everything that was sent before is done",
+        "answers with `/synced id` once everything that was sent before is done",
         (Number("id", -(2**31), 2**31 - 1, "", "number that the answer repeats", whole=True),),
         scored=False,
     ),
@@ -266,7 +266,7 @@ _SERVER = (
     ),
     Verb(
         "/record",
-        "begins a recording in the server's folder and answers `/done /record FILE FIRST`, or ends it and answers "
+        "begins a recording in the server's folder, or ends it. The reply is `/done /record FILE FIRST`, at the end "
         "`/done /record FILE FIRST END`, in samples",
         (Number("on", 0, 1, "", "1 begins, 0 ends", whole=True),),
         keys=(Word("name", "name of the new file", "day and time"),),

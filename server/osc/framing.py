@@ -1,6 +1,6 @@
 """Framing of packets in a stream: by SLIP, END on either side (OSC 1.1), or each after its size (OSC 1.0).
 
-A client's first byte tells which of the two it speaks: a size below 64 KiB begins with a zero, SLIP with END or with
+A client's first byte shows which of the two it speaks: a size below 64 KiB begins with a zero, SLIP with END or with
 the packet itself. Replies go out in the same framing.
 """
 

@@ -37,8 +37,8 @@ MIDI = (
     ),
     Verb(
         "/midi/learn",
-        "lets the controller that is moved next set an address, and answers `/midi/learnt ADDRESS CONTROLLER CHANNEL` "
-        "then",
+        "binds the controller that is moved next to an address; the reply is then `/midi/learnt ADDRESS CONTROLLER "
+        "CHANNEL`",
         (_ADDRESS,),
         keys=(CHANNEL, LOW, HIGH),
         scored=False,
@@ -50,10 +50,10 @@ MIDI = (
         keys=(CHANNEL, LOW, HIGH),
         scored=False,
     ),
-    Verb("/midi/forget", "frees an address, or all, from its controllers", keys=(_ADDRESS,), scored=False),
+    Verb("/midi/forget", "removes the controllers of an address, or all of them", keys=(_ADDRESS,), scored=False),
     Verb(
         "/midi/controls",
-        "answers `/midi/controls.reply FIRST TOTAL` and controller, channel, address, low and high of each",
+        "answers with `/midi/controls.reply FIRST TOTAL`, then controller, channel, address, low and high of each",
         scored=False,
     ),
 )

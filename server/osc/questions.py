@@ -63,8 +63,8 @@ def _question(
 
 @_question(
     "/object/NAME/get",
-    "answers `/object/NAME/get.reply` and pairs of key and value: preset, shape, mass (kg), modes, settings; with a "
-    "number of modes also `/object/NAME/get.modes FIRST TOTAL` and frequency (Hz) and decay time (T60, s) of each",
+    "answers with `/object/NAME/get.reply`, then pairs of key and value: preset, shape, mass (kg), modes, settings. "
+    "With `modes` also `/object/NAME/get.modes FIRST TOTAL`, then frequency (Hz) and decay time (T60, s) of each",
     optional=(Number("modes", 0, 4096, "", "number of modes to list", default=0, whole=True),),
 )
 def _object(scene: Scene, values: Values) -> Iterator[Message]:
@@ -95,20 +95,20 @@ def _object(scene: Scene, values: Values) -> Iterator[Message]:
             yield from in_parts(f"/object/{name}/get.modes", (), modes)
 
 
-@_question("/objects", "answers `/objects.reply FIRST TOTAL` and pairs of name and preset")
+@_question("/objects", "answers with `/objects.reply FIRST TOTAL`, then pairs of name and preset")
 def _objects(scene: Scene, values: Values) -> Iterator[Message]:
     there = [(name, obj.preset.name) for name, obj in scene.objects_there().items()]
     yield from in_parts("/objects.reply", (), there)
 
 
-@_question("/gestures", "answers `/gestures.reply FIRST TOTAL` and pairs of id and address")
+@_question("/gestures", "answers with `/gestures.reply FIRST TOTAL`, then pairs of id and address")
 def _gestures(scene: Scene, values: Values) -> Iterator[Message]:
     yield from in_parts("/gestures.reply", (), scene.running())
 
 
 @_question(
     "/presets",
-    "answers `/presets.reply KIND FIRST TOTAL` and names",
+    "answers with `/presets.reply KIND FIRST TOTAL`, then names",
     (Either("kind", ("objects", "strikers", "surfaces", "materials"), "kind of presets"),),
 )
 def _presets(scene: Scene, values: Values) -> Iterator[Message]:

@@ -7,7 +7,7 @@ LISTENER, ROOM, FLOOR, PLACE = "/listener", "/room", "/floor", "/object/NAME/pla
 
 _FAR = 1e5
 LAYOUTS = ("pan", "binaural", "ambisonics")
-"""Ways in which directions are told to channels; their places are their numbers."""
+"""Ways in which directions become channels; their places are their numbers."""
 
 
 def _metres(name: str, help: str, default: float | None = None, low: float = -_FAR) -> Parameter:
@@ -21,13 +21,13 @@ def _degrees(name: str, help: str) -> Parameter:
 OVER = Parameter("over", 0.0, 3600.0, "s", "duration of the way there", default=0.0)
 XYZ = tuple(_metres(name, f"{name} of the place") for name in "xyz")
 T60 = Parameter(
-    "t60", 0.05, 60.0, "s", "time in which the late part falls by 60 dB", otherwise="by the absorption, else 0.5"
+    "t60", 0.05, 60.0, "s", "time in which the reverberation falls by 60 dB", otherwise="by the absorption, else 0.5"
 )
 
 LISTENING = (
     Verb(
         LISTENER,
-        "places the listener, who looks along x, with y to the left and z up, before it is turned",
+        "places the listener; unless turned, it looks along x, with y to the left and z up",
         XYZ,
         keys=(
             _degrees("yaw", "turn to the left"),
@@ -43,7 +43,7 @@ LISTENING = (
     ),
     Verb(
         FLOOR,
-        "lays a floor that reflects; without arguments floor and room are gone",
+        "lays a floor that reflects; without arguments, removes floor and room",
         optional=(_metres("z", "height of the floor"),),
         keys=(Parameter("absorption", 0.0, 1.0, "", "share of the energy that the floor absorbs", default=0.1),),
     ),

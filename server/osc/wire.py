@@ -282,7 +282,7 @@ def _fitting(packet: bytes) -> bytes:
 
 def time_tag(unix_seconds: float) -> int:
     """Return the 64-bit NTP time tag of a Unix time (s), from 1900 to 26 February 2242. From 7 February 2036 on its
-    32 bits of seconds count from 0 again: it is then that of a time in the era before, which is for the reader to tell
+    32 bits of seconds count from 0 again: it is then that of a time in the era before, which the reader has to know
     (`unix_ns`); the first two mean now, and so become the third."""
     if not 0 <= unix_seconds + _UNIX_EPOCH / 2**32 < 2 * 2**32:
         raise ValueError(f"time {unix_seconds!r} s: expected a Unix time between 1900 and 26 February 2242")

@@ -20,7 +20,7 @@ _PLACE = Parameter("metres", -_FAR, _FAR, "m")
 _LENGTH = Parameter("x", 1e-5, 1e3, "m", "first edge, or radius", useful=(0.01, 1.0))
 _GIVEN = ("roughness", "patch", "static", "dynamic", "stribeck", "tangential", "along")
 PAIRED = (*(key for key in SLIDE.keys if key.name in _GIVEN), RESTITUTION)
-"""The numbers that may be said of a pair of bodies."""
+"""The numbers that may be set for a pair of bodies."""
 
 
 def _number(
@@ -44,7 +44,7 @@ TOUCHED = (
 WORLD = (
     Verb(
         BODY,
-        "makes a body of a simulation, with the object that rings for it. A box or plate has three edges, a sphere a "
+        "makes a body of a simulation, and the object that rings for it. A box or plate has three edges, a sphere a "
         "radius, a cylinder or capsule a radius and a length along z",
         (
             Word("name", "name of the body"),
@@ -71,7 +71,7 @@ WORLD = (
     ),
     Verb(
         "/world/pair",
-        "sets how the contact of two bodies differs from that of their materials",
+        "sets the contact of two bodies, in place of what their materials say",
         (Word("a", "name of a body"), Word("b", "name of the other body")),
         keys=(
             Word("surface", "preset of the surface"),
@@ -86,7 +86,7 @@ WORLD = (
     ),
     Verb(
         "/world/pose",
-        "sets where a body is: x y z (m) of its centre of mass, and as far as known its quaternion w x y z, velocity "
+        "sets the pose of a body: x y z (m) of its centre of mass, then optionally its quaternion w x y z, velocity "
         "x y z (m/s) and spin x y z (rad/s)",
         (Word("name", "name of the body"),),
         many=Numbers(Parameter("value", -_FAR, _FAR), 13, "values", "numbers of the pose, in this order"),
@@ -104,13 +104,13 @@ WORLD = (
     ),
     Verb(
         "/world/grains",
-        "makes small bodies grains, or names a striker for `/world/pour`; a swarm of blows is heard on each body",
+        "turns small bodies into grains, or names a striker for `/world/pour`; each body sounds as one shake",
         (Word("name", "name of the grains"),),
         keys=(Word("bodies", "pattern of the bodies' names, such as stone*"), Word("striker", "preset of a striker")),
     ),
     Verb(
         "/world/pour",
-        "reports blows of grains on a body since the last step, with at least one of speed, impulse and energy",
+        "reports how many grains hit a body since the last step; give at least one of speed, impulse and energy",
         (
             Word("name", "name of the grains"),
             Word("on", "name of the body"),
@@ -128,5 +128,5 @@ WORLD = (
         "ends a step of the simulation; what was reported since the last one holds at this time",
         (_number("time", "time of the simulation", "s", 0.0, 1e9),),
     ),
-    Verb("/world/end", "forgets the simulation; its objects fall silent"),
+    Verb("/world/end", "ends the simulation; its objects fall silent"),
 )

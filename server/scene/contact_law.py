@@ -27,7 +27,7 @@ def law_of(
     win.
 
     Where an object strikes, its mass does. Unless a striker is named, the rest comes from the materials of both. The
-    canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on. A
+    canonical message has the values of the keys `said`: a mass in it would steer a roll that goes on. A
     restitution that is given takes the striker's dissipation's place, and the other way round. At a point of a surface
     the stiffness follows how the surface curves there.
     """

@@ -25,7 +25,7 @@ def tuned(modes: Modes, values: Values) -> float:
     if len(given) > 1:
         raise Refused("note and pitch: expected one of the two")
     if not modes.pitch:
-        raise Refused(f"{given[0]}: it has no mode that is heard, and so no pitch; expected an object that has one")
+        raise Refused(f"{given[0]}: it has no audible mode, and so no pitch; expected an object with one")
     pitch = values.numbers.get("pitch") or _A4 * 2.0 ** ((values.numbers["note"] - _A4_NUMBER) / 12.0)
     tune += 12.0 * math.log2(pitch / modes.pitch)
     try:

@@ -96,7 +96,7 @@ class ObjectCall:
             self.chosen_keys[key] = value
 
     def warn_of_stand_ins(self, other: PlayedObject, other_name: str) -> None:
-        """Tell the sender, once for each, which of the object and another have no material."""
+        """Warn the sender, once for each, which of the object and another have no material."""
         for name, obj in ((self.name, self.obj), (other_name, other)):
             if obj.preset.material is None and not obj.warned_of_stand_in:
                 obj.warned_of_stand_in = True

@@ -45,7 +45,7 @@ class PlayedObject:
     stands: int = 0
     """Number of the gesture by which it rests where it stands by itself; 0: it hangs freely."""
     warned_of_stand_in: bool = False
-    """True if its maker was told which material stands in for the one that it lacks."""
+    """True if its maker was warned which material stands in for the one that it lacks."""
 
     @property
     def mass(self) -> float:

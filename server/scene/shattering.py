@@ -39,7 +39,7 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
     if "by" in values.words:
         raise Refused(f"by = {values.words['by']}: nothing but the speed breaks {to.name}; expected a striker")
     if "point" in values.vectors:
-        raise Refused("point: cracks and pieces are all over; expected position and spread")
+        raise Refused("point: the whole object breaks; expected position and spread")
     if velocity == 0.0:
         to.end_at_once()
         return

@@ -40,7 +40,7 @@ class NotMade(Exception):
     """A table of pulses, or the measurement of a pair, has to be made before a message can be carried out."""
 
     def __init__(self, key: Hashable, make: Callable[[], object]) -> None:
-        """Tell of what is missing, by its key, and of what makes it."""
+        """Report what is missing, by its key, and of what makes it."""
         super().__init__(key)
         self.key, self.make = key, make
 
@@ -83,7 +83,7 @@ class Transaction:
     time: float
     source: Any
     world_of: "Callable[[], TellsWorld]"
-    """Returns the simulation that messages tell."""
+    """Returns the simulation that messages report."""
     sensors: "SensorTable"
     space: "SpaceTable"
     made: "Mapping[int, Made]" = field(default_factory=dict)

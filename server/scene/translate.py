@@ -163,7 +163,7 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
         to.end_at_once()
         return
     if gesture.swarms and "by" in to.values.words:
-        raise Refused(f"by = {to.values.words['by']}: many small ones hit {to.name}; expected a striker")
+        raise Refused(f"by = {to.values.words['by']}: grains hit {to.name}; expected a striker")
     by = to.striking_object()
     law = law_of(to, by)
     fastest = speed_by(impulse, law) if impulse else _FASTEST.get(gesture.name, _velocity)(values)

@@ -1,8 +1,8 @@
 """HTTP connections, bounded from the moment they are accepted: how many there are, and how long one may take to ask.
 
-aiohttp bounds headers, bodies and frames; it waits for ever for the end of a request's head. asyncio tells of a
+aiohttp bounds headers, bodies and frames; it waits for ever for the end of a request's head. asyncio reports a
 connection over TLS only after its handshake, for which it takes memory and a ms, and tries a failed accept again all
-the time, with a traceback. So connections are accepted here, and get to asyncio once they have said something.
+the time, with a traceback. So connections are accepted here, and get to asyncio once they have sent something.
 """
 
 import asyncio
@@ -30,7 +30,7 @@ _MOST_FAILED = 100  # handshakes that may fail before what they took, some 100 k
 
 
 class _Visitor:
-    """A connection: its socket until it has said something, then the task that opens it, then its protocol."""
+    """A connection: its socket until it has sent something, then the task that opens it, then its protocol."""
 
     def __init__(self, sock: socket.socket, host: str) -> None:
         self.socket, self.host = sock, host
@@ -101,7 +101,7 @@ class BoundedServer(web.Server):
         self._loop.add_reader(visitor.socket, self._hear, visitor)
 
     def _hear(self, visitor: _Visitor) -> None:
-        """Have a connection that has said something wait to be opened. A handshake takes a ms: hosts take turns."""
+        """Have a connection that has sent something wait to be opened. A handshake takes a ms: hosts take turns."""
         self._loop.remove_reader(visitor.socket)
         if not self._spoken:
             self._loop.call_soon(self._open)

@@ -10,7 +10,7 @@ Value = Callable[[str], list[Any] | None]
 
 
 class Listening:
-    """Tells the clients of web sockets. `look` often, in the server's thread."""
+    """Notifies the clients of web sockets. `look` often, in the server's thread."""
 
     def __init__(self, clients: Iterable[SocketClient], value: Value) -> None:
         self._clients = clients
@@ -19,7 +19,7 @@ class Listening:
         self._told: dict[SocketClient, dict[str, list[Any] | None]] = {}
 
     def look(self, there: Iterable[str]) -> None:
-        """Tell what is new, with the names of the objects that are there."""
+        """Report what is new, with the names of the objects that are there."""
         names = dict.fromkeys(there)
         clients = tuple(self._clients)
         for name in (name for name in self._there if name not in names):

@@ -94,7 +94,7 @@ class WebServer:
         self._loop.run_forever()
 
     def close(self) -> None:
-        """Tell all clients that it ends, and end."""
+        """Notify all clients that it ends, and end."""
         if self._runner:
             with suppress(TimeoutError):  # a client may not take leave
                 self._do(self._close())
@@ -110,7 +110,7 @@ def _fault(told: dict[str, Any]) -> str:
 
 
 def _own_address() -> str:
-    """Return the address by which other machines reach this one, as far as the system's routes tell."""
+    """Return the address by which other machines reach this one, as far as the system's routes show."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(("192.0.2.1", 9))  # sends nothing

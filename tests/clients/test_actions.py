@@ -37,15 +37,18 @@ def test_a_client_and_a_scene_take_the_same_and_say_the_same(name):
 
 def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
     """The gain of everything, and sensors, have other names than an object and its; a simulation is told to World."""
-    others = "/gesture/", "/world/", "/sensor/"
+    others = "/gesture/", "/world/", "/sensor/", "/object/NAME/macro/"
     said = {verb.action for verb in VERBS.values() if verb.scored and not verb.address.startswith(others)}
-    begin, more = {"new", "channels", "sensors", "full_scale", "end"}, {"main_gain", "send", "steer", "stop", *SENSORS}
+    begin, more = (
+        {"new", "channels", "sensors", "full_scale", "end"},
+        {"main_gain", "send", "steer", "stop", "macro", *SENSORS},
+    )
     assert set(SHARED) == said - begin | more | {"contact"}  # which only says where it went
 
 
 def test_the_keys_are_listed_for_a_scene_alone():
     taking = {verb.action for verb in VERBS.values() if verb.keys} & set(SHARED)
-    changing = {"gain", "pan", "distance", "tune", "decay", "damp"}
+    changing = {"gain", "pan", "distance", "tune", "decay", "damp", "morph"}
     space = {"place", "listener", "floor", "room"}
     assert taking == {*GESTURES, "note", *changing, *space}
     for name in SHARED:

@@ -57,7 +57,7 @@ def test_what_goes_wrong_just_now_stands_out():
     ("now", "said"),
     [
         ({}, "All is well: 2 of 3 objects sound."),
-        ({"limiter_lowest": 0.5}, "It is too loud: lower /gain."),
+        ({"limiter_lowest": 0.5}, "Too loud: lower /gain."),
         ({"quality": 2}, "The machine is busy: it plays at quality 2."),
         ({"underflows": 7, "quality": 2}, "The device had 7 dropouts: start with a larger --latency."),
         ({"load": 130.0, "late": 1}, "The machine is too slow for what plays: stop some gestures, or raise /quality."),

@@ -95,7 +95,7 @@ _FAMILIES = {
     "objects": ("/object/",),
     "gestures": ("/gesture/",),
     "space and sensors": ("/listener", "/floor", "/room", "/sensor"),
-    "the whole": (
+    "everything": (
         "/gain",
         "/limiter",
         "/headroom",
@@ -106,10 +106,10 @@ _FAMILIES = {
         "/bank",
         "/budget",
     ),
-    "scores": ("/channels", "/full_scale"),
+    "scores": ("/channels", "/full_scale", "/end"),
     "simulations": ("/world/",),
     "midi": ("/midi/",),
-    "questions": ("/",),
+    "questions and the server": ("/",),
 }
 """The first words of the addresses of each part; an address belongs to the first part that has it."""
 

@@ -59,7 +59,7 @@ def _usual(name: str) -> str:
     first = GESTURES[name].argument
     rows = [(f"`{key}`", "a preset's name", "required", f"Preset of the {key}.") for key in words]
     rows.append((f"`{first.name}`", first.allowed, "required", _sentence(first.help)))
-    return f"{table(_HEAD, rows)}\n\nAnd [keys of the gesture](../server/gestures/{name}.md): {own}."
+    return f"{table(_HEAD, rows)}\n\nAlso [keys of the gesture](../server/gestures/{name}.md): {own}."
 
 
 def _meaning(where: str, key: str) -> str:
@@ -109,7 +109,7 @@ def shapes() -> str:
     parts = []
     for name, shape in known.SHAPES.items():
         one, other = (", ".join(f"`{key}`" for key in shape.fields if key in side) for side in shape.either)
-        note = f"\n\nEither {one} or {other}." if one else ""
+        note = f"\n\nEither {one}, or {other}." if one else ""
         parts.append(f"## `{name}`\n\n{_keys(name, shape.fields, shape.required)}{note}")
     return "\n\n".join(parts)
 

@@ -39,7 +39,7 @@ _THEORY = (
 )
 NAVIGATION = {
     "Play": ("clients/tutorial", "server/gestures", *(f"server/gestures/{each}" for each in _GESTURES), "server/space",
-             "server/midi", "server/sensors", "clients/index", "server/unattended"),
+             "server/midi", "server/macros", "server/sensors", "clients/index", "server/unattended"),
     "Presets": ("presets/index", "presets/built-in", "presets/meshes", "presets/shapes", "presets/object-keys",
                 "presets/other-keys", "presets/levels"),
     "Program": ("clients/python", "clients/simulators", "clients/grains", "clients/knocking", "clients/data",
@@ -106,7 +106,8 @@ def converted(page: str, text: str) -> str:
         return f"```text\n{found[1]}```\n{player}"
 
     text = _SCORE.sub(score, text).replace("```recipe\n", "```toml\n")
-    return re.sub(r"^Listen (<audio .*?</audio>)\.? ?", r"\1\n\n", _LINK.sub(link, text), flags=re.MULTILINE)
+    text = re.sub(r"^Listen (<audio .*?</audio>)\.? ?", r"\1\n\n", _LINK.sub(link, text), flags=re.MULTILINE)
+    return re.sub(r"</audio>[,.](?:\s(?=\S))?", "</audio><br>", text)  # sounds in a sentence: a line for each
 
 
 def _put(name: str, source: Path | None = None) -> None:

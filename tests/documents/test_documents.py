@@ -90,13 +90,6 @@ def _anchor(head: str) -> str:
     return re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-")
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_lines_of_prose_are_no_longer_than_code(page):
-    """Tables and pictures are as long as they are."""
-    text = re.sub(r"<!-- begin .*?<!-- end", "", TEXTS[page], flags=re.DOTALL)
-    assert [line for line in text.splitlines() if len(line) > 120 and line[:1] not in ("|", "!")] == []
-
-
 def test_one_page_has_the_dial_and_the_expert_settings():
     dial, expert = (
         re.findall(r"^\| `(\S+?)[` ]", part, re.M) for part in TEXTS["server/accuracy.md"].split("## Expert")

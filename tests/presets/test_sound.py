@@ -46,25 +46,6 @@ def touched(name: str) -> float:
     return engine.position / RATE
 
 
-def test_there_is_enough_to_play_with():
-    objects = [PRESETS.object(name) for name in PRESETS.names("objects")]
-    assert len(objects) >= 16 and len(PRESETS.names("strikers")) >= 8
-    assert {o.shape for o in objects} == {
-        "bar",
-        "can",
-        "string",
-        "plate",
-        "disc",
-        "membrane",
-        "ring",
-        "glass",
-        "listed",
-        "mesh",
-        "sphere",
-    }
-    assert len({o.material.name for o in objects if o.material}) >= 8
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_partials_and_decays_are_the_presets(name):

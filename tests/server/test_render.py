@@ -241,7 +241,7 @@ def test_more_events_at_once_than_can_be_queued_are_refused(tmp_path):
 
 
 SEEDS = (6, 8, 12, 15, 17, 19)
-"""Of random scores that have all gestures and accuracies between them, in blocks of 1 to 1,237 frames."""
+"""Of random scores that have all gestures and accuracies between them."""
 
 
 def test_random_scores_have_all_gestures_and_accuracies():

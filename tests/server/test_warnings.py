@@ -93,16 +93,16 @@ def overwritten(server: Server, client: Client) -> None:
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
-        (too_many_contacts, "5 contacts were left out: more room is needed, or a larger /budget"),
+        (too_many_contacts, "left out 5 contacts: play fewer at once, or set a larger /budget"),
         (
             too_dear,
-            "contacts went over /budget 3 times: a force was held for a sample, or a contact not coupled to the modes",
+            "/budget was too small 3 times: a force was held for a sample, or a contact not coupled to modes",
         ),
-        (late, r"1 messages came late, the last by [5-9]\d\d\.\d ms: send them earlier"),
+        (late, r"1 message came late, the last by [5-9]\d\d\.\d ms: send them earlier"),
         (no_number, "object a was silenced: its sound was not finite"),
-        (unheard, "the device had 1 dropouts: a larger --latency helps"),
-        (unwritten, "7 frames are missing from the recording: the disk is too slow"),
-        (overwritten, "10 ends of gestures were not told: too many ended at once"),
+        (unheard, "the device had 1 dropout: set a larger --latency"),
+        (unwritten, "the recording lacks 7 frames: the disk is too slow"),
+        (overwritten, "did not report the end of 10 gestures: too many ended at once"),
     ],
 )
 def test_what_goes_wrong_is_told_each_time_once_to_those_who_asked(server, client, wrong, told):

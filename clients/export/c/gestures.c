@@ -192,7 +192,7 @@ static void write_along(carom *scene, command *made, const begun *to) {
 /* Find the table of a swarm's blows. */
 static void find_pulses(carom *scene, begun *to) {
     double exponent = is_true(to->gesture, "drops") ? 0.0 : to->exponent;
-    if (to->by) refuse(scene, "by = %.80s: many small ones hit it; expected a striker", to->by->name);
+    if (to->by) refuse(scene, "by = %.80s: grains hit it; expected a striker", to->by->name);
     for (const value *each = part(scene, "pulses")->first; each; each = each->next) {
         if (item_at(each, 0)->number != exponent) continue;
         put(scene, &to->motion, "pulses", item_at(each, 1)->number);

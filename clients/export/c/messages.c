@@ -134,7 +134,7 @@ static void copy(carom *scene, const object *of, const char *name, double note, 
     const value *state = part(scene, "state");
     int64_t size = laid(scene, of, "layout.size"), first = laid(scene, of, "layout.first");
     double pitch = number_of(of->said, "pitch");
-    if (!(pitch > 0.0)) refuse(scene, "note: it has no mode that is heard, and so no pitch");
+    if (!(pitch > 0.0)) refuse(scene, "note: it has no audible mode, and so no pitch");
     if (scene->mode + size > (int64_t)number_of(state, "modes") || scene->slot + 1 >= scene->object_room)
         refuse(scene, "note = %g: no room for another object", note);
     int64_t next = __atomic_load_n(&scene->next, __ATOMIC_ACQUIRE);

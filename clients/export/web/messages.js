@@ -267,7 +267,7 @@ export class Messages {
 
   /** The number of the table of a swarm's blows. */
   pulses(gesture, law, given) {
-    if (given.by !== undefined) refuse(`by = ${given.by}: many small ones hit it; expected a striker`);
+    if (given.by !== undefined) refuse(`by = ${given.by}: grains hit it; expected a striker`);
     const exponent = gesture.drops ? 0 : law.exponent;
     const table = this.map.pulses.find(([each]) => each === exponent);
     return table?.[1] ?? refuse(`exponent = ${exponent}: expected a swarm of that in the scene's score, as it has tables for its own alone`);
@@ -354,7 +354,7 @@ export class Messages {
   copy(object, name, note, time) {
     const { state, command, settings, verbs } = this.map;
     const { scene } = this;
-    if (!object.pitch) refuse("note: it has no mode that is heard, and so no pitch");
+    if (!object.pitch) refuse("note: it has no audible mode, and so no pitch");
     const size = this.said(object.made, "layout.size");
     if (this.mode + size > state.modes || this.slot + 1 >= state.objects) refuse(`note = ${note}: no room for another object`);
     const first = scene.live || object.batch < scene.next ? this.said(object.made, "layout.first") : refuse(`${name}: its object is not there yet`);

@@ -166,7 +166,7 @@ async function midi(all) {
     access.onstatechange = attend;
     attend();
   } catch (error) {
-    $("output").textContent = `The browser gives no MIDI: ${error.message}`;
+    $("output").textContent = `No MIDI in this browser: ${error.message}`;
   }
 }
 

@@ -26,7 +26,7 @@ def listen(data: mujoco.MjData, listener: Listener) -> None:
     """Give steps of some data to a listener, until `forget`; WorldError if there is one already."""
     with _LOCK:
         if data._address in _listeners:
-            raise WorldError("data: expected some that nobody hears; these are heard already")
+            raise WorldError("data: another bridge reports it already; expected one bridge for each")
         _listeners[data._address] = listener
         mujoco.mj_step, mujoco.mj_step2 = _heard_step, _heard_second_half
 

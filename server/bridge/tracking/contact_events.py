@@ -91,7 +91,7 @@ def _is_whole(state: State, points: int) -> bool:
 
 @noinline_kernel
 def _step_pair(state: State, microphones: MicrophoneState, i: int, span: float) -> None:
-    """Tell what happened to a pair in this step; forget it where it touches no more."""
+    """Report what happened to a pair in this step; forget it where it touches no more."""
     pair = state.pairs[i]
     if pair.count == 0:
         _leave(state, i, span)
@@ -285,7 +285,7 @@ def _leave(state: State, i: int, span: float) -> None:
 
 @noinline_kernel
 def _hit(state: State, pair: Pair) -> None:
-    """Tell a blow: the new points that close, at their middle."""
+    """Report a blow: the new points that close, at their middle."""
     if state.time < state.settles:
         return
     count = pair.fresh

@@ -1,4 +1,4 @@
-"""Grains: bodies of which there are so many that their blows are told together, as counts, impulse and energy.
+"""Grains: bodies of which there are so many that their blows are reported together, as counts, impulse and energy.
 
 The blows of one kind of grains on one body are a heap. It is reported every 20 ms, by the steps: as the swarm that has
 as many blows a second, of that impulse and energy. What a grain itself sounds like, one of its kind sounds for all.

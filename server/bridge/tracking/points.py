@@ -8,7 +8,7 @@ from ....dsp.native.typed import View
 from .state import KEPT, PAIRS, Pair, State
 
 MEMORY = 0.002
-"""s, at least two steps: how long a point that is not told is remembered."""
+"""s, at least two steps: how long a point that is not reported is remembered."""
 
 GRAZING = 0.25
 """Least share of its slip below which what slides closes without a blow: simulators lift what slides, by up to the
@@ -341,7 +341,7 @@ def _find_before(state: State, pair: Pair, n: int, span: float, rate: float) -> 
     """Say whether a point STAYED since the last steps, but for the way it goes at a rate (m/s), by which a point closes
     and slips, and as its bodies move; came BACK to its place on one of them; or CAME; it is remembered.
 
-    One that was there, or before a hop, tells how fast the contact moves over both bodies. Simulators report points in
+    One that was there, or before a hop, shows how fast the contact moves over both bodies. Simulators report points in
     the same order from step to step: the one that was the same in the last step is looked at first.
     """
     point, time = state.point[n], state.time

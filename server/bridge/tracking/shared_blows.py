@@ -10,8 +10,8 @@ from .blows import left_of
 from .state import TOGETHER, Blow, State
 
 _RIGID = 1e-3
-"""Share by which a blow's mass may differ from that of rigid bodies; else it is taken alone, as one that is told by its
-impulse is: that is its part."""
+"""Share by which a blow's mass may differ from that of rigid bodies; else it is taken alone, as one that is given by
+its impulse is: that is its part."""
 _ROUNDS = 60  # for each blow
 _LEAST = 1e-6  # of its mass alone: what has less of a part is no blow, the others push it open
 

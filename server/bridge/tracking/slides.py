@@ -109,7 +109,7 @@ def _has_moved(state: State, pair: Pair) -> bool:
 
 @kernel
 def steer_slide(state: State, pair: Pair) -> None:
-    """Tell what of a slide is other than it was reported: its slip and its sweep (m/s), its force (N), its place."""
+    """Report changes of a slide since the last report: its slip and its sweep (m/s), its force (N), its place."""
     pair.told_at = state.time
     for k in range(3):
         pair.said[k] = pair.now[k]
@@ -127,7 +127,7 @@ def steer_slide(state: State, pair: Pair) -> None:
 
 @kernel
 def _steer(state: State, pair: Pair, parameter: int) -> None:
-    """Tell a parameter of a slide, if there is room."""
+    """Report a parameter of a slide, if there is room."""
     if state.changed < EVENTS:
         pair.steered[parameter] = motion_of(state, pair, parameter)
         change = state.changes[state.changed]
@@ -138,7 +138,7 @@ def _steer(state: State, pair: Pair, parameter: int) -> None:
 
 @kernel
 def steer_load(state: State, pair: Pair) -> None:
-    """Tell the load (N) of a contact that lies, if it is other than it was reported."""
+    """Report the load (N) of a contact that lies, if it is other than it was reported."""
     load = motion_of(state, pair, 2)
     if abs(load - pair.load) > _CHANGED * pair.load and state.changed < EVENTS:
         pair.told_at, pair.load = state.time, load

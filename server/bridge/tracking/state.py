@@ -40,14 +40,14 @@ CHANGING = (*STEERED, "load")
 """The parameters of what a standing contact steers: those of a slide, and that of a rest."""
 
 STILL, UNHEARD, HEARD, LYING = range(4)
-"""State of a standing contact: it neither slips nor sweeps, it moves untold, it moves and is told, or it lies and is
-told."""
+"""State of a standing contact: it neither slips nor sweeps, it moves unreported, it moves and is reported, or it lies
+and is reported."""
 
 TOGETHER = 16
 """Blows of one step on the same bodies that share them: of more each is taken alone."""
 
 TOLD = ("depth", "approach", "slip", "force", "mass", "restitution", "friction", "impulse")
-"""Quantities that a simulator may tell of a point, NaN where it does not."""
+"""Quantities that a simulator may report of a point, NaN where it does not."""
 
 
 class Pair(Record):

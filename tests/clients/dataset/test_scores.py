@@ -153,7 +153,7 @@ BAD = [
     ("", "", "rubber", "'rubber", "two.txt:2", "a quote that is not closed"),
     ("", "", "$position", "$place", "$place", "expected one of material, velocity, position, seed"),
     ("", "", "$position", "$positoin", "$positoin", "did you mean position?"),
-    ("", "", " $position", "", "[score] position: no score says $position", "expected a line of two.txt to"),
+    ("", "", " $position", "", "[score] position: no score has $position", "expected a line of two.txt to"),
     ("seconds = 0.3", "seconds = 0.1", "", "", "its last line is at 0.2 s", "expected at most seconds = 0.1"),
     ("[0.1, 1.0]", "[0.1, 1001.0]", "", "", "two.txt:2: /object/bar/impact: velocity = 1001", "from 0 to 1000 m/s"),
     ("", "", "impact", "impcat", "two.txt:2: /object/bar/impcat", "impact"),

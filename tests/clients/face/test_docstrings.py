@@ -7,6 +7,8 @@ import re
 import pytest
 
 import carom
+from carom.clients.actions import Actions
+from carom.dsp.fitting.distance import Distance
 from tests import needs
 
 SCANNED = (
@@ -15,20 +17,41 @@ SCANNED = (
     carom.World.score, carom.Client, carom.render, carom.fit, carom.mesh,
     carom.compare, carom.render_many, carom.rebuild,
 )  # fmt: skip
+LAWS = (
+    carom.dsp.restitution, carom.dsp.release_velocity, carom.dsp.force, carom.dsp.compression,
+    carom.dsp.max_compression, carom.dsp.potential_energy, carom.dsp.energy, carom.dsp.contact_time_bound,
+    carom.dsp.contact_time, carom.dsp.force_pulse, carom.dsp.force_nodes,
+)  # fmt: skip
+SENT = [
+    each for name, each in vars(Actions).items() if inspect.isfunction(each) and name[0] != "_" and name != "contact"
+]
+CLIENTS = [each for name, each in vars(carom.Client).items() if inspect.isfunction(each) and name[0] != "_"]
+SHOWN = (*SCANNED, *LAWS)
 FIELDS = (
     carom.Sound, carom.Report, carom.Hearing, carom.Listener, carom.Microphone, carom.Touch, carom.Pose, carom.Contact,
-    carom.Hit,
+    carom.Hit, carom.ModeTable, carom.Sensed, Distance,
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("named", SCANNED, ids=lambda each: each.__qualname__)
+@pytest.mark.parametrize("named", SHOWN, ids=lambda each: each.__qualname__)
 def test_its_help_lists_what_it_takes(named):
     """Each parameter has a line of its own, and those that are keys are listed under **."""
-    text = inspect.getdoc(named)
-    listed = re.search(r"^Parameters\n-+\n(.*?)(\n\n[A-Z][\w ]+\n---|\Z)", text, re.M | re.S)[1]
-    names = {name.strip("* ") for line in re.findall(r"^(\S.*?)(?: :.*)?$", listed, re.M) for name in line.split(",")}
-    assert names == {name for name in inspect.signature(named).parameters if name != "self"}
-    assert re.search(r"^(Returns|Yields|Raises)\n---", text, re.M)
+    assert _listed(named) == {name for name in inspect.signature(named).parameters if name != "self"}
+    assert re.search(r"^(Returns|Yields|Raises)\n---", inspect.getdoc(named), re.M)
+
+
+@pytest.mark.parametrize("named", (*SENT, *CLIENTS), ids=lambda each: each.__qualname__)
+def test_the_help_of_a_message_lists_what_it_takes(named):
+    """The keys of a gesture, and how long a change takes, may be listed without **."""
+    taken = {name for name in inspect.signature(named).parameters if name != "self"}
+    assert _listed(named) - {"over", "curve"} == taken - {"over", "curve"} - ({"keys"} - _listed(named))
+
+
+def _listed(named):
+    """Return the names under Parameters in the help of a call."""
+    found = re.search(r"^Parameters\n-+\n(.*?)(\n\n[A-Z][\w ]+\n---|\Z)", inspect.getdoc(named), re.M | re.S)
+    lines = re.findall(r"^(\S.*?)(?: :.*)?$", found[1], re.M) if found else []
+    return {name.strip("* ") for line in lines for name in line.split(",")}
 
 
 @pytest.mark.parametrize("named", FIELDS, ids=lambda each: each.__qualname__)
@@ -40,7 +63,7 @@ def test_its_help_lists_its_fields(named):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("named", SCANNED, ids=lambda each: each.__qualname__)
+@pytest.mark.parametrize("named", SHOWN, ids=lambda each: each.__qualname__)
 def test_its_examples_run(named, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     if named is carom.mesh:

@@ -73,4 +73,4 @@ def test_a_browser_that_gives_no_midi_says_so(play):
     table = play("navigator.requestMIDIAccess = async () => { throw new Error('denied'); };")
     table.page.get_by_role("button", name="MIDI", exact=True).click()
     table.page.get_by_role("button", name="Connect MIDI").click()
-    table.page.get_by_text("The browser gives no MIDI: denied").wait_for()
+    table.page.get_by_text("No MIDI in this browser: denied").wait_for()

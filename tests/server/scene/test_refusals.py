@@ -102,8 +102,8 @@ def test_each_number_that_is_none_or_out_of_range_is_refused_by_name_value_and_r
         ("/object/a/free", (0.5,), "at_once = 0.5: expected a whole number"),
         ("/bank", ("double",), "bank = double: expected one of float64, float32"),
         ("/accuracy", (-55,), "accuracy = -55: expected one of -50, -60, -80, exact"),
-        ("/object/new", ("b", "glass-ball", "radius", 0.005, "note", 60), "note: it has no mode that is heard"),
-        ("/object/new", ("b", "glass-ball", "radius", 0.005, "pitch", 60), "pitch: it has no mode that is heard"),
+        ("/object/new", ("b", "glass-ball", "radius", 0.005, "note", 60), "note: it has no audible mode"),
+        ("/object/new", ("b", "glass-ball", "radius", 0.005, "pitch", 60), "pitch: it has no audible mode"),
         ("/world/body", ("b", "mesh", "wood", 1, 1, 1), "size, of shape (3,): expected its vertices"),
         ("/object/a/gains", (0.1, 0.2, 0.3), "3 gains: expected at most 2, one for each channel"),
         ("/object/a/gains", ((0.0,) * 65,), "65 gains: expected at most 64"),
@@ -130,7 +130,7 @@ def test_a_sensor_on_an_object_that_is_not_there_is_refused(session):
 
 def test_a_note_on_what_has_no_mode_is_refused(session):
     say(session, "/object/new", "b", "glass-ball", "radius", 0.005)
-    assert "it has no mode that is heard" in refusal(session, "/object/b/note", 60, 100)
+    assert "it has no audible mode" in refusal(session, "/object/b/note", 60, 100)
 
 
 def test_a_copy_for_a_note_has_the_modes_of_its_object_and_makes_none(session, monkeypatch):
@@ -171,8 +171,8 @@ def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, re
         ("slide", ("striker", "bow", "dynamic", 0.9), "dynamic = 0.9: expected at most static = 0.8"),
         ("slide", ("striker", "bow", "press", "hand"), "press = hand: expected the id of a press on pane that goes on"),
         ("press", ("mass", 1e6, "stiffness", 1e-3), "the contact would last"),
-        ("shake", ("by", "cup"), "by = cup: many small ones hit pane; expected a striker"),
-        ("shake", ("by", "nobody"), "by = nobody: many small ones hit pane; expected a striker"),
+        ("shake", ("by", "cup"), "by = cup: grains hit pane; expected a striker"),
+        ("shake", ("by", "nobody"), "by = nobody: grains hit pane; expected a striker"),
         ("place", (2.0,), "x = 1, y = 2: expected x, y and z (m), or none of them"),
         ("shake", ("mass", 1e6, "stiffness", 1e-3), "the contact would last"),
         ("impact", ("id", "x" * 65), "expected 1 to 64 printable characters"),
