@@ -119,7 +119,23 @@ def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, size: i
     else:
         solved = _solve_together(contacts, blocks, net, size)
     if not (solved and _conserve(contacts, blocks, net, size)):
-        _hold(contacts, blocks, net, size)
+        # Hold one force of each contact over the sample, by the discrete gradient: each as the others' are, until
+        # they hardly change.
+        for j in range(size):
+            put(blocks[net.block[j]].force, NONE)
+        for _ in range(_SWEEPS if size > 1 else 1):
+            changed = False
+            for j in range(size):
+                contact, block = contacts[net.contact[j]].coupled, blocks[net.block[j]]
+                _find_rates(blocks, net, size, j)
+                give, before = block.tables[j].within[0, 0], block.force[0]
+                free, law = block.rate[0] + give * before, (contact.k, contact.mu, contact.a)
+                _, block.force[0] = discrete_gradient(contact.motion[0], free, give, contact.period, *law)
+                changed |= abs(block.force[0] - before) > _NOTHING * block.force[0]
+            if not changed:
+                break
+        for j in range(size):
+            _find_rates(blocks, net, size, j)
     for i in range(size):
         if _ends(contacts[net.contact[i]].coupled, blocks[net.block[i]]):
             return False
@@ -254,27 +270,6 @@ def _mend(contact: Coupled, block: Block) -> bool:
         return False
     put(block.force, plus(force, (grown - 0.5 * allowed) / (work_of(rate, rate) + LEAST), rate))
     return True
-
-
-@kernel
-def _hold(contacts: Items[Member], blocks: Items[Block], net: Net, size: int) -> None:
-    """Hold one force of each contact over the sample, by the discrete gradient: each as the others' are, until they
-    hardly change."""
-    for i in range(size):
-        put(blocks[net.block[i]].force, NONE)
-    for _ in range(_SWEEPS if size > 1 else 1):
-        changed = False
-        for i in range(size):
-            contact, block = contacts[net.contact[i]].coupled, blocks[net.block[i]]
-            _find_rates(blocks, net, size, i)
-            give, before = block.tables[i].within[0, 0], block.force[0]
-            free, law = block.rate[0] + give * before, (contact.k, contact.mu, contact.a)
-            _, block.force[0] = discrete_gradient(contact.motion[0], free, give, contact.period, *law)
-            changed |= abs(block.force[0] - before) > _NOTHING * block.force[0]
-        if not changed:
-            break
-    for i in range(size):
-        _find_rates(blocks, net, size, i)
 
 
 @kernel

@@ -167,21 +167,6 @@ def _zeta(series: View[float], duration: float, t: float) -> float:
     return zeta
 
 
-@kernel
-def _add_piece(pulse: Pulse, phase: int, zeta: float, u: float, shift: float, moments: View[float]) -> None:
-    """Add the moments from the pulse's state to (zeta, u) in the same phase, and move it there."""
-    if abs(zeta - pulse.zeta) > _WIDE:
-        middle = 0.5 * (pulse.zeta + zeta)
-        _add_moments(pulse, phase, (pulse.zeta, middle), shift, moments)
-        _add_moments(pulse, phase, (middle, zeta), shift, moments)
-    else:
-        _add_moments(pulse, phase, (pulse.zeta, zeta), shift, moments)
-    # Quadrature says when the momentum is given; how much there is between two velocities is known exactly.
-    moments[0] += pulse.momentum * (pulse.u - u)
-    pulse.zeta = zeta
-    pulse.u = u
-
-
 @simd_kernel
 def _impulse_at(log_zeta: float, a: float, heat: float) -> float:
     """Return the force's impulse per zeta at a node, over momentum (a + 1) span; `heat` is w span."""
@@ -247,7 +232,17 @@ def advance_pulse(pulse: Pulse, until: float, shift: float, moments: View[float]
             # The phase's end, where both are known: greatest compression, or release.
             zeta = 1.0 - phase
             u = 0.0 if phase == 0 else -pulse.restitution
-        _add_piece(pulse, phase, zeta, u, shift, moments)
+        # Add the moments from the pulse's state to (zeta, u) in the same phase, and move it there.
+        if abs(zeta - pulse.zeta) > _WIDE:
+            middle = 0.5 * (pulse.zeta + zeta)
+            _add_moments(pulse, phase, (pulse.zeta, middle), shift, moments)
+            _add_moments(pulse, phase, (middle, zeta), shift, moments)
+        else:
+            _add_moments(pulse, phase, (pulse.zeta, zeta), shift, moments)
+        # Quadrature says when the momentum is given; how much there is between two velocities is known exactly.
+        moments[0] += pulse.momentum * (pulse.u - u)
+        pulse.zeta = zeta
+        pulse.u = u
     pulse.time = until
 
 

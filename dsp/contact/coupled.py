@@ -142,7 +142,16 @@ def settle(contact: Coupled, at: float, meets: bool, released: bool) -> None:
         contact.position -= contact.motion[0]
         contact.motion[0] = 0.0
     if meets and contact.motion[1] > 0.0:
-        _touch(contact, at)
+        # Begin a touch at x = 0: the first step is a share of its natural time, or of strong dissipation's.
+        v = contact.motion[1] / contact.period
+        if contact.w > 0.0:
+            contact.mu = contact.w / max(v, contact.slowest)
+        stiffness = contact.k * v ** (contact.a - 1.0) * max(1.0, contact.mu * v)
+        time = (contact.tolerance * contact.mass / stiffness) ** (1.0 / (contact.a + 1.0))
+        contact.next = _FIRST * time / contact.period
+        begin_touch(contact, at)
+        for j in range(NODES):
+            contact.step.f[j] = 0.0
     elif contact.motion[0] < 0.0 or released:
         end_touch(contact, at)
         for j in range(NODES):
@@ -224,24 +233,6 @@ def lift(contact: Coupled, answer: View[float], force: float) -> None:
     last = force * answer[FINE - 1] / FINE
     for n in range(2, FINE):
         contact.motion[n] += last * LAST_POWER[n]
-
-
-@kernel
-def _touch(contact: Coupled, at: float) -> None:
-    """Begin a touch at x = 0: the first step is a share of its natural time, or of strong dissipation's.
-
-    A force that grows as t^a is a quadratic up to a share of h^(a+1) of its momentum: that of the tolerance.
-    Where a restitution was given, mu follows from the speed at which striker and object meet.
-    """
-    v = contact.motion[1] / contact.period
-    if contact.w > 0.0:
-        contact.mu = contact.w / max(v, contact.slowest)
-    stiffness = contact.k * v ** (contact.a - 1.0) * max(1.0, contact.mu * v)
-    time = (contact.tolerance * contact.mass / stiffness) ** (1.0 / (contact.a + 1.0))
-    contact.next = _FIRST * time / contact.period
-    begin_touch(contact, at)
-    for j in range(NODES):
-        contact.step.f[j] = 0.0
 
 
 @kernel

@@ -44,7 +44,9 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
         for k in range(FINE):
             group.moments[i, k] = 0.0
             group.answer[i, i, k] = contact.answer[k]
-    _lift_others(contacts, group)
+    for j in range(group.size):
+        if contacts[group.member[j]].coupled.wait < 0.0:
+            _lift_from(contacts, group, j)
     at, widened, eta = 0.0, 1.0, 0.0
     for count in range(MOST_STEPS + 1):
         left = 1.0 - at
@@ -58,7 +60,9 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
         for i in range(group.size):
             contact = contacts[group.member[i]].coupled
             if contact.wait >= 0.0 and contact.rest_force > 0.0 and group.event[i] == MEETS:
-                _lay_on(contacts, group, i, at)
+                contact.wait = -1.0
+                lay_on(contact, at, group.moments[i])
+                _lift_from(contacts, group, i)
             else:
                 _settle(contact, at, group.event[i])
             pass_kinks(contact, at)
@@ -78,14 +82,6 @@ def _widen(contacts: Items[Member], group: CoupledGroup, factor: float) -> None:
 
 
 @kernel
-def _lift_others(contacts: Items[Member], group: CoupledGroup) -> None:
-    """Undo how far each point gives way to the weight of the other strikers at rest."""
-    for j in range(group.size):
-        if contacts[group.member[j]].coupled.wait < 0.0:
-            _lift_from(contacts, group, j)
-
-
-@kernel
 def _lift_from(contacts: Items[Member], group: CoupledGroup, j: int) -> None:
     """Undo it for the weight of one of them, from now on."""
     force = contacts[group.member[j]].coupled.rest_force
@@ -93,15 +89,6 @@ def _lift_from(contacts: Items[Member], group: CoupledGroup, j: int) -> None:
         for i in range(group.size):
             if i != j:
                 lift(contacts[group.member[i]].coupled, group.answer[i, j], force)
-
-
-@kernel
-def _lay_on(contacts: Items[Member], group: CoupledGroup, i: int, at: float) -> None:
-    """Lay a body at rest on the object at a time in the sample."""
-    contact = contacts[group.member[i]].coupled
-    contact.wait = -1.0
-    lay_on(contact, at, group.moments[i])
-    _lift_from(contacts, group, i)
 
 
 @kernel
@@ -140,7 +127,18 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
         held = group.touching > 0 and contacts[group.member[0]].coupled.tolerance == HELD
         taken = 0.0
         if group.touching == 0 and not last:
-            taken = _until_first_meeting(contacts, group, longest)
+            # The time until the first of strikers that all fly meets the object, at most `longest`.
+            first = longest
+            for k in range(group.size):
+                one = contacts[group.member[k]].coupled
+                if one.wait < 0.0:
+                    time, meets = fly(one.motion, first)
+                    if meets:
+                        first = time
+                        for j in range(k):
+                            group.event[j] = NOTHING
+                        group.event[k] = MEETS
+            taken = first
             _fly_all(contacts, group, taken, left)
         elif not last and not held:
             taken = find_step(contacts, group, eta, longest)
@@ -164,22 +162,6 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
         elif contact.touching == 0 and contact.motion[0] > 0.0:
             group.event[i] = MEETS
     return eta
-
-
-@kernel
-def _until_first_meeting(contacts: Items[Member], group: CoupledGroup, longest: float) -> float:
-    """Return the time until the first of strikers that all fly meets the object, at most `longest`."""
-    first = longest
-    for i in range(group.size):
-        contact = contacts[group.member[i]].coupled
-        if contact.wait < 0.0:
-            time, meets = fly(contact.motion, first)
-            if meets:
-                first = time
-                for j in range(i):
-                    group.event[j] = NOTHING
-                group.event[i] = MEETS
-    return first
 
 
 @kernel

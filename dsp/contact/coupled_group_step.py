@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ..native.jit import kernel, noinline_kernel
-from ..native.typed import Items, View
+from ..native.typed import Items
 from ..numerics.legendre import FINE
 from .collocation import (
     CARDINAL,
@@ -70,7 +70,15 @@ def find_step(contacts: Items[Member], group: CoupledGroup, eta: float, longest:
                 whole = min(whole, ratio * eta)
             elif whole == eta:
                 if _is_sound(contacts, group, eta):
-                    _accept(contacts, group, eta)
+                    # Take the step's forces.
+                    for a in range(group.touching):
+                        j = group.touches[a]
+                        contact = contacts[group.member[j]].coupled
+                        contact.gained = max(contact.gained + group.gained[j], 0.0)
+                        for r in range(NODES):
+                            contact.force[r] = contact.step.f[r]
+                        if group.event[j] == NOTHING:
+                            contact.next = max(group.ratio[j] * eta, contact.next)
                     return eta
                 whole = REFINE * eta
                 ratio = 0.0
@@ -87,7 +95,26 @@ def find_step(contacts: Items[Member], group: CoupledGroup, eta: float, longest:
 @kernel
 def _try(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
     """Try a step: true if it is solved; all forces are then in the contacts' steps, and `end_x`, `end_v` filled."""
-    _set_given(contacts, group, eta)
+    # Write all series in times of the step, and their products.
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        set_powers(contact, eta)
+        put(contact.moved, FREE, contact.free)
+        for b in range(group.touching):
+            j = group.touches[b]
+            if i == j and eta == 1.0:
+                # Take the products of a point's answer to its own contact over a whole sample, which stay as long as
+                # it does.
+                give = group.give[i, i]
+                if contact.known == 0:
+                    put(contact.answer, GIVE, contact.whole)
+                    contact.known = 1
+                for k in range(GIVE_COUNT):
+                    give[k] = contact.whole[k]
+            else:
+                for n in range(FINE):
+                    group.given[n] = group.answer[i, j, n] * contact.power[n]
+                put(group.given, GIVE, group.give[i, j])
     # Most contacts are alone, most groups pairs: the loops for one and for two are unrolled.
     if group.touching == 1:
         solved = _solve(contacts, group, eta, 1)
@@ -96,64 +123,17 @@ def _try(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
     else:
         solved = _solve(contacts, group, eta, group.touching)
     for i in range(group.size):
-        _find_end_of(contacts, group, i, eta)
-    return solved
-
-
-@kernel
-def _find_end_of(contacts: Items[Member], group: CoupledGroup, i: int, eta: float) -> None:
-    """Find the compression of contact i at the step's end, and its rate."""
-    contact = contacts[group.member[i]].coupled
-    x, v = contact.free[END], contact.free[END + 1]
-    for b in range(group.touching):
-        j = group.touches[b]
-        taken_x, taken_v = taken_at_end(group.give[i, j], contacts[group.member[j]].coupled.step.f, eta)
-        x -= taken_x
-        v -= taken_v
-    group.end_x[i] = x
-    group.end_v[i] = v / (eta * contact.period)
-
-
-@kernel
-def _set_given(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
-    """Write all series in times of the step, and their products."""
-    for i in range(group.size):
+        # Find the compression of contact i at the step's end, and its rate.
         contact = contacts[group.member[i]].coupled
-        set_powers(contact, eta)
-        put(contact.moved, FREE, contact.free)
+        x, v = contact.free[END], contact.free[END + 1]
         for b in range(group.touching):
             j = group.touches[b]
-            if i == j and eta == 1.0:
-                _take_whole(contact, group.give[i, i])
-            else:
-                for n in range(FINE):
-                    group.given[n] = group.answer[i, j, n] * contact.power[n]
-                put(group.given, GIVE, group.give[i, j])
-
-
-@kernel
-def _take_whole(contact: Coupled, give: View[float]) -> None:
-    """Take the products of a point's answer to its own contact over a whole sample, which stay as long as it does."""
-    if contact.known == 0:
-        put(contact.answer, GIVE, contact.whole)
-        contact.known = 1
-    for n in range(GIVE_COUNT):
-        give[n] = contact.whole[n]
-
-
-@kernel
-def _set_equations(contacts: Items[Member], group: CoupledGroup, eta: float, touching: int) -> None:
-    """Write down the equations of all nodes."""
-    for a in range(touching):
-        contact = contacts[group.member[group.touches[a]]].coupled
-        take_free(contact, eta)
-        speed = speed_of(contact, contact.motion[0], contact.motion[1] / contact.period)
-        group.negligible[a] = ROUNDING * contact.mass * speed / (eta * contact.period)
-        for b in range(touching):
-            _fill_give(group, a, b, eta, contact.period)
-            j = group.touches[b]
-            lasts = lasting_force(contacts[group.member[j]].coupled)
-            keep_at_rest(contact.step, group.give[group.touches[a], j], eta * lasts)
+            taken_x, taken_v = taken_at_end(group.give[i, j], contacts[group.member[j]].coupled.step.f, eta)
+            x -= taken_x
+            v -= taken_v
+        group.end_x[i] = x
+        group.end_v[i] = v / (eta * contact.period)
+    return solved
 
 
 @kernel
@@ -180,12 +160,26 @@ def _solve(contacts: Items[Member], group: CoupledGroup, eta: float, touching: i
     Leaves each node's x and v before the last change of f. Changes of a force below `negligible` don't matter; that is
     needed where 1 + mu v is down to rounding.
     """
-    _set_equations(contacts, group, eta, touching)
+    # Write down the equations of all nodes.
+    for a in range(touching):
+        contact = contacts[group.member[group.touches[a]]].coupled
+        take_free(contact, eta)
+        speed = speed_of(contact, contact.motion[0], contact.motion[1] / contact.period)
+        group.negligible[a] = ROUNDING * contact.mass * speed / (eta * contact.period)
+        for b in range(touching):
+            _fill_give(group, a, b, eta, contact.period)
+            j = group.touches[b]
+            lasts = lasting_force(contacts[group.member[j]].coupled)
+            keep_at_rest(contact.step, group.give[group.touches[a], j], eta * lasts)
     size = touching * NODES
     for start in range(2):
         for a in range(touching):
             contact = contacts[group.member[group.touches[a]]].coupled
-            _start(contact, eta, start)
+            # Set the forces that Newton's method starts from: where the last ones lead, or at the second `start`
+            # zeros.
+            f, ratio = contact.force, eta / contact.last if contact.last > 0.0 else 0.0
+            for k in range(NODES):
+                contact.step.f[k] = force_at(f[0], f[1], f[2], 1.0 + ratio * GAUSS[k]) if start == 0 else 0.0
             for r in range(NODES):
                 group.f[a * NODES + r] = contact.step.f[r]
         for _ in range(NEWTON_STEPS):
@@ -209,14 +203,6 @@ def _solve(contacts: Items[Member], group: CoupledGroup, eta: float, touching: i
             if converged:
                 return True
     return False
-
-
-@kernel
-def _start(contact: Coupled, eta: float, start: int) -> None:
-    """Set the forces that Newton's method starts from: where the last ones lead, or at the second `start` zeros."""
-    f, ratio = contact.force, eta / contact.last if contact.last > 0.0 else 0.0
-    for r in range(NODES):
-        contact.step.f[r] = force_at(f[0], f[1], f[2], 1.0 + ratio * GAUSS[r]) if start == 0 else 0.0
 
 
 @kernel
@@ -292,7 +278,20 @@ def _until_meeting(
     `until_release`."""
     contact = contacts[group.member[i]].coupled
     if group.sought[i] == 0:
-        _follow_path(contacts, group, i, eta)
+        # Write the compression of contact i over the step as a power series, moved by the forces of the others.
+        path = group.path
+        motion = contacts[group.member[i]].coupled.motion
+        for n in range(FINE):
+            path[n] = motion[n]
+        for b in range(group.touching):
+            j = group.touches[b]
+            f = contacts[group.member[j]].coupled.step.f
+            scale = 1.0
+            for p in range(NODES):
+                force = scale * (CARDINAL[p, 0] * f[0] + CARDINAL[p, 1] * f[1] + CARDINAL[p, 2] * f[2])
+                for n in range(1, FINE - p - 1):
+                    path[n + p + 1] -= group.answer[i, j, n] * _RUNNING[n, p] * force
+                scale /= eta
         whole, meets = fly(group.path, eta)
         if meets or group.end_x[i] <= 0.0:
             return whole, meets  # else the series, which ends, has missed it
@@ -302,24 +301,6 @@ def _until_meeting(
         return eta, v > 0.0
     whole = eta - late
     return (whole, True) if 0.0 < whole <= longest else (eta, False)
-
-
-@kernel
-def _follow_path(contacts: Items[Member], group: CoupledGroup, i: int, eta: float) -> None:
-    """Write the compression of contact i over the step as a power series, moved by the forces of the others."""
-    path = group.path
-    motion = contacts[group.member[i]].coupled.motion
-    for n in range(FINE):
-        path[n] = motion[n]
-    for b in range(group.touching):
-        j = group.touches[b]
-        f = contacts[group.member[j]].coupled.step.f
-        scale = 1.0
-        for p in range(NODES):
-            force = scale * (CARDINAL[p, 0] * f[0] + CARDINAL[p, 1] * f[1] + CARDINAL[p, 2] * f[2])
-            for n in range(1, FINE - p - 1):
-                path[n + p + 1] -= group.answer[i, j, n] * _RUNNING[n, p] * force
-            scale /= eta
 
 
 @kernel
@@ -345,16 +326,3 @@ def _is_sound(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
             return False
         group.gained[i] = gain
     return True
-
-
-@kernel
-def _accept(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
-    """Take the step's forces."""
-    for a in range(group.touching):
-        i = group.touches[a]
-        contact = contacts[group.member[i]].coupled
-        contact.gained = max(contact.gained + group.gained[i], 0.0)
-        for r in range(NODES):
-            contact.force[r] = contact.step.f[r]
-        if group.event[i] == NOTHING:
-            contact.next = max(group.ratio[i] * eta, contact.next)

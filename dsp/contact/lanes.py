@@ -106,28 +106,16 @@ def step_lane(lanes: Lanes, s: int) -> int:
 @kernel
 def _step(lanes: Lanes, s: int, width: int) -> int:
     for lag in range(1, s + 1):
-        _feel(lanes, SOFT_TERMS * (s - lag), (lag - 1) * SOFT_TERMS**2, width)
-    _predict(lanes, width)
-    for _ in range(_NEWTON_STEPS):
-        if _approach(lanes, width) == 0:
-            break
-    return _go_on(lanes, width)
-
-
-@kernel
-def _feel(lanes: Lanes, f: int, a: int, width: int) -> None:
-    """Add what the moments of a sample of the tile, in rows of `felt` from f on, do to the rows of this one, by `later`
-    from a on."""
-    for i in range(width):
-        m0, m1, m2 = lanes.felt[f, i], lanes.felt[f + 1, i], lanes.felt[f + 2, i]
-        lanes.rows[0, i] += lanes.later[a, i] * m0 + lanes.later[a + 1, i] * m1 + lanes.later[a + 2, i] * m2
-        lanes.rows[1, i] += lanes.later[a + 3, i] * m0 + lanes.later[a + 4, i] * m1 + lanes.later[a + 5, i] * m2
-        lanes.rows[2, i] += lanes.later[a + 6, i] * m0 + lanes.later[a + 7, i] * m1 + lanes.later[a + 8, i] * m2
-
-
-@kernel
-def _predict(lanes: Lanes, width: int) -> None:
-    """Find v_l without a force, guess forces, and find v_l under these."""
+        # Add what the moments of a sample of the tile, in rows of `felt` from f on, do to the rows of this one, by
+        # `later` from a on.
+        f = SOFT_TERMS * (s - lag)
+        a = (lag - 1) * SOFT_TERMS**2
+        for i in range(width):
+            m0, m1, m2 = lanes.felt[f, i], lanes.felt[f + 1, i], lanes.felt[f + 2, i]
+            lanes.rows[0, i] += lanes.later[a, i] * m0 + lanes.later[a + 1, i] * m1 + lanes.later[a + 2, i] * m2
+            lanes.rows[1, i] += lanes.later[a + 3, i] * m0 + lanes.later[a + 4, i] * m1 + lanes.later[a + 5, i] * m2
+            lanes.rows[2, i] += lanes.later[a + 6, i] * m0 + lanes.later[a + 7, i] * m1 + lanes.later[a + 8, i] * m2
+    # Find v_l without a force, guess forces, and find v_l under these.
     for i in range(width):
         rest, f0, f1, f2 = lanes.rest[i], lanes.force[0, i], lanes.force[1, i], lanes.force[2, i]
         way = lanes.position[i] - lanes.now[i] - lanes.rows[2, i]  # of the point, backwards
@@ -141,6 +129,10 @@ def _predict(lanes: Lanes, width: int) -> None:
         rate = _rate_of(lanes, i, (free0, free1, free2), (share * g0, share * g1, share * g2))
         lanes.rate[0, i], lanes.rate[1, i], lanes.rate[2, i] = rate
         lanes.done[i] = lanes.idle[i]
+    for _ in range(_NEWTON_STEPS):
+        if _approach(lanes, width) == 0:
+            break
+    return _go_on(lanes, width)
 
 
 @kernel

@@ -62,19 +62,7 @@ def step_elastic(friction: Friction, mean: float) -> None:
     period = friction.period
     load = 0.5 * (friction.normal[0] + friction.normal[1])
     most = friction.limit_ahead * load
-    held = _keep_within(friction, most)
-    path = 0.5 * (friction.drive[0] + friction.drive[1]) * period
-    free, give = path - mean * period, friction.whole_mean * period
-    sign = 1.0 if free >= give * held else -1.0
-    stretch = _stretch_of(friction, sign, sign * free, give, most)
-    friction.start, friction.slope = sign * _take(friction, sign, stretch, most), 0.0
-    friction.driven += friction.start * path
-    _renew(friction, stretch, load)
-
-
-@kernel
-def _keep_within(friction: Friction, most: float) -> float:
-    """Make those springs slip that the limit (N) has fallen below; return the force of all (N)."""
+    # Make those springs slip that the limit (N) has fallen below; return the force of all (N).
     held = 0.0
     for i in range(SPRINGS):
         pull, bound = friction.pull[i], SHARE[i] * most
@@ -84,7 +72,18 @@ def _keep_within(friction: Friction, most: float) -> float:
             friction.stored -= loss
             pull = friction.pull[i] = math.copysign(bound, pull)
         held += pull
-    return held
+    path = 0.5 * (friction.drive[0] + friction.drive[1]) * period
+    free, give = path - mean * period, friction.whole_mean * period
+    sign = 1.0 if free >= give * held else -1.0
+    stretch = _stretch_of(friction, sign, sign * free, give, most)
+    friction.start, friction.slope = sign * _take(friction, sign, stretch, most), 0.0
+    friction.driven += friction.start * path
+    # Update the limit to the slip, and predict it for the middle of the next sample, should that slip as fast.
+    length = _MEMORY * friction.static * load / friction.tangential
+    mu = coefficient(stretch / friction.period, friction.static, friction.dynamic, friction.stribeck)[0]
+    kept = math.exp(-0.5 * stretch / length) if length > 0.0 else 0.0
+    friction.limit = mu + (friction.limit - mu) * kept * kept
+    friction.limit_ahead = mu + (friction.limit - mu) * kept
 
 
 @kernel
@@ -135,13 +134,3 @@ def _take(friction: Friction, sign: float, stretch: float, most: float) -> float
     friction.events += branch != friction.branch
     friction.branch = branch
     return force
-
-
-@kernel
-def _renew(friction: Friction, stretch: float, load: float) -> None:
-    """Update the limit to the slip, and predict it for the middle of the next sample, should that slip as fast."""
-    length = _MEMORY * friction.static * load / friction.tangential
-    mu = coefficient(stretch / friction.period, friction.static, friction.dynamic, friction.stribeck)[0]
-    kept = math.exp(-0.5 * stretch / length) if length > 0.0 else 0.0
-    friction.limit = mu + (friction.limit - mu) * kept * kept
-    friction.limit_ahead = mu + (friction.limit - mu) * kept

@@ -52,7 +52,18 @@ def step_located(friction: Friction, observed: View[float], moments: View[float]
                 continue
         for _ in range(2):
             if held:
-                _hold(friction, at, eta)
+                # Hold the force for a piece: the branch's equation in the mean velocity, which can't give energy
+                # back.
+                friction.holds += 1
+                drive, normal = friction.drive, friction.normal
+                middle = at + 0.5 * eta
+                mean = give = 0.0
+                for n in range(FINE - 1, -1, -1):
+                    mean = mean * eta + friction.motion[n] / (n + 1)
+                    give = give * eta + friction.held[n] / (n + 2)
+                give *= eta
+                slip = drive[0] + (drive[1] - drive[0]) * middle - mean
+                hold_mean(friction, slip, give, normal[0] + (normal[1] - normal[0]) * middle)
                 after = friction.branch
             work, driven = _work(friction, at, eta)
             if held:
@@ -60,7 +71,25 @@ def step_located(friction: Friction, observed: View[float], moments: View[float]
             held = not book(friction, driven, work)
             if not held:
                 break
-        _advance(friction, at, eta, moments)
+        # Go on by a piece under its force: its part of the moments, and what becomes of the sample's rest.
+        f0, f1 = friction.start, friction.slope
+        for k in range(FINE):
+            total = 0.0
+            power = 1.0
+            for j in range(k, FINE):
+                # int_0^eta (eta - s)^(n-k) (f0 + f1 s) ds
+                given = power * eta * (f0 + f1 * eta / (j - k + 2)) / (j - k + 1)
+                total += BINOMIAL[j, k] * (friction.motion[j] * power + friction.impulse[j] * given)
+                power *= eta
+            friction.motion[k] = total
+        for q in range(len(QUADRATURE)):
+            t = eta * QUADRATURE[q]
+            here = eta * friction.period * QUADRATURE_WEIGHTS[q] * (f0 + f1 * t)
+            x = 2.0 * (at + t) - 1.0
+            before, legendre_k = 0.0, here
+            for k in range(FINE):
+                moments[k] += legendre_k
+                before, legendre_k = legendre_k, (2 * k + 1) / (k + 1) * x * legendre_k - k / (k + 1) * before
         line = friction.piece[friction.count]
         line[0], line[1], line[2], line[3], line[4] = at, eta, friction.start, friction.slope, friction.branch
         friction.count += 1
@@ -80,7 +109,13 @@ def _longest(friction: Friction, at: float, left: float) -> tuple[float, float]:
     bounded = False  # whether `above` is the margin at `high`
     direction = 1.0  # in which it would slip
     for trial in range(_TRIALS):
-        _fill(friction, at, eta)
+        # Fill the equation at the nodes of a piece from now.
+        drive, normal = friction.drive, friction.normal
+        for i in range(2):
+            t = eta * (THIRD if i == 0 else 1.0)
+            friction.gap[i] = drive[0] + (drive[1] - drive[0]) * (at + t) - value_at(friction.motion, t)[0]
+            friction.load[i] = normal[0] + (normal[1] - normal[0]) * (at + t)
+        fill_give(friction, eta)
         found, margin = solve_piece(friction, eta)
         pull = 0.75 * friction.force[0] + 0.25 * friction.force[1]
         if found and margin >= 0.0:
@@ -111,32 +146,6 @@ def _longest(friction: Friction, at: float, left: float) -> tuple[float, float]:
 
 
 @kernel
-def _fill(friction: Friction, at: float, eta: float) -> None:
-    """Fill the equation at the nodes of a piece from now."""
-    drive, normal = friction.drive, friction.normal
-    for i in range(2):
-        t = eta * (THIRD if i == 0 else 1.0)
-        friction.gap[i] = drive[0] + (drive[1] - drive[0]) * (at + t) - value_at(friction.motion, t)[0]
-        friction.load[i] = normal[0] + (normal[1] - normal[0]) * (at + t)
-    fill_give(friction, eta)
-
-
-@kernel
-def _hold(friction: Friction, at: float, eta: float) -> None:
-    """Hold the force for a piece: the branch's equation in the mean velocity, which can't give energy back."""
-    friction.holds += 1
-    drive, normal = friction.drive, friction.normal
-    middle = at + 0.5 * eta
-    mean = give = 0.0
-    for n in range(FINE - 1, -1, -1):
-        mean = mean * eta + friction.motion[n] / (n + 1)
-        give = give * eta + friction.held[n] / (n + 2)
-    give *= eta
-    slip = drive[0] + (drive[1] - drive[0]) * middle - mean
-    hold_mean(friction, slip, give, normal[0] + (normal[1] - normal[0]) * middle)
-
-
-@kernel
 def _work(friction: Friction, at: float, eta: float) -> tuple[float, float]:
     """Return the work on the object over a piece from now, and the driver's, in J per sample."""
     f0, f1, drive = friction.start, friction.slope, friction.drive
@@ -151,26 +160,3 @@ def _work(friction: Friction, at: float, eta: float) -> tuple[float, float]:
     here = drive[0] + rise * at
     driven = f0 * (here + 0.5 * rise * eta) + f1 * eta * (0.5 * here + rise * eta / 3.0)
     return eta * (free + own * eta), eta * driven
-
-
-@kernel
-def _advance(friction: Friction, at: float, eta: float, moments: View[float]) -> None:
-    """Go on by a piece under its force: its part of the moments, and what becomes of the sample's rest."""
-    f0, f1 = friction.start, friction.slope
-    for k in range(FINE):
-        total = 0.0
-        power = 1.0
-        for n in range(k, FINE):
-            # int_0^eta (eta - s)^(n-k) (f0 + f1 s) ds
-            given = power * eta * (f0 + f1 * eta / (n - k + 2)) / (n - k + 1)
-            total += BINOMIAL[n, k] * (friction.motion[n] * power + friction.impulse[n] * given)
-            power *= eta
-        friction.motion[k] = total
-    for q in range(len(QUADRATURE)):
-        t = eta * QUADRATURE[q]
-        here = eta * friction.period * QUADRATURE_WEIGHTS[q] * (f0 + f1 * t)
-        x = 2.0 * (at + t) - 1.0
-        before, legendre_k = 0.0, here
-        for k in range(FINE):
-            moments[k] += legendre_k
-            before, legendre_k = legendre_k, (2 * k + 1) / (k + 1) * x * legendre_k - k / (k + 1) * before

@@ -1,6 +1,6 @@
 """Sampled methods on a coupled contact, for comparison with the coupled solver.
 
-The methods are those of contact/sampled.py on the whole system of striker and modes, in one step or several per sample;
+The methods are those of sampled.py on the whole system of striker and modes, in one step or several per sample;
 contacts begin on a sample. Explicit methods are stable while the contact and every mode take several steps.
 """
 
@@ -227,7 +227,7 @@ def _sampling(case: Case, method: str, oversampling: int) -> Callable[[int, int,
 
 
 def sample(case: Case, method: str, oversampling: int = 1) -> Run:
-    """Simulate a case by a method of contact/sampled.py's METHODS, at `oversampling` steps per sample.
+    """Simulate a case by a method of sampled.py's METHODS, at `oversampling` steps per sample.
 
     The case's push, fraction and ringing are left out: contacts begin on a sample, with an object at rest.
     """

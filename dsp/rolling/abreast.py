@@ -37,7 +37,20 @@ def step_abreast(abreast: Abreast, rolls: View[Roll], rate: float) -> None:
                 modulate(roll)
                 roll.span = 0.0
                 _know(abreast, k, roll)
-            _walk(abreast, k, roll, h)
+            # Note the path under a body over a stretch, samples of h s, and bring it there.
+            path, way, piece = roll.path, 0.5 * h * roll.modulated_speed, roll.piece
+            last = _mark(abreast, path, piece, roll.along, way)
+            for n in range(2 * STEERS):
+                if last < 0:
+                    roll.piece, roll.along, height = pass_on(path, roll.piece, roll.along + way)
+                else:
+                    piece = max(piece, abreast.mark[n])
+                    height = _height(abreast, path, piece, _HALVES[n] * way)
+                abreast.height[n, k] = height
+            if last >= 0:
+                roll.piece, roll.along = last, 2 * STEERS * way - abreast.start[last & (PIECES - 1)]
+            roll.s += STEERS * h * roll.modulated_speed
+            roll.span += STEERS * h
         _push(abreast, begin, h, rate)
     for k in range(abreast.count):
         roll = rolls[abreast.roll[k]]
@@ -64,24 +77,6 @@ def _know(abreast: Abreast, k: int, roll: Roll) -> None:
     abreast.stiffness[k], abreast.mu[k], abreast.mobility[k] = roll.stiffness, roll.mu, roll.mobility
     abreast.weight[k], abreast.lightness[k] = roll.m * roll.g, roll.lightness
     abreast.gravity[k], abreast.fade[k] = roll.g, share_of(roll)
-
-
-@kernel
-def _walk(abreast: Abreast, k: int, roll: Roll, h: float) -> None:
-    """Note the path under a body over a stretch, samples of h s, and bring it there."""
-    path, way, piece = roll.path, 0.5 * h * roll.modulated_speed, roll.piece
-    last = _mark(abreast, path, piece, roll.along, way)
-    for n in range(2 * STEERS):
-        if last < 0:
-            roll.piece, roll.along, height = pass_on(path, roll.piece, roll.along + way)
-        else:
-            piece = max(piece, abreast.mark[n])
-            height = _height(abreast, path, piece, _HALVES[n] * way)
-        abreast.height[n, k] = height
-    if last >= 0:
-        roll.piece, roll.along = last, 2 * STEERS * way - abreast.start[last & (PIECES - 1)]
-    roll.s += STEERS * h * roll.modulated_speed
-    roll.span += STEERS * h
 
 
 @kernel

@@ -177,19 +177,6 @@ def _ripple(roll: Roll, x: float, v: float) -> float:
     return v * v + roll.swing * away * away
 
 
-@kernel
-def _hold(roll: Roll, h: float, k: float, x: float) -> tuple[float, float]:
-    """Hold the force over a step, which can't gain energy however long it is; the body's height and rate at its end."""
-    rate = roll.w - roll.mobility * roll.m * roll.g
-    free = roll.level[NODES] - (roll.y + h * (rate - 0.5 * roll.modulated_gravity * h)) - x
-    give = h * (0.5 * h / roll.m + roll.mobility)
-    change, force = discrete_gradient(x, free, give, h, k, roll.mu, roll.a)
-    for i in range(NODES):
-        roll.step.f[i] = force
-    roll.holds += 1
-    return roll.level[NODES] - (x + change), roll.w + h * (force / roll.m - roll.modulated_gravity)
-
-
 @noinline_kernel
 def step_contact(roll: Roll, longest: float, least: float) -> None:
     """Take a step in contact of at most `longest` s, and no less than `least` whatever its error."""
@@ -225,7 +212,16 @@ def step_contact(roll: Roll, longest: float, least: float) -> None:
     if good:
         ratio = roll.next / h if cut and roll.next > ratio * h else ratio
     else:
-        y, w = _hold(roll, h, k, x)
+        # Hold the force over a step, which can't gain energy however long it is; the body's height and rate at its
+        # end.
+        rate = roll.w - roll.mobility * roll.m * roll.g
+        free = roll.level[NODES] - (roll.y + h * (rate - 0.5 * roll.modulated_gravity * h)) - x
+        give = h * (0.5 * h / roll.m + roll.mobility)
+        change, force = discrete_gradient(x, free, give, h, k, roll.mu, roll.a)
+        for i in range(NODES):
+            roll.step.f[i] = force
+        roll.holds += 1
+        y, w = roll.level[NODES] - (x + change), roll.w + h * (force / roll.m - roll.modulated_gravity)
         ratio = _HELD
     roll.next = ratio * h
     for i in range(NODES):

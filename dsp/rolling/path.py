@@ -143,19 +143,6 @@ def _is_settled(path: Path) -> bool:
 
 
 @kernel
-def _settle_gains(path: Path, ripple_gain: float) -> None:
-    """Bring the gains a block nearer to those that are wanted, and see whether they are there."""
-    path.read_for[0], path.read_for[1] = path.speed, path.roughness
-    path.read_for[2], path.read_for[3] = path.coarseness, path.patch
-    settled = ripple_gain == path.roughness
-    for j in range(OCTAVES):
-        nearer = _nearer(path.surface.gain[j], path.wanted[j])
-        settled &= nearer == path.wanted[j] == path.surface.gain[j]
-        path.wanted[j] = nearer
-    path.settled = 1 if settled else 0
-
-
-@kernel
 def _read_block(path: Path) -> None:
     """Take the profile's next points into the hull, and those out that they hide."""
     surface = path.surface
@@ -163,21 +150,24 @@ def _read_block(path: Path) -> None:
     if not _is_settled(path):
         _refresh(path)
         ripple_gain = _nearer(surface.ripple_gain, path.roughness)
-        _settle_gains(path, ripple_gain)
+        # Bring the gains a block nearer to those that are wanted, and see whether they are there.
+        path.read_for[0], path.read_for[1] = path.speed, path.roughness
+        path.read_for[2], path.read_for[3] = path.coarseness, path.patch
+        settled = ripple_gain == path.roughness
+        for j in range(OCTAVES):
+            nearer = _nearer(path.surface.gain[j], path.wanted[j])
+            settled &= nearer == path.wanted[j] == path.surface.gain[j]
+            path.wanted[j] = nearer
+        path.settled = 1 if settled else 0
     read_heights(surface, path.front + path.stride, path.stride, path.wanted, ripple_gain, path.ahead)
     if path.side > 0.0:
-        _lower(path)
+        # Lower the points between a body's corners.
+        for i in range(BLOCK):
+            s = (path.front + (i + 1) * path.stride) * path.surface.unit
+            s -= path.side * math.floor(s / path.side + 0.5)
+            path.ahead[i] -= s * s / (2.0 * EDGE * path.radius)
     _look_around(path)
     _push(path)
-
-
-@kernel
-def _lower(path: Path) -> None:
-    """Lower the points between a body's corners."""
-    for i in range(BLOCK):
-        s = (path.front + (i + 1) * path.stride) * path.surface.unit
-        s -= path.side * math.floor(s / path.side + 0.5)
-        path.ahead[i] -= s * s / (2.0 * EDGE * path.radius)
 
 
 @noinline_kernel
@@ -330,7 +320,16 @@ def make_pieces(path: Path) -> None:
     arc, and the turn to the next."""
     _settle(path)
     left, bend, first, made = path.left, path.bend, path.first, path.made
-    points = _settled_points(path)
+    # The number of points of the hull, from the first on, before the last of whose second edges nothing ahead can
+    # change the path: at least 1, by halves.
+    least, most = 1, min(BATCH // 2, path.count - 2)
+    while least < most:
+        points = (least + most + 1) // 2
+        if _is_settled_at(path, (path.first + points - 1) & (POINTS - 1)):
+            least = points
+        else:
+            most = points - 1
+    points = least
     second = (first + 1) & (POINTS - 1)
     edge, distance, entered, before = path.edge[second], path.distance[second], path.entered, path.before
     share = (edge - entered) / (before + distance)
@@ -358,20 +357,6 @@ def extend_path(path: Path, pieces: int) -> None:
     """Make a path's pieces up to a number."""
     while path.made < pieces:
         make_pieces(path)
-
-
-@kernel
-def _settled_points(path: Path) -> int:
-    """Return the number of points of the hull, from the first on, before the last of whose second edges nothing ahead
-    can change the path: at least 1, by halves."""
-    least, most = 1, min(BATCH // 2, path.count - 2)
-    while least < most:
-        points = (least + most + 1) // 2
-        if _is_settled_at(path, (path.first + points - 1) & (POINTS - 1)):
-            least = points
-        else:
-            most = points - 1
-    return least
 
 
 @kernel

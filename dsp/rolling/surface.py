@@ -167,7 +167,15 @@ def read_heights(
         elif points > 1:
             _add_narrow(surface, j, place, stride, gain, rise, z)
         elif points == 1:
-            _add_narrowest(surface, j, place, gain, rise, z)
+            # Add octave j, of whose cells each holds one point of a block, all at one place in their cells.
+            level = OCTAVES - 1 - j
+            shifted = place + surface.offset[j]
+            cell = shifted >> level
+            _enter(surface, j, cell, BLOCK + 3)
+            weights = cubic_weights((shifted - (cell << level)) / (1 << level))
+            for g in range(BLOCK // LANES):
+                heights = dot(surface.corner, g * LANES, 1, weights)
+                add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
         else:
             for i in range(BLOCK):
                 z[i] += (gain + (i + 1) * rise) * _octave_at(surface, j, place + i * stride)
@@ -252,19 +260,6 @@ def _add_narrow(surface: Surface, j: int, place: int, stride: int, gain: float, 
             heights = dot(surface.weights, at, LANES, (b[0], b[1], b[2], b[3], b[4]))
         else:
             heights = dot(surface.weights, at, LANES, b)
-        add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
-
-
-@kernel
-def _add_narrowest(surface: Surface, j: int, place: int, gain: float, rise: float, z: View[float]) -> None:
-    """Add octave j, of whose cells each holds one point of a block, all at one place in their cells."""
-    level = OCTAVES - 1 - j
-    shifted = place + surface.offset[j]
-    cell = shifted >> level
-    _enter(surface, j, cell, BLOCK + 3)
-    weights = cubic_weights((shifted - (cell << level)) / (1 << level))
-    for g in range(BLOCK // LANES):
-        heights = dot(surface.corner, g * LANES, 1, weights)
         add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
 
 

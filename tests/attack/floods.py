@@ -1,6 +1,6 @@
 """Floods of questions by datagram from another host, and another client's blows meanwhile.
 
-python -m tests.attack.floods HOST PORT KIND SEED: send for ever.
+python -m tests.attack.floods HOST SERVER PORT KIND SEED: send for ever.
 """
 
 import random
@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from carom.server.osc import wire
 from carom.server.osc.wire import Message
 
-from . import Tried, kind
-from .attacked import ATTACKERS, attacked, attacker
+from . import Tried, hosts, kind
+from .attacked import attacked
 
 KINDS = {
     "status": [wire.encode("/status")],
@@ -40,7 +40,7 @@ def run(chance: random.Random) -> Iterator[Tried]:
         while True:
             for name in chance.sample(list(KINDS), len(KINDS)):
                 server.begin()
-                with attacker(__name__, ATTACKERS[0], server.server.port, name, chance.getrandbits(30)):
+                with hosts.attackers(__name__, hosts.attacking[:1], server.server.port, name, chance.getrandbits(30)):
                     time.sleep(0.7)
                     until = time.monotonic() + 2.0
                     while time.monotonic() < until:
@@ -51,7 +51,7 @@ def run(chance: random.Random) -> Iterator[Tried]:
                 yield server.tried(f"flood of {name}")
 
 
-def flood(host: str, port: int, kind: str, seed: int) -> None:
+def flood(host: str, server: str, port: int, kind: str, seed: int) -> None:
     """Send packets from some ports of a host as fast as it goes, in bursts and without a pause."""
     chance = random.Random(seed)
     socks = []
@@ -64,11 +64,11 @@ def flood(host: str, port: int, kind: str, seed: int) -> None:
     while True:
         for _ in range(chance.randrange(1_000, 30_000)):
             try:
-                chance.choice(socks).sendto(chance.choice(KINDS[kind]), ("127.0.0.1", port))
+                chance.choice(socks).sendto(chance.choice(KINDS[kind]), (server, port))
             except BlockingIOError:
                 time.sleep(0.001)
         time.sleep(pauses)
 
 
 if __name__ == "__main__":
-    flood(sys.argv[1], int(sys.argv[2]), sys.argv[3], int(sys.argv[4]))
+    flood(*sys.argv[1:3], int(sys.argv[3]), sys.argv[4], int(sys.argv[5]))

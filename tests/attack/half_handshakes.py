@@ -1,6 +1,6 @@
 """Thousands of connections of two hosts to a page over TLS that never end their handshakes.
 
-python -m tests.attack.half_handshakes PORT PAGE SEED: connect for ever.
+python -m tests.attack.half_handshakes HOST SERVER PORT PAGE SEED: connect for ever.
 """
 
 import random
@@ -36,5 +36,5 @@ def beginnings(chance: random.Random) -> list[bytes]:
 
 
 if __name__ == "__main__":
-    _, page, seed = map(int, sys.argv[1:])
-    crowd((page,), beginnings(random.Random(seed)), seed)
+    _, page, seed = map(int, sys.argv[3:])
+    crowd(*sys.argv[1:3], (page,), beginnings(random.Random(seed)), seed)

@@ -1,6 +1,6 @@
 """Thousands of TCP clients of two hosts that are silent, slow, greedy or broken, and how others fare meanwhile.
 
-python -m tests.attack.slow_clients PORT PAGE SEED: connect for ever.
+python -m tests.attack.slow_clients HOST SERVER PORT PAGE SEED: connect for ever.
 """
 
 import random
@@ -9,15 +9,16 @@ import sys
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 
 from carom.server.osc import wire
 from carom.server.osc.framing import Slip
 
-from . import Tried, kind
-from .attacked import ATTACKERS, attacked, attacker
+from . import Tried, hosts, kind
+from .attacked import attacked
 
-_MOST = 5_000  # connections at once
-_PAUSE = 0.0005
+_MOST = 2_500  # connections of a host at once
+_PAUSE = 0.001
 """s between two that come: where the system's own queue of them is full, it has others try again after a second."""
 _STATUS = Slip.framed(wire.encode("/status"))
 WORDS = {
@@ -39,9 +40,12 @@ def run(chance: random.Random) -> Iterator[Tried]:
     return measure_others(__name__, "slow clients", chance)
 
 
-def measure_others(attackers: str, what: str, chance: random.Random) -> Iterator[Tried]:
+def measure_others(module: str, what: str, chance: random.Random) -> Iterator[Tried]:
     """Yield how others fare while a module's attackers come."""
-    with attacked() as server, attacker(attackers, server.server.port, server.page, chance.getrandbits(30)):
+    with ExitStack() as stack:
+        server = stack.enter_context(attacked())
+        args = server.server.port, server.page, chance.getrandbits(30)
+        stack.enter_context(hosts.attackers(module, hosts.attacking, *args))
         time.sleep(1.0)
         while True:
             server.begin()
@@ -54,8 +58,8 @@ def measure_others(attackers: str, what: str, chance: random.Random) -> Iterator
             yield server.tried(what)
 
 
-def crowd(ports: Sequence[int], words: Sequence[bytes], seed: int, again: float = 0.0) -> None:
-    """Connect to any of some ports from two hosts, say any of some words, and leave only where too many are there.
+def crowd(host: str, server: str, ports: Sequence[int], words: Sequence[bytes], seed: int, again: float = 0.0) -> None:
+    """Connect to any of a server's ports from a host, say any of some words, and leave only where too many are there.
 
     again: share of the times at which one that is there says more.
     """
@@ -63,11 +67,11 @@ def crowd(ports: Sequence[int], words: Sequence[bytes], seed: int, again: float 
     there: deque[socket.socket] = deque()
     while True:
         sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        sock.bind((chance.choice(ATTACKERS), 0))
+        sock.bind((host, 0))
         sock.settimeout(0.2)
         there.append(sock)
         try:
-            sock.connect(("127.0.0.1", chance.choice(ports)))
+            sock.connect((server, chance.choice(ports)))
             sock.setblocking(False)
             sock.send(chance.choice(words))
             if chance.random() < again:
@@ -80,5 +84,5 @@ def crowd(ports: Sequence[int], words: Sequence[bytes], seed: int, again: float 
 
 
 if __name__ == "__main__":
-    port, page, seed = map(int, sys.argv[1:])
-    crowd((port, page), list(WORDS.values()), seed, 0.3)
+    port, page, seed = map(int, sys.argv[3:])
+    crowd(*sys.argv[1:3], (port, page), list(WORDS.values()), seed, 0.3)

@@ -1,6 +1,6 @@
 """Attack Carom in all ways that tests/attack knows, and print what was found; fail if anything but a refusal was.
 
-python -m tests.bench.attack [--minutes 15] [--seed N] [--only KIND ...]
+python -m tests.bench.attack [--minutes 15] [--seed N] [--only KIND ...] [--namespaces]
 """
 
 import argparse
@@ -8,12 +8,13 @@ import random
 import sys
 import time
 from collections.abc import Callable, Iterable
-from contextlib import closing
+from contextlib import closing, nullcontext
 from dataclasses import dataclass, field
 from itertools import count
 
 from carom.dsp.runtime.engine import prepare
 from tests.attack import Kind, load
+from tests.attack.hosts import namespaces
 
 _SHOWN = 40  # faults of a kind
 
@@ -63,6 +64,7 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=15.0)
     parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(2**31))
     parser.add_argument("--only", nargs="+", default=[], metavar="KIND")
+    parser.add_argument("--namespaces", action="store_true", help="hosts are namespaces, which root alone may make")
     options = parser.parse_args()
     kinds = [each for each in load().values() if each.name in options.only or not options.only]
     if not kinds:
@@ -70,10 +72,11 @@ def main() -> int:
     prepare()  # once, for all processes to come
     print(f"seed {options.seed}", flush=True)
     rows, begun = [], time.monotonic()
-    for n, each in enumerate(kinds):
-        rows.append(attack(each, options.seed, until(begun + 60.0 * options.minutes * (n + 1) / len(kinds))))
-        for fault in rows[-1].faults[:_SHOWN]:
-            print(f"{each.name}: {fault}", flush=True)
+    with namespaces() if options.namespaces else nullcontext():
+        for n, each in enumerate(kinds):
+            rows.append(attack(each, options.seed, until(begun + 60.0 * options.minutes * (n + 1) / len(kinds))))
+            for fault in rows[-1].faults[:_SHOWN]:
+                print(f"{each.name}: {fault}", flush=True)
     print(table(rows))
     return int(any(row.faults for row in rows))
 

@@ -80,7 +80,11 @@ def _settle_between(state: State, net: Net) -> None:
     """Set the tables of bodies that move: those amid the block, on lines between the quantum's ends."""
     if not _are_known(state, net, QUANTUM):
         if _are_known(state, net, 0):
-            _go_on(state, net)
+            # Take the tables at the last quantum's end as those at this one's beginning.
+            for i in range(net.size):
+                for j in range(net.size):
+                    if _moves(state, net, i, j):
+                        go_on_from_end(state.blocks[net.block[i]].tables[j], LINE)
         else:
             _settle_at(state, net, 0)
         _settle_at(state, net, 1)
@@ -111,15 +115,6 @@ def _are_known(state: State, net: Net, frame: int) -> bool:
 
 
 @kernel
-def _go_on(state: State, net: Net) -> None:
-    """Take the tables at the last quantum's end as those at this one's beginning."""
-    for i in range(net.size):
-        for j in range(net.size):
-            if _moves(state, net, i, j):
-                go_on_from_end(state.blocks[net.block[i]].tables[j], LINE)
-
-
-@kernel
 def _settle_at(state: State, net: Net, end: int) -> None:
     """Find the tables of bodies that move at the quantum's beginning, or at its end: 1."""
     for i in range(net.size):
@@ -133,19 +128,15 @@ def _settle_at(state: State, net: Net, end: int) -> None:
     for i in range(net.size):
         for j in range(net.size):
             if _moves(state, net, i, j):
-                _settle_end(state, net, i, j, end)
-
-
-@kernel
-def _settle_end(state: State, net: Net, i: int, j: int, end: int) -> None:
-    """Find the tables of one contact's force at another one's points where they are at an end of the quantum."""
-    contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
-    tables = state.blocks[net.block[i]].tables[j]
-    tables.settled, tables.terms = other.settled, net.terms
-    _find_answer(state, contact, other)
-    for n in range(FINE):
-        tables.ends[end * FINE + n] = state.scratch.fine[n]
-    _lay_all(state, contact, other, tables, LINE, AT_END if end == 1 else AT_BEGIN)
+                # Find the tables of one contact's force at another one's points where they are at an end of the
+                # quantum.
+                contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
+                tables = state.blocks[net.block[i]].tables[j]
+                tables.settled, tables.terms = other.settled, net.terms
+                _find_answer(state, contact, other)
+                for n in range(FINE):
+                    tables.ends[end * FINE + n] = state.scratch.fine[n]
+                _lay_all(state, contact, other, tables, LINE, AT_END if end == 1 else AT_BEGIN)
 
 
 @noinline_kernel

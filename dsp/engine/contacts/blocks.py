@@ -112,7 +112,18 @@ def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
             obj.laid, obj.resumes = net.begin, net.end
     else:
         _leave(state, net, net.end)
-        _resume(state, net, net.end)
+        # Say when the objects of a net whose block ends at a frame are to be looked at again.
+        end = net.end
+        apart = 0
+        for i in range(net.objects):
+            apart = max(apart, state.objects[net.object[i]].apart)
+        apart = 1 if end > net.begin else min(max(2 * apart, 1), QUANTUM)
+        for i in range(net.objects):
+            obj = state.objects[net.object[i]]
+            obj.apart, obj.laid = apart, -1
+            obj.resumes = end + apart if end + apart <= QUANTUM - _FEWEST else QUANTUM
+            if net.moves == 1 and end == net.stop:
+                obj.resumes = end
     _hand_on_all(state, net, frame)
 
 
@@ -136,25 +147,6 @@ def run_alone(state: State, frame: int, stop: int) -> None:
 def _step_net(state: State, n: int) -> bool:
     """Take all contacts of the net through sample n of their block; false if it ends before."""
     return step_blocks(state.contacts, state.blocks, state.scratch.net, state.scratch.net.size, n)
-
-
-@kernel
-def _resume(state: State, net: Net, end: int) -> None:
-    """Say when the objects of a net whose block ends at a frame are to be looked at again.
-
-    After a sample that no block follows comes another block; after one that took none twice as many samples as then.
-    Where a body moves over one, another block follows at once.
-    """
-    apart = 0
-    for i in range(net.objects):
-        apart = max(apart, state.objects[net.object[i]].apart)
-    apart = 1 if end > net.begin else min(max(2 * apart, 1), QUANTUM)
-    for i in range(net.objects):
-        obj = state.objects[net.object[i]]
-        obj.apart, obj.laid = apart, -1
-        obj.resumes = end + apart if end + apart <= QUANTUM - _FEWEST else QUANTUM
-        if net.moves == 1 and end == net.stop:
-            obj.resumes = end
 
 
 @kernel

@@ -127,18 +127,12 @@ def _given_by_others(state: State, contact: Contact, side: int, far: float) -> t
             fast = other.v_in * other.now.gain
             energy += 0.5 * other.m * fast * fast
             speed += min(moved_by(contact, other) * contact.v_in * contact.now.gain, 2.0 * fast)
-        elif index != contact.index and _leans(other):
+        elif index != contact.index and (other.touching == 1 and other.trait.lasts == 1 and other.solver == COUPLING):
             stored = _stored(other, far) * other.now.gain * other.now.gain
             energy += stored
             speed += math.sqrt(2.0 * stored * give)
         index = other.next
     return energy, speed
-
-
-@kernel
-def _leans(contact: Contact) -> bool:
-    """True if a body rolls, slides or rests on an object, or is pressed on it, and feels how that moves."""
-    return contact.touching == 1 and contact.trait.lasts == 1 and contact.solver == COUPLING
 
 
 @kernel

@@ -10,7 +10,6 @@ from ...contact.closed_form import advance_pulse, state_of_pulse
 from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
 from ...contact.law import compression_at
 from ...native.jit import kernel, noinline_kernel
-from ...native.typed import View
 from ...numerics.legendre import FINE, KEPT, MOMENTS
 from ...resonator.bank import inject, inject_fine, inject_kept, observe, receptance, transfer_receptance
 from ..bodies.bends import find_static
@@ -20,7 +19,7 @@ from ..bodies.sensing import push_sensed
 from ..bodies.strikers import begin_striker, drive_striker
 from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, modes_for, room_for_coupling
-from ..memory.records import Contact, ContactPoint
+from ..memory.records import Contact
 from ..memory.state import COUPLING, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
@@ -46,7 +45,11 @@ def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
     if pushed:
         solver = COUPLING
     if solver != COUPLING:
-        _leave_unheard(state, contact)
+        # Stop a contact from acting on modes that nobody hears: it has its force already.
+        for side in range(2):
+            point = contact.point[side]
+            if point.slot >= 0:
+                point.modes = min(point.modes, state.objects[point.slot].unheard)
     if solver == COUPLING and not has_room_for(state, contact):
         state.stats.contacts_dropped += 1
         return False
@@ -69,15 +72,6 @@ def touch(state: State, contact: Contact) -> None:
     contact.forces[:] = 0.0
     put(state, state.objects[contact.point[0].slot], contact, contact.now.position)
     update_mode_count(state, contact)
-
-
-@kernel
-def _leave_unheard(state: State, contact: Contact) -> None:
-    """Stop a contact from acting on modes that nobody hears: it has its force already."""
-    for side in range(2):
-        point = contact.point[side]
-        if point.slot >= 0:
-            point.modes = min(point.modes, state.objects[point.slot].unheard)
 
 
 @kernel
@@ -196,40 +190,31 @@ def drive(state: State, contact: Contact) -> None:
     """Inject a contact's force over the sample, whose moments are in `scratch`, into the modes that it touches."""
     for side in range(2):
         if contact.point[side].slot >= 0:
-            _drive(state, contact, contact.point[side])
-
-
-@kernel
-def _drive(state: State, contact: Contact, point: ContactPoint) -> None:
-    """Inject a contact's force over the sample into the modes of an object at its point."""
-    obj = state.objects[point.slot]
-    obj.live = max(obj.live, point.modes)
-    obj.driven_modes = max(obj.driven_modes, point.modes)
-    obj.driven_gain = max(obj.driven_gain, contact.now.gain)
-    modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
-    if obj.sensors > 0:
-        first = state.scratch.fine[0] if contact.solver == COUPLING else state.scratch.moments[0]
-        push_sensed(state, obj, where, point.modes, first)
-    if contact.solver == COUPLING:
-        count = _moments_of(state.scratch.fine)
-        if count > KEPT:
-            inject_fine(modes, where, state.scratch.fine)
-        elif count > 0:
-            inject_kept(modes, where, state.scratch.fine)
-    else:
-        inject(modes, where, state.scratch.moments)
-
-
-@kernel
-def _moments_of(moments: View[float]) -> int:
-    """Return how many moments of a force say all of it, FINE or KEPT: one that is a quadratic over the sample has no
-    more, and a striker that flies none."""
-    kept = beyond = False
-    for n in range(KEPT):
-        kept |= moments[n] != 0.0
-    for n in range(KEPT, FINE):
-        beyond |= moments[n] != 0.0
-    return FINE if beyond else KEPT if kept else 0
+            # Inject a contact's force over the sample into the modes of an object at its point.
+            point = contact.point[side]
+            obj = state.objects[point.slot]
+            obj.live = max(obj.live, point.modes)
+            obj.driven_modes = max(obj.driven_modes, point.modes)
+            obj.driven_gain = max(obj.driven_gain, contact.now.gain)
+            modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
+            if obj.sensors > 0:
+                first = state.scratch.fine[0] if contact.solver == COUPLING else state.scratch.moments[0]
+                push_sensed(state, obj, where, point.modes, first)
+            if contact.solver == COUPLING:
+                # How many moments of a force say all of it, FINE or KEPT: one that is a quadratic over the sample has
+                # no more, and a striker that flies none.
+                kept = beyond = False
+                for n in range(KEPT):
+                    kept |= state.scratch.fine[n] != 0.0
+                for n in range(KEPT, FINE):
+                    beyond |= state.scratch.fine[n] != 0.0
+                count = FINE if beyond else KEPT if kept else 0
+                if count > KEPT:
+                    inject_fine(modes, where, state.scratch.fine)
+                elif count > 0:
+                    inject_kept(modes, where, state.scratch.fine)
+            else:
+                inject(modes, where, state.scratch.moments)
 
 
 @kernel

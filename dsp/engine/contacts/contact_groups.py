@@ -20,7 +20,19 @@ from .solver_choice import choose_tolerance, count_steps, price_of
 @noinline_kernel
 def solve_groups(state: State, frame: int) -> None:
     """Solve the coupled contacts of objects of `scratch.group` over the sample that ends at a frame."""
-    count = _find_candidates(state, frame)
+    # List the coupled contacts that may touch in the sample; their number.
+    scratch = state.scratch
+    count = 0
+    for g in range(scratch.group_size):
+        index = state.objects[scratch.group[g]].contact
+        while acts(state, index):
+            contact = state.contacts[index]
+            due = state.position + frame - contact.start - contact.fraction > 0.0
+            if contact.touching == 1 and contact.solver == COUPLING and frame >= contact.ahead and due:
+                choose_tolerance(state, contact)
+                scratch.candidates[count] = index
+                count += 1
+            index = contact.next
     candidates = state.scratch.candidates
     for i in range(count):
         if candidates[i] >= 0:
@@ -36,24 +48,6 @@ def solve_alone(state: State, contact: Contact, frame: int) -> None:
     state.scratch.together.size = 1
     state.scratch.together.member[0] = contact.index
     _solve(state, frame)
-
-
-@kernel
-def _find_candidates(state: State, frame: int) -> int:
-    """List the coupled contacts that may touch in the sample; their number."""
-    scratch = state.scratch
-    count = 0
-    for g in range(scratch.group_size):
-        index = state.objects[scratch.group[g]].contact
-        while acts(state, index):
-            contact = state.contacts[index]
-            due = state.position + frame - contact.start - contact.fraction > 0.0
-            if contact.touching == 1 and contact.solver == COUPLING and frame >= contact.ahead and due:
-                choose_tolerance(state, contact)
-                scratch.candidates[count] = index
-                count += 1
-            index = contact.next
-    return count
 
 
 @kernel
@@ -83,21 +77,6 @@ def _join(group: CoupledGroup, candidates: View[int], i: int) -> None:
 
 
 @kernel
-def _sort(state: State, group: CoupledGroup) -> None:
-    """Bring the members into the order in which they began, so that one keeps its own while contacts take turns.
-
-    Their places would not do: who has which depends on what was freed before, and sums are rounded in this order.
-    """
-    for i in range(1, group.size):
-        member = group.member[i]
-        j = i
-        while j > 0 and _began_before(state.contacts[member], state.contacts[group.member[j - 1]]):
-            group.member[j] = group.member[j - 1]
-            j -= 1
-        group.member[j] = member
-
-
-@kernel
 def _began_before(contact: Contact, other: Contact) -> bool:
     return contact.start < other.start or (contact.start == other.start and contact.fraction < other.fraction)
 
@@ -113,7 +92,14 @@ def _see_each_other(contact: Contact, other: Contact) -> bool:
 def _solve(state: State, frame: int) -> None:
     """Find the moments of all forces in `together` over the sample that ends at a frame, and have them act."""
     group = state.scratch.together
-    _sort(state, group)
+    # Bring the members into the order in which they began, so that one keeps its own while contacts take turns.
+    for i in range(1, group.size):
+        member = group.member[i]
+        j = i
+        while j > 0 and _began_before(state.contacts[member], state.contacts[group.member[j - 1]]):
+            group.member[j] = group.member[j - 1]
+            j -= 1
+        group.member[j] = member
     price = price_of(group.size)
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
@@ -129,7 +115,20 @@ def _solve(state: State, frame: int) -> None:
             group.observed[i, n] = state.scratch.observed[n]
         count_steps(state, contact, -1, price)
     if group.size > 1:
-        _find_answers(state, group)
+        # Find how each contact's points answer the others' forces, but where that is known from an earlier sample.
+        for k in range(GROUP):
+            if k < group.size:
+                one = state.contacts[group.member[k]]
+                if group.known[k] == one.settled and group.gain[k] == gain_of(state, one):
+                    continue
+            group.known[k] = 0
+        for k in range(group.size):
+            for j in range(group.size):
+                if k != j and (group.known[k] == 0 or group.known[j] == 0):
+                    _find_answer(state, group, k, j)
+        for k in range(group.size):
+            group.known[k] = state.contacts[group.member[k]].settled
+            group.gain[k] = gain_of(state, state.contacts[group.member[k]])
     step_together(state.contacts, group)
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
@@ -141,24 +140,6 @@ def _solve(state: State, frame: int) -> None:
             state.scratch.fine[n] = gain * contact.moments[n]
         if contact.trait.slips == 0:  # else friction comes first
             drive(state, contact)
-
-
-@kernel
-def _find_answers(state: State, group: CoupledGroup) -> None:
-    """Find how each contact's points answer the others' forces, but where that is known from an earlier sample."""
-    for i in range(GROUP):
-        if i < group.size:
-            contact = state.contacts[group.member[i]]
-            if group.known[i] == contact.settled and group.gain[i] == gain_of(state, contact):
-                continue
-        group.known[i] = 0
-    for i in range(group.size):
-        for j in range(group.size):
-            if i != j and (group.known[i] == 0 or group.known[j] == 0):
-                _find_answer(state, group, i, j)
-    for i in range(group.size):
-        group.known[i] = state.contacts[group.member[i]].settled
-        group.gain[i] = gain_of(state, state.contacts[group.member[i]])
 
 
 @kernel

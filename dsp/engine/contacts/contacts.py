@@ -58,8 +58,36 @@ def update_contacts(state: State, obj: Object) -> None:
         after = contact.next
         obj.rubbed |= contact.trait.slips
         if contact.aside != KEPT_ASIDE:
-            _glide(state, contact, obj)
-        _look_at_partner(state, contact, obj)
+            # Bring what can be steered nearer to its target.
+            now, target = contact.now, contact.target
+            for i in range(len(_GLIDES)):
+                value, goal = field(now, i), field(target, i)
+                if not abs(value - goal) > _NEAR[i]:
+                    continue
+                left = math.exp(-QUANTUM / (_GLIDES[i] * state.rate)) if _GLIDES[i] > 0.0 else 0.0
+                set_field(now, i, goal + (value - goal) * left)
+                if (i == _POSITION or _POINT <= i < _POINT + 3) and contact.solver == COUPLING:
+                    put(state, obj, contact, now.position)
+                    contact.unsettled = 1
+                elif (i == _BY_POSITION or _BY_POINT <= i < _BY_POINT + 3) and contact.solver == COUPLING:
+                    put_other(state, contact)
+                    contact.unsettled = 1
+            if contact.trait.rolls == 1 or contact.trait.held == 1 or contact.trait.rests == 1:
+                _take_law(state, contact)
+        # Tie the objects of a contact together; forget one that is gone; note where modes are retuned.
+        other = contact.point[1]
+        if other.slot >= 0:
+            partner = state.objects[other.slot]
+            if partner.used == 0 or partner.serial != other.serial:
+                other.slot = -1
+                contact.unsettled = 1
+            else:
+                wake(state, other.slot)
+                partner.leaned_on |= contact.trait.rests
+                if contact.asleep == 0:
+                    obj.shares_contact = partner.shares_contact = 1
+                contact.unsettled |= partner.stale_modes > 0 or partner.detuned == 1
+        contact.unsettled |= obj.stale_modes > 0 or obj.detuned == 1
         waits = must_wait(state, index) and not (contact.trait.repeats == 1 and contact.touching == 1)
         ended = _wait_longer(state, contact) if waits else _go_on(state, index)
         if ended:
@@ -75,26 +103,6 @@ def update_contacts(state: State, obj: Object) -> None:
                 if contact.point[1].slot >= 0:
                     state.objects[contact.point[1].slot].has_contact = 1
         index = after
-
-
-@kernel
-def _glide(state: State, contact: Contact, obj: Object) -> None:
-    """Bring what can be steered nearer to its target."""
-    now, target = contact.now, contact.target
-    for i in range(len(_GLIDES)):
-        value, goal = field(now, i), field(target, i)
-        if not abs(value - goal) > _NEAR[i]:
-            continue
-        left = math.exp(-QUANTUM / (_GLIDES[i] * state.rate)) if _GLIDES[i] > 0.0 else 0.0
-        set_field(now, i, goal + (value - goal) * left)
-        if (i == _POSITION or _POINT <= i < _POINT + 3) and contact.solver == COUPLING:
-            put(state, obj, contact, now.position)
-            contact.unsettled = 1
-        elif (i == _BY_POSITION or _BY_POINT <= i < _BY_POINT + 3) and contact.solver == COUPLING:
-            put_other(state, contact)
-            contact.unsettled = 1
-    if contact.trait.rolls == 1 or contact.trait.held == 1 or contact.trait.rests == 1:
-        _take_law(state, contact)
 
 
 @kernel
@@ -121,24 +129,6 @@ def _take_law(state: State, contact: Contact) -> None:
 
 
 @kernel
-def _look_at_partner(state: State, contact: Contact, obj: Object) -> None:
-    """Tie the objects of a contact together; forget one that is gone; note where modes are retuned."""
-    other = contact.point[1]
-    if other.slot >= 0:
-        partner = state.objects[other.slot]
-        if partner.used == 0 or partner.serial != other.serial:
-            other.slot = -1
-            contact.unsettled = 1
-        else:
-            wake(state, other.slot)
-            partner.leaned_on |= contact.trait.rests
-            if contact.asleep == 0:
-                obj.shares_contact = partner.shares_contact = 1
-            contact.unsettled |= partner.stale_modes > 0 or partner.detuned == 1
-    contact.unsettled |= obj.stale_modes > 0 or obj.detuned == 1
-
-
-@kernel
 def _go_on(state: State, index: int) -> bool:
     """Continue a contact in a new quantum; return True if its gesture has been stopped and is over."""
     contact = state.contacts[index]
@@ -158,7 +148,15 @@ def _go_on(state: State, index: int) -> bool:
     if contact.trait.held == 1 and update_mode_count(state, contact):
         _lift(state, contact, 0)
     elif contact.solver == COUPLING:
-        _push_on(state, contact)
+        # Bring the push on a coupled striker nearer to its target.
+        if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
+            release_striker(state, contact, contact.until)
+            if contact.trait.held == 1:
+                contact.push = 0.0  # a hand is taken away at once
+        glide_push(state, contact, float(QUANTUM))
+        contact.coupled.push = contact.push
+        if contact.push != 0.0:
+            add_static(state, contact, contact.push)
     return False
 
 
@@ -188,19 +186,6 @@ def _lift(state: State, contact: Contact, frames: int) -> None:
     contact.push = contact.push_gap = 0.0
     contact.start = state.position + frames
     contact.fraction = 0.0
-
-
-@kernel
-def _push_on(state: State, contact: Contact) -> None:
-    """Bring the push on a coupled striker nearer to its target."""
-    if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
-        release_striker(state, contact, contact.until)
-        if contact.trait.held == 1:
-            contact.push = 0.0  # a hand is taken away at once
-    glide_push(state, contact, float(QUANTUM))
-    contact.coupled.push = contact.push
-    if contact.push != 0.0:
-        add_static(state, contact, contact.push)
 
 
 @noinline_kernel
@@ -302,19 +287,14 @@ def begin_contacts(state: State, obj: Object, frame: int) -> bool:
             end_contact(state, obj, before, index)
         index = after
     if began and not holds_steps(state):
-        _couple_moved(state, obj)
+        # Couple the contacts of closed form that others on the same objects move.
+        index = obj.contact
+        while index >= 0:
+            contact = state.contacts[index]
+            if contact.touching == 1 and contact.solver == CLOSED and is_moved(state, contact):
+                couple_pulse(state, contact)
+            index = contact.next
     return began
-
-
-@kernel
-def _couple_moved(state: State, obj: Object) -> None:
-    """Couple the contacts of closed form that others on the same objects move."""
-    index = obj.contact
-    while index >= 0:
-        contact = state.contacts[index]
-        if contact.touching == 1 and contact.solver == CLOSED and is_moved(state, contact):
-            couple_pulse(state, contact)
-        index = contact.next
 
 
 @noinline_kernel
@@ -354,7 +334,12 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
             take_out(state, obj, before, index)
             append_contact(state, obj, index)
         index = after
-    _take_turns(state, obj)
+    # Take turns among coupled contacts in the same sample, which see each other one after the other: next time
+    # another is the first.
+    first = obj.contact
+    if acts(state, first) and state.contacts[first].solver == COUPLING and acts(state, state.contacts[first].next):
+        take_out(state, obj, -1, first)
+        append_contact(state, obj, first)
 
 
 @noinline_kernel
@@ -367,13 +352,3 @@ def _rub_all(state: State, obj: Object, frame: int) -> None:
         if contact.trait.slips == 1:
             rub(state, contact, frame)
         index = contact.next
-
-
-@kernel
-def _take_turns(state: State, obj: Object) -> None:
-    """Take turns among coupled contacts in the same sample, which see each other one after the other: next time another
-    is the first."""
-    first = obj.contact
-    if acts(state, first) and state.contacts[first].solver == COUPLING and acts(state, state.contacts[first].next):
-        take_out(state, obj, -1, first)
-        append_contact(state, obj, first)

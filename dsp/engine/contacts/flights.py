@@ -93,17 +93,12 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     skipped = min(samples, _LONGEST_LEAP)
     if contact.trait.falls == 1 and skipped > _HOP:
         contact.begun = now  # a flight: it does not stay
-    _skip(state, contact, frame, skipped)
-    return True
-
-
-@kernel
-def _skip(state: State, contact: Contact, frame: int, samples: float) -> None:
-    """Advance a striker unseen by whole samples from a frame on, which it surely stays apart."""
-    _fly(state, contact, float(state.position + frame), samples)
+    # Advance a striker unseen by whole samples from a frame on, which it surely stays apart.
+    _fly(state, contact, float(state.position + frame), skipped)
     give_room_back(state, contact)
-    contact.start = state.position + frame + int(samples)
+    contact.start = state.position + frame + int(skipped)
     contact.fraction = 0.0
+    return True
 
 
 @kernel

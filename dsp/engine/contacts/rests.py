@@ -109,7 +109,14 @@ def settle_rests(state: State) -> None:
             contact = state.contacts[index]
             if contact.trait.rests == 1 and contact.touching == 1:
                 if state.objects[contact.point[0].slot].restless == 1:
-                    _awake(state, contact)
+                    # Wake a rest, to be computed in this quantum.
+                    contact.asleep = contact.ahead = 0
+                    for side in range(2):
+                        if contact.point[side].slot >= 0:
+                            obj = state.objects[contact.point[side].slot]
+                            obj.has_contact = 1
+                            if contact.point[1].slot >= 0:
+                                obj.shares_contact = 1
                 elif contact.asleep == 0:
                     _fall_asleep(state, contact)
             index = contact.next
@@ -159,18 +166,6 @@ def _spread(state: State) -> bool:
                 one.restless = other.restless = max(one.restless, other.restless)
             index = contact.next
     return spread
-
-
-@kernel
-def _awake(state: State, contact: Contact) -> None:
-    """Wake a rest, to be computed in this quantum."""
-    contact.asleep = contact.ahead = 0
-    for side in range(2):
-        if contact.point[side].slot >= 0:
-            obj = state.objects[contact.point[side].slot]
-            obj.has_contact = 1
-            if contact.point[1].slot >= 0:
-                obj.shares_contact = 1
 
 
 @kernel

@@ -117,7 +117,13 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
         else:
             ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return
-    moves = _moves(state, obj)
+    # True if a roll on an object moves over it.
+    moves = False
+    entry = obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        moves = moves or (entry % 2 == 0 and contact.travel > 0.0)
+        entry = contact.point[entry % 2].next_roll
     frame = start
     while frame < stop:
         end = stop
@@ -125,7 +131,11 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
             end = min(stop, frame - frame % LINE + LINE) if _go_on_lines(state, obj, frame) else frame + 1
         count, driven = _drivers(state, obj, frame)
         if obj.sensors > 0:
-            _push_sensed(state, obj, count, driven, frame)
+            # Tell an object's sensors of the rolls on it over the sample before a frame.
+            for j in range(count):
+                driver = state.scratch.drivers[j]
+                where = Point(shapes_of(state, obj), obj.size, driver.row, driver.weights)
+                push_sensed(state, obj, where, driven, state.feeds[driver.feed, BEHIND + frame, 0])
         if count == 0:  # swarms between their blows, presses that have ended
             ring(modes_of(state, obj, 0, obj.live), voice, frame, end)
             frame = end
@@ -154,27 +164,6 @@ def _ring_others(state: State, obj: Object, voice: View2D[float], first: int, st
 def is_fed(state: State, obj: Object) -> bool:
     """True if an object's own modes get the rolls on it by one number a frame."""
     return obj.felt >= LEAST_FED and obj.ahead == 0 and obj.rolls_head >= 0
-
-
-@kernel
-def _push_sensed(state: State, obj: Object, count: int, driven: int, frame: int) -> None:
-    """Tell an object's sensors of the rolls on it over the sample before a frame."""
-    for j in range(count):
-        driver = state.scratch.drivers[j]
-        where = Point(shapes_of(state, obj), obj.size, driver.row, driver.weights)
-        push_sensed(state, obj, where, driven, state.feeds[driver.feed, BEHIND + frame, 0])
-
-
-@kernel
-def _moves(state: State, obj: Object) -> bool:
-    """True if a roll on an object moves over it."""
-    moves = False
-    entry = obj.rolls_head
-    while entry >= 0:
-        contact = state.contacts[entry // 2]
-        moves = moves or (entry % 2 == 0 and contact.travel > 0.0)
-        entry = contact.point[entry % 2].next_roll
-    return moves
 
 
 @kernel

@@ -29,7 +29,7 @@ from ..bodies.objects import frequency_of, is_felt, shape_at
 from ..bodies.strikers import roll_striker, sound_grains
 from ..bodies.surface import has_moved, keep_spot, put
 from ..memory.commands import Event
-from ..memory.records import Contact, ContactPoint
+from ..memory.records import Contact
 from ..memory.state import BEHIND, QUANTUM, ROLLING, ROLLS, ROWS_OF_SWARM, Object, State
 from .contact_force import update_mode_count
 from .contact_list import clear_row
@@ -92,7 +92,15 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
         swarm.duration = values.duration
         contact.until = contact.gone_at = contact.origin + swarm.duration * state.rate
     swarm.store = math.inf
-    _learn_bends(state, contact, swarm)
+    # Learn by which modes of its own the usual grain rings.
+    swarm.bends, swarm.usual = 0, contact.m / contact.trait.meets
+    if contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial:
+        striker = state.strikers[contact.sound]
+        swarm.bends, swarm.bending = striker.bends, striker.mobility / max(striker.bends, 1)
+        for i in range(striker.bends):
+            swarm.bend[i] = striker.bend[i]
+        for j in range(WIDTHS):
+            swarm.bent[j] = bent_by(swarm.bend, swarm.bends, swarm.bending, (NARROWEST + j) * math.log(2.0))
     varied = values.variety > 0.0
     swarm.sized = int(contact.sound >= 0 and (varied or swarm.bends > 0))
     swarm.smallest = -math.log(2.0) if varied else 0.0
@@ -127,19 +135,6 @@ def _break(state: State, contact: Contact, event: Event) -> None:
     contact.until = contact.gone_at = contact.origin + CRACKING * state.rate
     contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 2.0
     contact.target.rate = 2.0 * JUNCTIONS * values.pieces / CRACKING
-
-
-@kernel
-def _learn_bends(state: State, contact: Contact, swarm: Swarm) -> None:
-    """Learn by which modes of its own the usual grain rings."""
-    swarm.bends, swarm.usual = 0, contact.m / contact.trait.meets
-    if contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial:
-        striker = state.strikers[contact.sound]
-        swarm.bends, swarm.bending = striker.bends, striker.mobility / max(striker.bends, 1)
-        for i in range(striker.bends):
-            swarm.bend[i] = striker.bend[i]
-        for n in range(WIDTHS):
-            swarm.bent[n] = bent_by(swarm.bend, swarm.bends, swarm.bending, (NARROWEST + n) * math.log(2.0))
 
 
 @kernel
@@ -230,28 +225,6 @@ def steer_swarm(state: State, contact: Contact, time: float) -> None:
     _add_knot(swarm, contact, since)
 
 
-@kernel
-def _follow_ramp(swarm: Swarm, contact: Contact, begin: float, seconds: float) -> None:
-    """Follow what a ramp asks for at the end of a quantum: the rate goes there by a line, and a step's by its
-    course."""
-    last, asked = swarm.knots[swarm.count - 1], contact.target
-    rate, _, scale = _asked_of(swarm, contact, begin)
-    there = max(last.rate + last.slope * max(begin - last.time, 0.0), 0.0)
-    if swarm.duration == 0.0:
-        ramped = abs(rate - there) > _NEAR * rate
-    else:
-        highest = FASTEST * _whole_of(swarm, asked) / swarm.duration
-        ramped = last.time <= begin and abs(rate - there) > _BENT * highest
-    others = scale != last.scale or asked.excitation != last.excitation or _exponent(swarm, asked) != last.steepness
-    others = others or max(asked.memory, _BRIEFEST) != last.memory or math.log1p(asked.variety) != last.variety
-    others = others or (last.slope != 0.0 and swarm.duration == 0.0)
-    if ramped or others or asked.decades * math.log(10.0) != last.span:
-        knot = _add_knot(swarm, contact, begin)
-        if ramped and swarm.duration == 0.0:
-            knot.rate, knot.slope = there, (rate - there) / seconds
-    _follow_course(swarm, begin + seconds)
-
-
 @noinline_kernel
 def swarm_on(state: State, index: int) -> bool:
     """Compute a swarm's forces for a quantum; true if it has come to its end: then no list holds it, as another may
@@ -263,7 +236,25 @@ def swarm_on(state: State, index: int) -> bool:
     update_mode_count(state, contact)
     begin = max((state.position - contact.origin) / state.rate, 0.0)
     if contact.trait.breaks == 0:
-        _follow_ramp(swarm, contact, begin, QUANTUM / state.rate)
+        # Follow what a ramp asks for at the end of a quantum: the rate goes there by a line, and a step's by its
+        # course.
+        seconds = QUANTUM / state.rate
+        last, asked = swarm.knots[swarm.count - 1], contact.target
+        rate, _, scale = _asked_of(swarm, contact, begin)
+        there = max(last.rate + last.slope * max(begin - last.time, 0.0), 0.0)
+        if swarm.duration == 0.0:
+            ramped = abs(rate - there) > _NEAR * rate
+        else:
+            highest = FASTEST * _whole_of(swarm, asked) / swarm.duration
+            ramped = last.time <= begin and abs(rate - there) > _BENT * highest
+        others = scale != last.scale or asked.excitation != last.excitation or _exponent(swarm, asked) != last.steepness
+        others = others or max(asked.memory, _BRIEFEST) != last.memory or math.log1p(asked.variety) != last.variety
+        others = others or (last.slope != 0.0 and swarm.duration == 0.0)
+        if ramped or others or asked.decades * math.log(10.0) != last.span:
+            knot = _add_knot(swarm, contact, begin)
+            if ramped and swarm.duration == 0.0:
+                knot.rate, knot.slope = there, (rate - there) / seconds
+        _follow_course(swarm, begin + seconds)
     _spread_out(state, swarm, contact, obj)
     until = (state.position + QUANTUM + LOOK * swarm.every - swarm.lead - contact.origin) / state.rate
     if contact.until < math.inf:
@@ -276,14 +267,41 @@ def swarm_on(state: State, index: int) -> bool:
         lay_drawn(state, contact, swarm, until)
     swarm.coming = _ACTS * swarm.coming + swarm.energy - told
     drop_knots(swarm, until)
-    _make_force(state, contact, swarm)
+    # Make the forces of a quantum from a swarm's grids, at each place and of all of them.
+    total = swarm.force[0]
+    for j in range(FORCES):
+        total[j] = 0.0
+    for p in range(swarm.places):
+        swarm.sounds[p] = int(swarm.busy[p] > 0)
+        if swarm.sounds[p] == 0:
+            continue
+        force = swarm.force[1 + p]
+        find_force(swarm.grid[p], force)
+        move_on(swarm.grid[p], QUANTUM // swarm.every)
+        swarm.busy[p] -= QUANTUM // swarm.every
+        _hand_on(state, swarm, contact.roll + 1 + p, force)
+        trace_place(state, contact, swarm.position[p], state.feeds[contact.roll + 1 + p, BEHIND:])
+        for j in range(FORCES):
+            total[j] += force[j]
+    _hand_on(state, swarm, contact.roll, total)
+    for n in range(len(contact.forces)):
+        contact.forces[n] = state.feeds[contact.roll, BEHIND + QUANTUM - 1 - n, 0] * state.rate
     obj.live = max(obj.live, contact.point[0].modes)
     obj.driven_modes = max(obj.driven_modes, contact.point[0].modes)
     obj.driven_gain = max(obj.driven_gain, contact.now.gain)
     contact.point[0].next_roll = obj.rolls_head
     obj.rolls_head = 2 * index
     if swarm.sized == 1:
-        _sound_sizes(state, contact, swarm)
+        # Drive the voices of a swarm's grains, size by size.
+        force = swarm.force[0]
+        for c in range(SOUNDS):
+            if swarm.size_busy[c] > 0:
+                find_force(swarm.size_grid[c], force)
+                move_on(swarm.size_grid[c], QUANTUM // swarm.every)
+                swarm.size_busy[c] -= QUANTUM // swarm.every
+                row = contact.roll + 1 + PLACES + c
+                find_moments(force, swarm.every, state.feeds[row, BEHIND:], state.scratch.work)
+                sound_grains(state, contact, c, math.exp(size_at(swarm, c)), row)
     else:
         roll_striker(state, contact)
     return False
@@ -310,68 +328,28 @@ def _spread_out(state: State, swarm: Swarm, contact: Contact, obj: Object) -> No
     for p in range(swarm.places):
         swarm.position[p] = begin + swarm.spread * (p + 0.5) / swarm.places
         put(state, obj, contact, swarm.position[p])
-        swarm.slow[p] = _find_mobility(state, obj, contact.point[0], swarm.mobility[p])
-
-
-@kernel
-def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: View[float]) -> float:
-    """Find the mobility of a point for pulses of all widths, by half octaves of the modes, each as its lowest; return
-    the sum of phi^2/omega (s/kg)."""
-    bands, slow = state.scratch.power, 0.0
-    for n in range(BANDS):
-        bands[n] = 0.0
-    for i in range(obj.size):
-        if not is_felt(obj, i):
-            continue
-        frequency = frequency_of(state, obj, i)
-        if frequency > 0.0:
-            phi = shape_at(state, obj, point, i)
-            bands[index_of(2.0 * math.log2(frequency / _LOWEST), BANDS)] += phi * phi
-            slow += phi * phi / (2.0 * math.pi * frequency)
-    for n in range(WIDTHS):
-        width = 2.0 ** (NARROWEST + n)
-        mobility[n] = 0.0
-        for band in range(BANDS):
-            turns = 2.0 * math.pi * _LOWEST * 2.0 ** (0.5 * band) * ROLL_OFF * width if band > 0 else 0.0
-            mobility[n] += bands[band] / (1.0 + turns * turns * turns)
-    return slow
-
-
-@kernel
-def _sound_sizes(state: State, contact: Contact, swarm: Swarm) -> None:
-    """Drive the voices of a swarm's grains, size by size."""
-    force = swarm.force[0]
-    for c in range(SOUNDS):
-        if swarm.size_busy[c] > 0:
-            find_force(swarm.size_grid[c], force)
-            move_on(swarm.size_grid[c], QUANTUM // swarm.every)
-            swarm.size_busy[c] -= QUANTUM // swarm.every
-            row = contact.roll + 1 + PLACES + c
-            find_moments(force, swarm.every, state.feeds[row, BEHIND:], state.scratch.work)
-            sound_grains(state, contact, c, math.exp(size_at(swarm, c)), row)
-
-
-@kernel
-def _make_force(state: State, contact: Contact, swarm: Swarm) -> None:
-    """Make the forces of a quantum from a swarm's grids, at each place and of all of them."""
-    total = swarm.force[0]
-    for j in range(FORCES):
-        total[j] = 0.0
-    for p in range(swarm.places):
-        swarm.sounds[p] = int(swarm.busy[p] > 0)
-        if swarm.sounds[p] == 0:
-            continue
-        force = swarm.force[1 + p]
-        find_force(swarm.grid[p], force)
-        move_on(swarm.grid[p], QUANTUM // swarm.every)
-        swarm.busy[p] -= QUANTUM // swarm.every
-        _hand_on(state, swarm, contact.roll + 1 + p, force)
-        trace_place(state, contact, swarm.position[p], state.feeds[contact.roll + 1 + p, BEHIND:])
-        for j in range(FORCES):
-            total[j] += force[j]
-    _hand_on(state, swarm, contact.roll, total)
-    for n in range(len(contact.forces)):
-        contact.forces[n] = state.feeds[contact.roll, BEHIND + QUANTUM - 1 - n, 0] * state.rate
+        # Find the mobility of a point for pulses of all widths, by half octaves of the modes, each as its lowest;
+        # return the sum of phi^2/omega (s/kg).
+        point = contact.point[0]
+        mobility = swarm.mobility[p]
+        bands, slow = state.scratch.power, 0.0
+        for n in range(BANDS):
+            bands[n] = 0.0
+        for i in range(obj.size):
+            if not is_felt(obj, i):
+                continue
+            frequency = frequency_of(state, obj, i)
+            if frequency > 0.0:
+                phi = shape_at(state, obj, point, i)
+                bands[index_of(2.0 * math.log2(frequency / _LOWEST), BANDS)] += phi * phi
+                slow += phi * phi / (2.0 * math.pi * frequency)
+        for n in range(WIDTHS):
+            width = 2.0 ** (NARROWEST + n)
+            mobility[n] = 0.0
+            for band in range(BANDS):
+                turns = 2.0 * math.pi * _LOWEST * 2.0 ** (0.5 * band) * ROLL_OFF * width if band > 0 else 0.0
+                mobility[n] += bands[band] / (1.0 + turns * turns * turns)
+        swarm.slow[p] = slow
 
 
 @kernel
