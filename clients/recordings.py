@@ -19,6 +19,7 @@ LONGEST = 120.0
 LOWEST_RATE, HIGHEST_RATE = 8_000, 384_000  # Hz
 _UNKNOWN = 2**63 - 1
 """Frames of a file that does not state their number."""
+_POINTER = b"version https://git-lfs"
 _ENDINGS = {f".{name.lower()}" for name in soundfile.available_formats()} | {".aif", ".oga"}
 
 
@@ -64,8 +65,13 @@ def read(path: Path, mixed: bool = False) -> Recording:
         if len(samples) > most:
             raise RecordingError(f"{path}: longer than {LONGEST:g} s: expected less, cut to strikes")
     except soundfile.LibsndfileError as error:
+        with path.open("rb") as file:
+            head = file.read(len(_POINTER))
+        if head == _POINTER:
+            raise RecordingError(f"{path}: a pointer of Git LFS, not the file: `git lfs pull` fetches it") from None
         why = str(error.error_string).rstrip(".")
-        if why.startswith("File does not exist"):  # said of files that are empty, or too short to be any sound
+        # The first is said of files that are too short to be any sound, too.
+        if why.startswith("File does not exist") or not head:
             why = "it holds no sound"
         to = f"{path.stem}.wav" if path.suffix.lower() != ".wav" else f"{path.stem}-plain.wav"
         expected = f"expected a sound file; `ffmpeg -i {path.name} {to}` converts what it can read"

@@ -93,17 +93,22 @@ def _touching_outward(surface: Surface, before: Indices, notes: list[str]) -> In
 def _between_parts(faces: Indices, doubled: Flags) -> Flags:
     """Return which of the doubled faces are a wall between two parts: at its edges others meet, and none is left alone
     without it."""
-    found = np.zeros(len(faces), bool)
-    if doubled.any():
-        some = np.flatnonzero(doubled)
+    opens, held = _edges_without(faces, doubled)
+    return held & ~opens
+
+
+def _edges_without(faces: Indices, some: Flags) -> tuple[Flags, Flags]:
+    """Return two flags for each face: that it is one of some faces which hang together, without which another face is
+    alone at an edge; and that others meet there."""
+    opens, held = np.zeros((2, len(faces)), bool)
+    if some.any():
+        own = np.flatnonzero(some)
         _, sides, _ = edges_of(faces)
-        others = np.bincount(sides[~doubled].ravel(), minlength=int(sides.max()) + 1)
-        wall = parts_of(faces[some])
-        beside = others[sides[some]]
-        opens = np.bincount(wall, (beside == 1).any(axis=1)) > 0
-        held = np.bincount(wall, (beside > 1).any(axis=1)) > 0
-        found[some] = (held & ~opens)[wall]
-    return found
+        others = np.bincount(sides[~some].ravel(), minlength=int(sides.max()) + 1)
+        patch, beside = parts_of(faces[own]), others[sides[own]]
+        opens[own] = (np.bincount(patch, (beside == 1).any(axis=1)) > 0)[patch]
+        held[own] = (np.bincount(patch, (beside > 1).any(axis=1)) > 0)[patch]
+    return opens, held
 
 
 def _said(notes: list[str], count: int, of: str, became: str) -> None:
@@ -245,8 +250,9 @@ def _solid(surface: Surface, notes: list[str]) -> Surface:
 
 
 def _without_sheets(surface: Surface, notes: list[str]) -> Surface:
-    """Return the surface without faces that have air on both sides: they enclose nothing."""
+    """Return the surface without faces that have air on both sides, where it stays closed: they enclose nothing."""
     bare = sides_of(surface).bare
+    bare &= ~_edges_without(surface.faces, bare)[0]
     if not bare.any():
         return surface
     x, y, z = surface.points[surface.faces[bare]].mean(axis=(0, 1))

@@ -50,6 +50,8 @@ def folder(tmp_path_factory):
     soundfile.write(folder / "empty.wav", np.zeros(0), RATE)
     (folder / "text.wav").write_text("no sound")
     (folder / "none.mp3").touch()
+    (folder / "none.wav").touch()
+    (folder / "pointer.wav").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:aa\nsize 12\n")
     (folder / "notes").mkdir()
     (folder / "notes" / "a.txt").write_text("no sound")
     return folder
@@ -67,6 +69,8 @@ REFUSED = [
     ("long.wav out --name a", "long.wav: 130 s long", "expected at most 120 s"),
     ("text.wav out --name a", "text.wav: ", "expected a sound file; `ffmpeg -i text.wav text-plain.wav`"),
     ("none.mp3 out --name a", "none.mp3: it holds no sound", "expected a sound file; `ffmpeg -i none.mp3 none.wav`"),
+    ("none.wav out --name a", "none.wav: it holds no sound", "expected a sound file; `ffmpeg -i none.wav"),
+    ("pointer.wav out --name a", "pointer.wav: a pointer of Git LFS", "`git lfs pull` fetches it"),
     ("notes out --name a", "notes: a folder of 1 files", "expected .wav"),
     ("rng.wav out --name a", "rng.wav: No such file", "did you mean ring.wav?"),
     ("ring.wav out --name a/b", "name = 'a/b'", "expected a name of up to 64"),

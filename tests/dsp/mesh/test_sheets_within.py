@@ -48,6 +48,29 @@ def test_a_fin_without_a_thickness_is_left_out_with_its_place(count):
     assert f"{2 * count} triangles without a thickness left out, about (" in told
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_body_whose_surface_crosses_itself_stays_closed(seed):
+    """Of a ball whose corners are moved at random some faces lie in pockets that are inside out: they are no sheets."""
+    ball, rng = forms.ball(0.05, 3), np.random.default_rng(seed)
+    body, _ = cleaned(ball.points + 0.01 * rng.standard_normal(ball.points.shape), ball.faces)
+    found = windings(body, rng.uniform(-0.06, 0.06, (500, 3)))
+    assert np.abs(found - np.round(found)).max() < 0.05
+    assert len(body.faces) == len(ball.faces) and sides_of(body).bare.any()
+
+
+def test_a_concave_polygon_that_was_split_as_a_fan_radiates_as_the_body_that_it_ends():
+    """Triangles of both senses lie over the notch of an arrow: they are left out of what is between body and air."""
+    outline = np.array([(0, 0), (0.05, 0.03), (0.1, 0), (0.05, 0.1)])
+    points = np.vstack([np.c_[outline, np.zeros(4)], np.c_[outline, np.full(4, 0.02)]])
+    sides = [(n, (n + 1) % 4, 4 + (n + 1) % 4) for n in range(4)] + [(n, 4 + (n + 1) % 4, 4 + n) for n in range(4)]
+    body, _ = cleaned(points, np.array([(2, 1, 0), (3, 2, 0), (4, 5, 6), (4, 6, 7), *sides]))
+    arms = np.diff(outline, axis=0, append=outline[:1])
+    ends = 2 * 0.1 * (0.1 - 0.03) / 2
+    assert volume_of(body) == pytest.approx(ends / 2 * 0.02)
+    area = float(faces_of(exposed(body, 0.003)).areas.sum())
+    assert area == pytest.approx(ends + 0.02 * np.linalg.norm(arms, axis=1).sum(), rel=2e-3)
+
+
 def test_a_body_that_has_no_thickness_anywhere_asks_for_its_wall():
     with pytest.raises(MeshError, match=r"wall \(m\)|thickness"):
         cleaned(*fin(5))
