@@ -6,8 +6,7 @@ they ring; the others change what its gestures are told.
 
 from dataclasses import dataclass
 
-from .bodies.macros import NEUTRAL as NEUTRAL
-from .bodies.macros import NODES as NODES
+from .numerics.constants import NEUTRAL
 from .numerics.quantities import Parameter
 from .schema import SETTINGS
 

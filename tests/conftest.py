@@ -16,10 +16,8 @@ import pytest
 from hypothesis import settings
 
 from carom.clients.cli import main
-from carom.dsp.native import CHECKED
 from carom.server.osc.score import read
 from tests import needs
-from tests.kernels import keep_kernels
 from tests.needs import ROOT
 from tests.support import CAROM, Jack, Render, Running, render_lines, serving
 
@@ -45,9 +43,6 @@ if "PYTHONPYCACHEPREFIX" not in os.environ and (sys.dont_write_bytecode or not _
     os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
 if not os.access(os.path.expanduser("~"), os.W_OK):
     os.environ.setdefault("MPLCONFIGDIR", f"{_own}/matplotlib")
-
-if _WRITABLE and not CHECKED:
-    keep_kernels(ROOT / ".pytest_cache" / "kernels")
 
 
 REAL_TIME = {"jack", "play", "serving", "server", "time"}

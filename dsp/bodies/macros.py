@@ -14,13 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..numerics.constants import MACRO_NODES as NODES
+from ..numerics.constants import NEUTRAL
 from .material import Array, Indices, Material
 from .modes import Modes
-
-NEUTRAL = 0.5
-"""The value at which a macro changes nothing."""
-NODES = 9
-"""Places of a macro, from 0 to 1, at which the modes of a body are known; between two they go by equal ratios."""
 
 _OCTAVES = 2.0
 """From the middle of the size to its ends: a quarter, and four times."""

@@ -20,3 +20,9 @@ each exactly."""
 HARDEST_REST = 1e9
 """N per kg that the load of a rest may be: light masses on felt that were pressed a thousand times harder rang up to 43
 dB too loud."""
+
+NEUTRAL = 0.5
+"""The value at which a macro changes nothing."""
+
+MACRO_NODES = 9
+"""Places of a macro, from 0 to 1, at which the modes of a body are known; between two they go by equal ratios."""

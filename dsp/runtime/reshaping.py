@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..bodies.macros import Change
 from ..engine.bodies.reshaping import AXES, COLUMNS, HEAD, ROWS
-from ..macros import NODES
+from ..numerics.constants import MACRO_NODES as NODES
 from .plan import Plan
 
 

@@ -60,10 +60,10 @@ def _number_of(address: str) -> tuple[Parameter, bool]:
     for call in made:
         if call.verb is None:
             raise unknown(address)
-    first = made[0].verb
-    if len(made) == 1 and isinstance(first, Change) and len(first.required) == 1:
+    first = made[0].verb if len(made) == 1 else None
+    if isinstance(first, Change) and len(first.required) == 1:
         return first.number, True
-    if len(made) == 1 and first and first.action in _BEGIN:
+    if first and first.action in _BEGIN:
         number = (*first.required, *first.optional)[0]
         if isinstance(number, Parameter):
             return number, False

@@ -1,15 +1,18 @@
 """Macros: what they tell an object's modes, and the values of its gestures."""
 
 import random
+from bisect import insort
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from operator import itemgetter
 
 from ...dsp.bodies.macros import Change, changed, share_of, sum_of
 from ...dsp.bodies.material import Material
 from ...dsp.bodies.modes import Modes
 from ...dsp.engine.memory.commands import Command, Handle, Kind
-from ...dsp.macros import GLIDE, MACROS, MORPH, NEUTRAL, NODES, SHAPING
+from ...dsp.macros import GLIDE, MACROS, MORPH, NEUTRAL, SHAPING
+from ...dsp.numerics.constants import MACRO_NODES as NODES
 from ...dsp.numerics.quantities import Parameter
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import GESTURES, ROUGHNESS, Gesture
@@ -55,6 +58,14 @@ def harder(law: Contact, obj: PlayedObject) -> Contact:
     if value == NEUTRAL:
         return law
     return law._replace(stiffness=law.stiffness * _times(_HARDER, value), mass=law.mass * _times(_HEAVIER, value))
+
+
+def recall(transaction: Transaction, obj: PlayedObject) -> None:
+    """Have an object's macros be those at the time of a transaction."""
+    if obj.turns:
+        now = float(transaction.engine.position)
+        obj.recall(max(float(transaction.time), now), now)
+        obj.heavier = heavier(transaction, obj)
 
 
 def touched(obj: PlayedObject) -> Material | None:
@@ -131,16 +142,23 @@ def set_macro(translate: Translate, to: ObjectCall) -> None:
     transaction, name, value, message = to.transaction, to.call.verb.action, _value(to), to.canonical
     for copy in _copies(to):
         translate(transaction, calls(Message(f"/object/{copy}/macro/{name}", to.call.message.args))[0])
-    before = dict(to.obj.macros)
-    transaction.on_undo(lambda: to.obj.macros.update(before))
     if MACROS[name].of_body:
         _shape(to, message, name == "material" or to.obj.shaped[0], to.obj.shaped[1])
-    to.obj.macros[name] = value
+    _keep(to, name, value)
     _add_changes(to, message, MACROS[name].number)
     if MACROS[name].of_body:
         _set_heavier(to)
     else:
         _steer_running(to, message, name)
+
+
+def _keep(to: ObjectCall, name: str, value: float) -> None:
+    """Remember a macro from its time on."""
+    obj, now = to.obj, float(to.transaction.engine.position)
+    before, settled = list(obj.turns), dict(obj.settled)
+    to.transaction.on_undo(lambda: (setattr(obj, "turns", before), setattr(obj, "settled", settled)))
+    insort(obj.turns, (max(float(to.transaction.time), now), name, value), key=itemgetter(0))
+    obj.recall(max(float(to.transaction.time), now), now)
 
 
 def set_morph(translate: Translate, to: ObjectCall) -> None:
@@ -149,10 +167,8 @@ def set_morph(translate: Translate, to: ObjectCall) -> None:
     require_family(to.name, to.obj.preset, transaction.presets.object(preset))
     for copy in _copies(to):
         translate(transaction, calls(Message(f"/object/{copy}/{MORPH.name}", to.call.message.args))[0])
-    before = dict(to.obj.macros)
-    transaction.on_undo(lambda: to.obj.macros.update(before))
     _shape(to, message, to.obj.shaped[0], preset)
-    to.obj.macros[MORPH.name] = _value(to)
+    _keep(to, MORPH.name, _value(to))
     _add_changes(to, message, MORPH)
     _set_heavier(to)
 

@@ -29,7 +29,11 @@ class PlayedObject:
     settings: dict[str, float] = field(default_factory=dict)
     """Settings as they were last set, in the units of messages."""
     macros: dict[str, float] = field(default_factory=lambda: {**dict.fromkeys(MACROS, NEUTRAL), MORPH.name: 0.0})
-    """Macros, and the share of the way to another object, as they were last set."""
+    """Macros, and the share of the way to another object, at the time of the message that is carried out."""
+    turns: list[tuple[float, str, float]] = field(default_factory=list)
+    """Changes of these that were sent ahead: time (samples), name and value, the earliest first."""
+    settled: dict[str, float] = field(default_factory=lambda: {**dict.fromkeys(MACROS, NEUTRAL), MORPH.name: 0.0})
+    """The same now."""
     shaped: tuple[bool, str] = (False, "")
     """Whether its modes follow its material, and the preset that they may go to."""
     tables: dict[tuple[bool, str], int] = field(default_factory=dict)
@@ -46,6 +50,13 @@ class PlayedObject:
     """Number of the gesture by which it rests where it stands by itself; 0: it hangs freely."""
     warned_of_stand_in: bool = False
     """True if its maker was warned which material stands in for the one that it lacks."""
+
+    def recall(self, time: float, now: float) -> None:
+        """Have `macros` be those at a time (samples); changes up to now are not kept apart."""
+        while self.turns and self.turns[0][0] <= now:
+            _, name, value = self.turns.pop(0)
+            self.settled[name] = value
+        self.macros = {**self.settled, **{name: value for at, name, value in self.turns if at <= time}}
 
     @property
     def mass(self) -> float:

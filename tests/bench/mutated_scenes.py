@@ -107,11 +107,11 @@ def write_scenes(folder: Path) -> None:
     from carom.server.osc.score import parse
     from carom.server.render import Options
 
-    c.write_static(folder, machine_of(None))
     for name, text in SCORES.items():
         score = parse(text.encode(), name)
         scene = bake_scene(score, text, name, Presets(), Options(seconds=SECONDS), print)
         (folder / f"{name}.carom").write_bytes(scene.file())
+    c.write_library(scene, folder, machine_of(None))
 
 
 def build(folder: Path, tiny: bool = False) -> Path:

@@ -10,6 +10,7 @@ import pytest
 
 from carom.clients.actions import CommandError
 from carom.clients.client import Client
+from carom.dsp.macros import MACROS
 from carom.server.osc import wire
 from carom.server.osc.addresses import VERBS
 from carom.server.osc.framing import Sized, Slip
@@ -139,6 +140,10 @@ def say_everything(client: Client, at: float | None) -> None:
     client.distance("a", 2.0, at=at)
     client.tune("a", -1, at=at)
     client.decay("a", 2, at=at)
+    client.macro("a", at=at, **dict.fromkeys(MACROS, 0.6))
+    client.dice("a", 7, at=at)
+    client.undo("a", at=at)
+    client.morph("a", "wood-block", 0.3, at=at)
     client.listener(0, 0, 0, at=at)
     client.place("a", 1, 0, 0, at=at)
     client.floor(-1.5, at=at)

@@ -210,7 +210,7 @@ def test_answers_go_to_another_port_where_that_is_asked_for(server):
         heard = [parse(hears.recv(2000))[0].messages[0].address for _ in range(2)]
         assert heard == ["/done", "/version.reply"]
     with Client(port=server.port, tcp=True) as stream:
-        assert "a stream is answered where it is" in stream.ask_all("/notify", 1, 9000)[0].args[1]
+        assert "a stream gets its answers itself" in stream.ask_all("/notify", 1, 9000)[0].args[1]
 
 
 def test_contacts_are_put_together_across_looks():

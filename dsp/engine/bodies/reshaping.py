@@ -14,10 +14,11 @@ heard as the body is then.
 
 import numpy as np
 
-from ...macros import ENGINE_SETTINGS, GLIDE, NODES, SHAPING
+from ...macros import ENGINE_SETTINGS, GLIDE, SHAPING
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
 from ...native.typed import View
+from ...numerics.constants import MACRO_NODES as NODES
 from ...numerics.indices import index_of
 from ..memory.capacity import SHAPE_VALUES
 from ..memory.commands import Event

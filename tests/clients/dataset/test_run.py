@@ -78,7 +78,7 @@ def test_a_worker_that_is_killed_ends_the_run_in_a_sentence_whatever_the_other_d
             time.sleep(0.05)
         os.kill(workers[0], signal.SIGKILL)
         _, said = begun.communicate(timeout=60)
-        assert begun.returncode == 1 and b"a worker was killed; the same command goes on" in said
+        assert begun.returncode == 1 and b"a worker was killed; repeat the command to go on from here" in said
     finally:
         begun.kill()
 

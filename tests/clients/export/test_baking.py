@@ -6,6 +6,7 @@ import pytest
 
 from carom import Presets, ScoreError
 from carom.clients.export.baking import Baked, bake
+from carom.clients.export.machines import machine_of
 from carom.clients.export.mapping import Strikers, scene_map
 from carom.clients.export.plugins import write_plugin
 from carom.clients.export.scene import ExportError, Scene
@@ -32,7 +33,7 @@ def test_a_sensor_has_a_channel_of_what_is_exported_and_a_plug_in_has_none():
     strikers.names, strikers.surfaces = [], []
     assert scene_map(baked, strikers)["channels"] == 2 == baked.sound.shape[1]
     with pytest.raises(ExportError, match="x: expected no sensor, as a plug-in has channels of sound alone"):
-        write_plugin([Scene(baked, strikers, "x", {})], Path("never"))
+        write_plugin([Scene(baked, strikers, "x", {})], Path("never"), machine_of(None))
 
 
 @pytest.mark.slow

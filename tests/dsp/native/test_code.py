@@ -111,6 +111,7 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "runtime",
         "counters",
         "errors",
+        "macros",
         "schema",
         "schema_records",
         "schema_values",

@@ -12,6 +12,7 @@ import pytest
 
 from carom.dsp.engine.memory.capacity import MODES, USUAL_MODES, USUAL_OBJECTS
 from carom.dsp.engine.memory.state import QUANTUM, RING, STATE, Quality, new_state
+from carom.dsp.macros import MACROS
 from carom.dsp.runtime import fresh
 from carom.dsp.runtime.arena import Arena, EngineFull
 from carom.dsp.runtime.engine import Engine
@@ -87,7 +88,8 @@ def test_an_object_is_added_with_its_settings_and_at_its_time():
     engine.process(QUANTUM)
     settings = engine.state["objects"][0][one.slot]["settings"]
     assert dict(zip(settings.dtype.names, settings.item(), strict=True)) == {
-        "gain": 0.5, "pan": 0.0, "distance": 1.0, "tune": 2.0, "decay": 1.0, "damp": 0.0
+        "gain": 0.5, "pan": 0.0, "distance": 1.0, "tune": 2.0, "decay": 1.0, "damp": 0.0,
+        **dict.fromkeys(MACROS, 0.5), "morph": 0.0,
     }  # fmt: skip
     assert active(engine) == 1 and later.serial == one.serial + 1
     engine.process(1000)

@@ -96,9 +96,15 @@ def test_a_session_of_anything_at_any_time(tmp_path, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 3])
 def test_a_session_of_all_that_is_declared(tmp_path, seed):
-    """Messages to all addresses of scores: what rests, breaks and scatters among them, on objects that come and go."""
+    """Messages to all addresses of scores: what rests, breaks and scatters among them, on objects that come and go.
+    Macros are left out: gestures that were sent ahead before them keep what they had, as their page says."""
     rng = random.Random(seed)
-    lines = replay(tmp_path, rng, lambda: [any_message(rng) for _ in range(rng.randrange(1, 4))], 120)
+
+    def messages() -> list[Message]:
+        said = [any_message(rng) for _ in range(rng.randrange(1, 4))]
+        return [each for each in said if not re.search(r"/macro/|/(dice|undo|morph)$", each.address)]
+
+    lines = replay(tmp_path, rng, messages, 120)
     assert len(lines) > 50
 
 

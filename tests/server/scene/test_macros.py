@@ -14,6 +14,7 @@ from carom.presets import Presets
 from carom.presets.reshaping import LINE, Wanted, axes_of, material_at
 from carom.server.files.log import Log
 from carom.server.osc.score import parse
+from carom.server.osc.wire import Message
 from carom.server.scene.session import Session
 from tests.server.scene.support import refusal, say, seconds
 from tests.support import render_lines
@@ -200,17 +201,34 @@ def test_copies_for_notes_follow_the_macros(session):
 
 def test_dice_choose_what_their_seed_says_and_are_taken_back(session):
     say(session, "/object/new", "bell", "church-bell")
-    macros = session.objects["bell"].macros
-    before = dict(macros)
+
+    def macros():
+        return dict(session.objects["bell"].macros)
+
+    before = macros()
     say(session, "/object/bell/dice", 5)
-    thrown = dict(macros)
+    thrown = macros()
     assert all(low <= thrown[name] <= high for name, each in MACROS.items() for low, high in [each.dice])
     say(session, "/object/bell/dice", 6)
-    assert macros != thrown
+    assert macros() != thrown
     say(session, "/object/bell/undo")
-    assert macros == thrown
+    assert macros() == thrown
     say(session, "/object/bell/undo")
-    assert macros == before
+    assert macros() == before
+
+
+def test_a_macro_that_is_sent_ahead_does_not_reach_what_comes_before_it(session, monkeypatch):
+    commands, send = [], session.engine.send
+    monkeypatch.setattr(session.engine, "send", lambda made: commands.extend(made) or send(made))
+    say(session, "/object/new", "bell", "church-bell")
+    session.perform([Message("/object/bell/macro/force", (1.0,))], 4_800.0)
+    say(session, "/object/bell/impact", 1.0)
+    session.perform([Message("/object/bell/impact", (1.0,))], 9_600.0)
+    assert [each.values["velocity"] for each in commands if each.kind == "impact"] == [1.0, 8.0]
+
+
+def test_there_is_nothing_to_take_back_before_a_throw(session):
+    say(session, "/object/new", "bell", "church-bell")
     assert refusal(session, "/object/bell/undo") == "bell: nothing to take back; expected /object/bell/dice before"
 
 

@@ -63,7 +63,9 @@ def test_the_engine_finds_the_nearest_point_of_the_surface(modes):
     face, shares = nearest(modes.faces.corners, places)
     best = np.einsum("nc,nck->nk", shares, modes.faces.corners[face])
     state = SimpleNamespace(bank=SimpleNamespace(shape=plan.faces.ravel().astype(np.float64)))
-    obj = SimpleNamespace(faces=len(plan.faces), surface=0, table=-len(modes.strike), size=1, block=0)  # so many rows
+    obj = SimpleNamespace(
+        faces=len(plan.faces), surface=0, table=-len(modes.strike), size=1, block=0, amplitude=1.0
+    )  # rows
     assert plan.faces.shape[1] == FACE
     for place, known in zip(places, best, strict=True):
         point = SimpleNamespace(row=-1, weights=np.full(4, np.nan))

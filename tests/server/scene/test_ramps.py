@@ -54,7 +54,7 @@ def test_all_that_can_be_set_takes_its_time(played, address):
 @pytest.mark.parametrize("name", STEERABLE)
 def test_all_that_is_steered_takes_its_time(played, name):
     gesture = {"force": "press", "gravity": "bounce", "irregularity": "bounce", "flat": "spin"}.get(name, "slide")
-    gesture = "roll" if name in ("mass", "asymmetry", "friction") else gesture
+    gesture = "roll" if name in ("mass", "asymmetry", "friction", "stiffness", "dissipation", "exponent") else gesture
     gesture = {"rate": "shake", "variety": "shake", "evenness": "shake", "size": "rain"}.get(name, gesture)
     gesture = {"height": "pour", "crackles": "step"}.get(name, gesture)
     crackles = ("density", "energy", "steepness", "decades", "excitation", "memory")
@@ -65,7 +65,8 @@ def test_all_that_is_steered_takes_its_time(played, name):
     if name in ("x", "y", "z", "by_x", "by_y", "by_z"):
         say(played, "/object/new", "mug", "mug")
     said = say(played, f"/object/{'mug' if name in ('x', 'y', 'z') else 'pane'}/{begins[0]}", *begins[1:], "id", "x")
-    value = {"size": 1e-3, "density": 100.0, "decades": 2.0, "evenness": 1.0}.get(name, 0.02)
+    values = {"size": 1e-3, "density": 100.0, "decades": 2.0, "evenness": 1.0, "stiffness": 1e6, "exponent": 1.4}
+    value = values.get(name, 0.02)
     assert said == [] and say(played, f"/gesture/x/{name}", value, "over", 1.0) == []
     seconds(played, 0.1)
     assert played.engine.state["ramps"]["count"] == 1

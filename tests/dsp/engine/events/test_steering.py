@@ -39,7 +39,7 @@ NEW = {
     "sweep": 0.7, "patch": 0.005, "static": 0.9, "dynamic": 0.2, "stribeck": 0.3, "tangential": 1e5,
     "along": 0.8, "rate": 4e4, "size": 1e-3, "variety": 0.5, "density": 5000.0, "energy": 1e-2, "steepness": 1.0,
     "decades": 2.0, "excitation": 0.9, "memory": 0.1, "load": 9.0, "by_position": 0.8, "height": 0.7, "crackles": 50.0,
-    "evenness": 1.0, "by_x": 0.31, "by_y": 0.21, "by_z": 0.11,
+    "evenness": 1.0, "stiffness": 4e6, "dissipation": 0.7, "exponent": 2.2, "by_x": 0.31, "by_y": 0.21, "by_z": 0.11,
 }  # fmt: skip
 """New value of each parameter: nothing that it is by itself in `begin`."""
 

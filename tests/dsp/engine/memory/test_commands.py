@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from carom.dsp.engine.memory.commands import COMMAND, NUMBERS, STEERS, Command, Handle, Kind, write
+from carom.dsp.macros import ENGINE_SETTINGS, MACROS
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import NOW, Engine, Stamp
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE
@@ -81,7 +82,12 @@ def fields(kind):
     if kind in GESTURES:
         own = {each.name for each in GESTURES[kind].keys} | {*NEEDED[kind]} | ALL
         return {name: "values" for name in COMMAND["values"].names if name in own}
-    return {name: record for record in RECORDS[kind] for name in COMMAND[record].names}
+    return {name: record for record in RECORDS[kind] for name in names_of(record)}
+
+
+def names_of(record):
+    """Return the names of a record's values that commands give: a new object's macros are in the middle."""
+    return SETTINGS if record == "settings" else COMMAND[record].names
 
 
 def some(names):
@@ -93,7 +99,7 @@ def test_every_value_lands_in_the_field_of_its_name(kind):
     values = some(fields(kind))
     entry = written(Command(NOW, kind, HERE, values))
     assert {name: entry[record][name] for name, record in fields(kind).items()} == values
-    others = [(record, name) for record in ("values", "settings", "layout", "budget") for name in COMMAND[record].names]
+    others = [(record, name) for record in ("values", "settings", "layout", "budget") for name in names_of(record)]
     assert not any(entry[record][name] for record, name in others if fields(kind).get(name) != record)
 
 
@@ -121,8 +127,8 @@ def test_defaults_are_the_schemas_in_the_engines_units():
     roll = written(Command(NOW, "roll", HERE, some(NEEDED["roll"])))["values"]
     assert roll["roughness"] == 1.0 and roll["friction"] == roll["asymmetry"] == roll["travel"] == 0.0
     new = written(Command(NOW, Kind.NEW, HERE, some(NEEDED[Kind.NEW])))["settings"]
-    assert new.dtype.names == ("gain", "pan", "distance", "tune", "decay", "damp")
-    assert new.item() == (1.0, 0.0, 1.0, 1.0, 1.0, 0.0)
+    assert new.dtype.names == tuple(ENGINE_SETTINGS) and new.dtype.names[:6] == tuple(SETTINGS)
+    assert new.item() == (1.0, 0.0, 1.0, 1.0, 1.0, 0.0, *[0.5] * len(MACROS), 0.0)
 
 
 def test_objects_and_numbers_are_written():
