@@ -371,7 +371,7 @@ def unknown(address: str) -> Refused:
     if meant:
         return Refused(f"no such address; did you mean {' or '.join(meant)}?")
     parts = address.split("/")
-    above = (parts[1], *parts[3:-1])
+    above = (*parts[1:2], *parts[3:-1])
     actions = [verb.action for beside, verb in _TARGETED.items() if len(parts) > 3 and beside[:-1] == above]
     if actions:
         return Refused(f"unknown action '{parts[-1]}'; expected {', '.join(actions)}")

@@ -174,6 +174,8 @@ def test_a_controller_is_learnt_by_being_moved(played):
 
 
 def test_wide_ranges_go_by_ratios_and_ends_may_be_given(played):
+    with pytest.raises(Refused, match="no such address"):
+        played.ask("/midi/control", 1, "EquiM")
     played.ask("/midi/control", 1, "/gesture/*/speed")
     played.ask("/midi/control", "1", "/object/bar/pan", "low", 1, "high", -0.5)
     say(played.session, "/object/bar/roll", 0.5, "striker", "glass-marble", "id", "x")
