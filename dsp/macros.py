@@ -6,7 +6,7 @@ they ring; the others change what its gestures are told.
 
 from dataclasses import dataclass
 
-from .numerics.constants import NEUTRAL
+from .numerics.constants import NEUTRAL as NEUTRAL
 from .numerics.quantities import Parameter
 from .schema import SETTINGS
 

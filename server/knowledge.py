@@ -52,7 +52,7 @@ class Knowledge:
         if path.startswith("/object/") and path.count("/") > 2:
             _, _, name, *setting = path.split("/")
             obj = self._session.objects.get(name)
-            values = {} if obj is None else obj.macros if setting[:-1] == ["macro"] else obj.settings
+            values = {} if obj is None else obj.last_macros if setting[:-1] == ["macro"] else obj.settings
             return [values[setting[-1]]] if setting[-1] in values else None
         if path == "/gain":
             return [20.0 * float(np.log10(max(engine.gain, 1e-9)))]
@@ -128,7 +128,7 @@ class Knowledge:
             "name": name,
             "mass": obj.mass,
             "settings": dict(obj.settings),
-            "macros": {name: obj.macros[name] for name in MACROS},
+            "macros": {name: obj.last_macros[name] for name in MACROS},
             "made": keys_of(obj),
             "frequency": [round(tuning_of(obj) * float(f), 3) for f in modes.frequency[:count]],
             "t60": [round(_T60 / float(d), 4) if d > 0 else 0.0 for d in modes.decay[:count]],

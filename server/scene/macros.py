@@ -156,7 +156,11 @@ def _keep(to: ObjectCall, name: str, value: float) -> None:
     """Remember a macro from its time on."""
     obj, now = to.obj, float(to.transaction.engine.position)
     before, settled = list(obj.turns), dict(obj.settled)
-    to.transaction.on_undo(lambda: (setattr(obj, "turns", before), setattr(obj, "settled", settled)))
+
+    def take_back() -> None:
+        obj.turns, obj.settled, obj.macros = before, settled, dict(settled)
+
+    to.transaction.on_undo(take_back)
     insort(obj.turns, (max(float(to.transaction.time), now), name, value), key=itemgetter(0))
     obj.recall(max(float(to.transaction.time), now), now)
 

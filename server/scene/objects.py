@@ -59,6 +59,11 @@ class PlayedObject:
         self.macros = {**self.settled, **{name: value for at, name, value in self.turns if at <= time}}
 
     @property
+    def last_macros(self) -> dict[str, float]:
+        """The macros as they were last set."""
+        return {**self.settled, **{name: value for _, name, value in list(self.turns)}}
+
+    @property
     def mass(self) -> float:
         """kg."""
         return self.modes.mass * self.heavier
