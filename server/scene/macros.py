@@ -63,9 +63,13 @@ def harder(law: Contact, obj: PlayedObject) -> Contact:
 def recall(transaction: Transaction, obj: PlayedObject) -> None:
     """Have an object's macros be those at the time of a transaction."""
     if obj.turns:
-        now = float(transaction.engine.position)
-        obj.recall(max(float(transaction.time), now), now)
+        obj.recall(_time_of(transaction), float(transaction.engine.position))
         obj.heavier = heavier(transaction, obj)
+
+
+def _time_of(transaction: Transaction) -> float:
+    """Return when a transaction takes effect, samples: what is late does now."""
+    return max(float(transaction.time), float(transaction.engine.position))
 
 
 def touched(obj: PlayedObject) -> Material | None:
@@ -101,7 +105,7 @@ _NUMBERS = {
 }
 
 
-def told(values: Values, kind: str, obj: PlayedObject) -> Values:
+def as_turned(values: Values, kind: str, obj: PlayedObject) -> Values:
     """Return the values of a gesture's message as the object's macros have them."""
     moved = {
         name: obj.macros[macro] for name, (macro, _) in _LAWS.get(kind, {}).items() if obj.macros[macro] != NEUTRAL
@@ -154,15 +158,15 @@ def set_macro(translate: Translate, to: ObjectCall) -> None:
 
 def _keep(to: ObjectCall, name: str, value: float) -> None:
     """Remember a macro from its time on."""
-    obj, now = to.obj, float(to.transaction.engine.position)
+    obj, time = to.obj, _time_of(to.transaction)
     before, settled = list(obj.turns), dict(obj.settled)
 
     def take_back() -> None:
         obj.turns, obj.settled, obj.macros = before, settled, dict(settled)
 
     to.transaction.on_undo(take_back)
-    insort(obj.turns, (max(float(to.transaction.time), now), name, value), key=itemgetter(0))
-    obj.recall(max(float(to.transaction.time), now), now)
+    insort(obj.turns, (time, name, value), key=itemgetter(0))
+    obj.recall(time, float(to.transaction.engine.position))
 
 
 def set_morph(translate: Translate, to: ObjectCall) -> None:

@@ -38,7 +38,7 @@ from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
 from .limits import Contact, fall, most_rough, require_rest, require_rollable, require_short, rim_speed, speed_by
-from .macros import MACRO_HANDLERS, begun_as, heard_as, messages_of, pressed, recall, told
+from .macros import MACRO_HANDLERS, as_turned, begun_as, heard_as, messages_of, pressed, recall
 from .makeup import Played, argument_of, velocity_of
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
@@ -387,7 +387,7 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
             assert call.verb
             given = completed(values, call.verb, obj.preset)
             recall(transaction, obj)
-            handle(ObjectCall(transaction, call, told(given, call.verb.action, obj), name, obj, given))
+            handle(ObjectCall(transaction, call, as_turned(given, call.verb.action, obj), name, obj, given))
 
     return handle_all
 
