@@ -139,7 +139,14 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
                             group.event[j] = NOTHING
                         group.event[k] = MEETS
             taken = first
-            _fly_all(contacts, group, taken, left)
+            # Find where contacts that all fly are after `eta` samples; of one that is `left` to the sample's end, only
+            # the end of its path.
+            if group.size == 1 and taken >= left:
+                contact = contacts[group.member[0]].coupled
+                group.end_x[0], rate = value_at(contact.motion, taken)
+                group.end_v[0] = rate / contact.period
+            else:
+                _set_all(contacts, group, taken)
         elif not last and not held:
             taken = find_step(contacts, group, eta, longest)
         if taken > 0.0 and taken >= left and group.size == 1:
@@ -152,7 +159,22 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
             _answer_others(contacts, group, False)
         else:
             eta = left if last else longest if held else max(FINEST * eta, min(LEAST, eta))
-            _hold_in_turn(contacts, group, eta, at)
+            # Hold the forces for a step, one after the other, and go on by it. Two forces do the same work, each
+            # against the motion that the other gives to its point. The later one is found where the other is known, and
+            # does the work of both: so energy can't grow.
+            for b in range(group.touching):
+                j = group.touches[b]
+                contact = contacts[group.member[j]].coupled
+                given = 0.0
+                for a in range(b):
+                    i = group.touches[a]
+                    given += 2.0 * give_of(group.answer[j, i], eta) * contacts[group.member[i]].coupled.force[0]
+                hold(contact, eta, given)
+                contact.motion[0] -= given
+                contact.position -= given
+            _set_all(contacts, group, eta)
+            _move_all(contacts, group, eta, at)
+            _answer_others(contacts, group, True)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
         if contact.wait >= 0.0:
@@ -162,18 +184,6 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
         elif contact.touching == 0 and contact.motion[0] > 0.0:
             group.event[i] = MEETS
     return eta
-
-
-@kernel
-def _fly_all(contacts: Items[Member], group: CoupledGroup, eta: float, left: float) -> None:
-    """Find where contacts that all fly are after `eta` samples; of one that is `left` to the sample's end, only the end
-    of its path."""
-    if group.size == 1 and eta >= left:
-        contact = contacts[group.member[0]].coupled
-        group.end_x[0], rate = value_at(contact.motion, eta)
-        group.end_v[0] = rate / contact.period
-    else:
-        _set_all(contacts, group, eta)
 
 
 @kernel
@@ -215,25 +225,3 @@ def _answer(contact: Coupled, answer: View[float], other: Coupled, kept: bool) -
             contact.position += total
         else:
             contact.motion[k] -= total
-
-
-@kernel
-def _hold_in_turn(contacts: Items[Member], group: CoupledGroup, eta: float, at: float) -> None:
-    """Hold the forces for a step, one after the other, and go on by it.
-
-    Two forces do the same work, each against the motion that the other gives to its point. The later one is found where
-    the other is known, and does the work of both: so energy can't grow.
-    """
-    for b in range(group.touching):
-        j = group.touches[b]
-        held = contacts[group.member[j]].coupled
-        taken = 0.0
-        for a in range(b):
-            i = group.touches[a]
-            taken += 2.0 * give_of(group.answer[j, i], eta) * contacts[group.member[i]].coupled.force[0]
-        hold(held, eta, taken)
-        held.motion[0] -= taken
-        held.position -= taken
-    _set_all(contacts, group, eta)
-    _move_all(contacts, group, eta, at)
-    _answer_others(contacts, group, True)

@@ -76,7 +76,27 @@ def step_elastic(friction: Friction, mean: float) -> None:
     free, give = path - mean * period, friction.whole_mean * period
     sign = 1.0 if free >= give * held else -1.0
     stretch = _stretch_of(friction, sign, sign * free, give, most)
-    friction.start, friction.slope = sign * _take(friction, sign, stretch, most), 0.0
+    # Stretch the springs, and count what they store and lose (J); their mean force (N) along `sign`.
+    force = stored = 0.0
+    slipping = True
+    for i in range(SPRINGS):
+        k, pull, bound = STIFFNESS[i] * friction.tangential, sign * friction.pull[i], SHARE[i] * most
+        left = (bound - pull) / k
+        if stretch <= left:
+            slipping = slipping and stretch == left
+            force += pull + 0.5 * k * stretch
+            pull += k * stretch
+        else:
+            force += bound - 0.5 * k * left * left / stretch
+            friction.lost += bound * (stretch - left)
+            pull = bound
+        friction.pull[i] = sign * pull
+        stored += 0.5 * pull * pull / k
+    friction.stored = stored
+    branch = sign if slipping else 0.0
+    friction.events += branch != friction.branch
+    friction.branch = branch
+    friction.start, friction.slope = sign * force, 0.0
     friction.driven += friction.start * path
     # Update the limit to the slip, and predict it for the middle of the next sample, should that slip as fast.
     length = _MEMORY * friction.static * load / friction.tangential
@@ -109,28 +129,3 @@ def _stretch_of(friction: Friction, sign: float, free: float, give: float, most:
             break
         stretch += step
     return stretch
-
-
-@kernel
-def _take(friction: Friction, sign: float, stretch: float, most: float) -> float:
-    """Stretch the springs, and count what they store and lose (J); their mean force (N) along `sign`."""
-    force = stored = 0.0
-    slipping = True
-    for i in range(SPRINGS):
-        k, pull, bound = STIFFNESS[i] * friction.tangential, sign * friction.pull[i], SHARE[i] * most
-        left = (bound - pull) / k
-        if stretch <= left:
-            slipping = slipping and stretch == left
-            force += pull + 0.5 * k * stretch
-            pull += k * stretch
-        else:
-            force += bound - 0.5 * k * left * left / stretch
-            friction.lost += bound * (stretch - left)
-            pull = bound
-        friction.pull[i] = sign * pull
-        stored += 0.5 * pull * pull / k
-    friction.stored = stored
-    branch = sign if slipping else 0.0
-    friction.events += branch != friction.branch
-    friction.branch = branch
-    return force

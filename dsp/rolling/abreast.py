@@ -28,7 +28,14 @@ def step_abreast(abreast: Abreast, rolls: View[Roll], rate: float) -> None:
     """Bring bodies AHEAD samples on, and find the moments of their forces."""
     h = 1.0 / rate
     for k in range(abreast.count):
-        _take(abreast, k, rolls[abreast.roll[k]])
+        # Take a body as number k.
+        roll = rolls[abreast.roll[k]]
+        abreast.even[k] = 1 if is_even(roll) else 0
+        abreast.met[k] = 0
+        abreast.level[k] = path_at(roll)[0]
+        abreast.y[k], abreast.w[k] = roll.y, roll.w
+        abreast.force[k] = roll.step.f[0] if roll.touching == 1 else 0.0
+        _know(abreast, k, roll)
     for begin in range(0, AHEAD, STEERS):
         for k in range(abreast.count):
             roll = rolls[abreast.roll[k]]
@@ -58,17 +65,6 @@ def step_abreast(abreast: Abreast, rolls: View[Roll], rate: float) -> None:
             roll.span = h
         roll.impacts += abreast.met[k]
         stand(roll, (abreast.y[k], abreast.w[k], abreast.force[k]), abreast.origin[k] + AHEAD / rate, h)
-
-
-@kernel
-def _take(abreast: Abreast, k: int, roll: Roll) -> None:
-    """Take a body as number k."""
-    abreast.even[k] = 1 if is_even(roll) else 0
-    abreast.met[k] = 0
-    abreast.level[k] = path_at(roll)[0]
-    abreast.y[k], abreast.w[k] = roll.y, roll.w
-    abreast.force[k] = roll.step.f[0] if roll.touching == 1 else 0.0
-    _know(abreast, k, roll)
 
 
 @kernel

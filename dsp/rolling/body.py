@@ -125,15 +125,6 @@ def weigh(roll: Roll) -> None:
 
 
 @kernel
-def change_law(roll: Roll, k: float, mu: float, a: float) -> None:
-    """Give a body that rolls another contact law."""
-    roll.k, roll.mu, roll.a = k, mu, a
-    roll.energy_share = 1.0 / (a + 1.0)
-    if roll.stiffness > 0.0:
-        weigh(roll)
-
-
-@kernel
 def _nearer(value: float, goal: float, share: float) -> float:
     """Move a value a share of its way to a goal, or all of it where little is left."""
     value += share * (goal - value)
@@ -184,7 +175,13 @@ def look_ahead(roll: Roll, seconds: float) -> float:
     if anew:
         # On another path the body keeps its distance and its rate, or begins at rest.
         if not begun:
-            _rest(roll)
+            # Put the body where its contact carries its weight.
+            roll.y = -roll.rest_compression
+            roll.w = 0.0
+            roll.touching = 1
+            roll.next = _FIRST
+            for i in range(NODES):
+                roll.step.f[i] = roll.m * roll.g
         new_level, new_incline = path_at(roll)
         roll.y += new_level - level
         roll.w += roll.modulated_speed * (new_incline - incline)
@@ -194,17 +191,6 @@ def look_ahead(roll: Roll, seconds: float) -> float:
         if length > seconds * roll.modulated_speed:
             return seconds
     return length / roll.modulated_speed
-
-
-@kernel
-def _rest(roll: Roll) -> None:
-    """Put the body where its contact carries its weight."""
-    roll.y = -roll.rest_compression
-    roll.w = 0.0
-    roll.touching = 1
-    roll.next = _FIRST
-    for i in range(NODES):
-        roll.step.f[i] = roll.m * roll.g
 
 
 @kernel
@@ -252,7 +238,19 @@ def _fly(roll: Roll, longest: float) -> None:
         if not _is_clear(roll, v, rises, time):
             level, incline = path_at(roll)
             gap, fall = max(roll.y - level, 0.0), g + v * v * path.curvature[piece]
-            meeting = _meeting(gap, roll.w - rises - v * incline, fall)
+            # The time until gap + rate t - fall t^2/2 is 0, infinite if never.
+            rate = roll.w - rises - v * incline
+            square = rate * rate + 2.0 * fall * gap
+            if square < 0.0 or (fall <= 0.0 and rate >= 0.0):
+                meeting = math.inf
+            else:
+                root = math.sqrt(square)
+                if rate > 0.0:
+                    meeting = (rate + root) / fall
+                elif root - rate == 0.0:
+                    meeting = 0.0
+                else:
+                    meeting = 2.0 * gap / (root - rate)
             met = meeting <= time
             time = meeting if met else time
         roll.y += time * (roll.w - rises - 0.5 * g * time)
@@ -261,7 +259,17 @@ def _fly(roll: Roll, longest: float) -> None:
         roll.span += time
         if met:
             roll.y, incline = path_at(roll)
-            _land(roll, v * incline + rises - roll.w)
+            # Begin a contact.
+            v_in = v * incline + rises - roll.w
+            roll.touching = 1
+            roll.v_in = v_in
+            roll.impacts += 1
+            speed = math.sqrt(v_in * v_in + roll.g * roll.rest_compression)
+            time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
+            time *= _BEGIN_BRIEF if roll.brief > 0.0 else _BEGIN
+            roll.next = time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
+            for i in range(NODES):
+                roll.step.f[i] = 0.0
             return
         if left <= end:
             return
@@ -279,34 +287,6 @@ def _is_clear(roll: Roll, v: float, rises: float, time: float) -> bool:
     swell = 0.125 * max(-bend, 0.0) * passed * passed
     rise = time * (roll.w - rises - 0.5 * roll.modulated_gravity * time)
     return gap > swell and gap + rise - passed * (incline + 0.5 * bend * passed) > swell
-
-
-@kernel
-def _meeting(gap: float, rate: float, fall: float) -> float:
-    """Return the time until gap + rate t - fall t^2/2 is 0, infinite if never."""
-    square = rate * rate + 2.0 * fall * gap
-    if square < 0.0 or (fall <= 0.0 and rate >= 0.0):
-        return math.inf
-    root = math.sqrt(square)
-    if rate > 0.0:
-        return (rate + root) / fall
-    if root - rate == 0.0:
-        return 0.0
-    return 2.0 * gap / (root - rate)
-
-
-@kernel
-def _land(roll: Roll, v_in: float) -> None:
-    """Begin a contact."""
-    roll.touching = 1
-    roll.v_in = v_in
-    roll.impacts += 1
-    speed = math.sqrt(v_in * v_in + roll.g * roll.rest_compression)
-    time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
-    time *= _BEGIN_BRIEF if roll.brief > 0.0 else _BEGIN
-    roll.next = time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
-    for i in range(NODES):
-        roll.step.f[i] = 0.0
 
 
 @kernel

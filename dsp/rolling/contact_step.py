@@ -126,7 +126,12 @@ def _judge(
     x, v, stored = begin
     x_end = roll.level[NODES] - y
     spring, kept = spring_and_energy(x_end, k, roll.a, roll.energy_share)
-    v_end = _rate_under(roll, spring, roll.path_rate[NODES] - w)
+    # The rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not sink.
+    rate = roll.path_rate[NODES] - w
+    if roll.mobility == 0.0:
+        v_end = rate
+    else:
+        v_end = (rate + roll.mobility * (roll.m * roll.g - spring)) / (1.0 + spring * roll.mu * roll.mobility)
     rest = abs(end_of(f) - spring * slack_of(v_end, roll.mu)) * h
     # The work of path and dashpot, and how uncertain it is where the path bends.
     work = spread = sunk = 0.0
@@ -142,25 +147,11 @@ def _judge(
     room = spread + _GROWTH * m * (square + roll.modulated_gravity * max(x, x_end, 0.0))
     ripple = max(_ripple(roll, x, v), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * _LEAST_RIPPLE * square)
     # Squares: one rough eighth root stands for the square root of the ripple and the fourth root of the quotient.
-    wanted, rest = (_tolerance(roll, pace) * m) ** 2 * ripple, rest * rest
+    # The share of the momentum at hand by which a step of 1/pace s may err.
+    shorter = max(roll.brief * pace, 1.0)
+    wanted, rest = ((min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness) * m) ** 2 * ripple, rest * rest
     good = rest <= _TAKEN * _TAKEN * wanted and gained <= room
     return better_step(rough_eighth_root(wanted / max(rest, LEAST_REST))), good
-
-
-@kernel
-def _tolerance(roll: Roll, pace: float) -> float:
-    """Return the share of the momentum at hand by which a step of 1/pace s may err."""
-    shorter = max(roll.brief * pace, 1.0)
-    return min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness
-
-
-@kernel
-def _rate_under(roll: Roll, spring: float, rate: float) -> float:
-    """Return the rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not
-    sink."""
-    if roll.mobility == 0.0:
-        return rate
-    return (rate + roll.mobility * (roll.m * roll.g - spring)) / (1.0 + spring * roll.mu * roll.mobility)
 
 
 @kernel

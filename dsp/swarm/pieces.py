@@ -222,7 +222,18 @@ def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
     if stays:
         _brake(swarm, p, swarm.friction * given)
     else:
-        _rub(swarm, p, middle, swarm.friction * given)
+        # Stop the corner of a piece along the floor, or slow it by a change (m/s) of the piece's speed if that is less.
+        most = swarm.friction * given
+        arm, along = middle / (_CORNER * _radius(swarm, p)), 2.0 * math.pi * uniform(swarm, number_of(swarm, p), GAP)
+        u, w = swarm.slide_of[p] * math.cos(along), swarm.slide_of[p] * math.sin(along)
+        x, y = u - arm * swarm.turn_of[0, p], w - arm * swarm.turn_of[1, p]
+        speed = math.sqrt(x * x + y * y)
+        if speed != 0.0:
+            less = min(most, speed / (1.0 + SPUN * arm * arm)) / speed
+            swarm.turn_of[0, p] += SPUN * arm * less * x
+            swarm.turn_of[1, p] += SPUN * arm * less * y
+            u, w = u - less * x, w - less * y
+            swarm.slide_of[p] = math.sqrt(u * u + w * w)
     held = _hold(swarm, p, flat, v) if stays else 0
     swarm.bounced[p] += 1
     x, y, fall = swarm.turn_of[0, p], swarm.turn_of[1, p], swarm.fall_of[p]
@@ -243,24 +254,6 @@ def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
 def _brake(swarm: Swarm, p: int, less: float) -> None:
     """Subtract so many m/s from a piece's speed along the floor, until it stops."""
     swarm.slide_of[p] = max(swarm.slide_of[p] - less, 0.0)
-
-
-@kernel
-def _rub(swarm: Swarm, p: int, high: float, most: float) -> None:
-    """Stop the corner of a piece along the floor, or slow it by a change (m/s) of the piece's speed if that is less.
-
-    high: m, of the piece's middle."""
-    arm, along = high / (_CORNER * _radius(swarm, p)), 2.0 * math.pi * uniform(swarm, number_of(swarm, p), GAP)
-    u, w = swarm.slide_of[p] * math.cos(along), swarm.slide_of[p] * math.sin(along)
-    x, y = u - arm * swarm.turn_of[0, p], w - arm * swarm.turn_of[1, p]
-    speed = math.sqrt(x * x + y * y)
-    if speed == 0.0:
-        return
-    less = min(most, speed / (1.0 + SPUN * arm * arm)) / speed
-    swarm.turn_of[0, p] += SPUN * arm * less * x
-    swarm.turn_of[1, p] += SPUN * arm * less * y
-    u, w = u - less * x, w - less * y
-    swarm.slide_of[p] = math.sqrt(u * u + w * w)
 
 
 @kernel

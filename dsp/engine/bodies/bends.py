@@ -125,7 +125,12 @@ def retune_bent(state: State, obj: Object, stretch: float, share: float) -> None
         _add(modes, bent, kept - 1.0)
         total = _energy(state, obj, modes)
         if total > allowed:
-            _scale(modes, obj, math.sqrt(max(allowed, 0.0) / total))
+            # Scale the motion of the modes that contacts feel.
+            factor = math.sqrt(max(allowed, 0.0) / total)
+            for i in range(len(modes.y1)):
+                if i < obj.felt or i >= obj.unheard:
+                    modes.y1[i] *= factor
+                    modes.y2[i] *= factor
             total = allowed
     obj.lent = allowed - total
     index = obj.contact
@@ -133,25 +138,20 @@ def retune_bent(state: State, obj: Object, stretch: float, share: float) -> None
         contact = state.contacts[index]
         contact.unsettled = 1
         if contact.trait.held == 1:
-            _follow_static(state, contact, obj)
+            # Bring the static output under a press to the modes as they are tuned now: those that have passed the
+            # highest frequency hold no bend any more, and what the mix subtracts steps with what they leave.
+            force = pressing_force(contact) * contact.now.gain
+            for side in range(2):
+                point = contact.point[side]
+                if point.slot >= 0 and state.objects[point.slot].first == obj.first:
+                    for i in range(min(point.modes, obj.bent)):
+                        state.scratch.work[i] = shape_at(state, obj, point, i)
+                    for channel in range(2):
+                        obj.static[channel] -= force * contact.static[side, channel]
+                    find_static(state, contact, side, obj, point.modes)
+                    for channel in range(2):
+                        obj.static[channel] += force * contact.static[side, channel]
         index = contact.next
-
-
-@kernel
-def _follow_static(state: State, contact: Contact, obj: Object) -> None:
-    """Bring the static output under a press to the modes as they are tuned now: those that have passed the highest
-    frequency hold no bend any more, and what the mix subtracts steps with what they leave."""
-    force = pressing_force(contact) * contact.now.gain
-    for side in range(2):
-        point = contact.point[side]
-        if point.slot >= 0 and state.objects[point.slot].first == obj.first:
-            for i in range(min(point.modes, obj.bent)):
-                state.scratch.work[i] = shape_at(state, obj, point, i)
-            for channel in range(2):
-                obj.static[channel] -= force * contact.static[side, channel]
-            find_static(state, contact, side, obj, point.modes)
-            for channel in range(2):
-                obj.static[channel] += force * contact.static[side, channel]
 
 
 @kernel
@@ -216,15 +216,6 @@ def _add(modes: Modes, bent: Modes, share: float) -> None:
     for i in range(len(modes.y1)):
         modes.y1[i] += share * bent.y1[i]
         modes.y2[i] += share * bent.y2[i]
-
-
-@kernel
-def _scale(modes: Modes, obj: Object, factor: float) -> None:
-    """Scale the motion of the modes that contacts feel."""
-    for i in range(len(modes.y1)):
-        if i < obj.felt or i >= obj.unheard:
-            modes.y1[i] *= factor
-            modes.y2[i] *= factor
 
 
 @kernel

@@ -7,7 +7,6 @@ from ...rolling.abreast import step_abreast
 from ...rolling.abreast_record import ABREAST
 from ...rolling.body import goes_abreast
 from ..bodies.strikers import roll_striker
-from ..memory.records import Contact
 from ..memory.state import BEHIND, LEAD, QUANTUM, State
 from .rolls import begin_of, feed_of, move_on, register_roll
 from .trace import trace_roll
@@ -39,21 +38,17 @@ def roll_abreast(state: State) -> None:
     step_abreast(abreast, state.rolls, state.rate)
     for k in range(abreast.count):
         index = abreast.contact[k]
-        _feed(state, state.contacts[index], k)
+        # Take the force of number k of those that went together.
+        contact = state.contacts[index]
+        feed = state.feeds[contact.roll]
+        move_on(state, contact, _BEFORE)
+        for n in range(QUANTUM):
+            row = feed[_BEFORE + n]
+            row[0], row[1] = abreast.first[n, k], abreast.tilt[n, k]
+            for i in range(2, KEPT):
+                row[i] = 0.0
         hand_on(state, index, abreast.met[k])
     abreast.count = 0
-
-
-@kernel
-def _feed(state: State, contact: Contact, k: int) -> None:
-    """Take the force of number k of those that went together."""
-    feed, abreast = state.feeds[contact.roll], state.scratch.abreast
-    move_on(state, contact, _BEFORE)
-    for n in range(QUANTUM):
-        row = feed[_BEFORE + n]
-        row[0], row[1] = abreast.first[n, k], abreast.tilt[n, k]
-        for i in range(2, KEPT):
-            row[i] = 0.0
 
 
 @noinline_kernel

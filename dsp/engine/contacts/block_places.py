@@ -20,22 +20,9 @@ from ..memory.records import Contact
 from ..memory.state import QUANTUM, State
 from .block_motion import BENT, lay_answers, whole_lanes
 from .contact_force import find_transfer, observe_points
-from .coupled_rolls import passed_by, position_of, turns
+from .coupled_rolls import position_of
 
-_FAR = 0.03  # rows of shapes that a body passes in a quantum, up to which its answer goes as a line within -60 dB
 _SAME = 1e-9  # of a path: places that differ by less are one
-
-
-@kernel
-def go_on_lines(state: State, net: Net) -> bool:
-    """True if bodies of a net move over their objects, each one way in the quantum, and not far: tables go as lines
-    between its ends."""
-    near = net.moves == 1 and net.lasts == 0
-    for i in range(net.size):
-        contact = state.contacts[net.contact[i]]
-        if contact.travel > 0.0:
-            near = near and passed_by(state, contact) < _FAR and not turns(contact, 0, QUANTUM)
-    return near
 
 
 @kernel

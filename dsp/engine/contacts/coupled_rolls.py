@@ -68,7 +68,17 @@ def couple_roll(state: State, contact: Contact) -> None:
     level, roll = state.choices.accuracy, state.rolls[contact.roll]
     mass, gravity = roll.target.mass, roll.target.gravity
     omega_c = math.sqrt(contact.a * gravity / compression_at(mass * gravity, contact.k, contact.a))
-    mobility, greatest = _mobility(state, contact, omega_c)
+    # Sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's way.
+    obj = state.objects[contact.point[0].slot]
+    mean = greatest = 0.0
+    places = _PLACES if contact.travel > 0.0 else 1
+    for n in range(places):
+        put(state, obj, contact, n / (_PLACES - 1.0) if places > 1 else contact.now.position)
+        here = _mobility_here(state, contact, omega_c)
+        mean += here / places
+        greatest = max(greatest, here)
+    put(state, obj, contact, contact.now.position)
+    mobility, greatest = mean, greatest
     roll.mobility = mobility / omega_c
     gives = mass * greatest
     gives_way = gives > GIVING[level]
@@ -168,22 +178,6 @@ def _stiffens(contact: Contact, force: float) -> float:
 
 
 @kernel
-def _mobility(state: State, contact: Contact, omega_c: float) -> tuple[float, float]:
-    """Return sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's
-    way."""
-    obj = state.objects[contact.point[0].slot]
-    mean = greatest = 0.0
-    places = _PLACES if contact.travel > 0.0 else 1
-    for n in range(places):
-        put(state, obj, contact, n / (_PLACES - 1.0) if places > 1 else contact.now.position)
-        here = _mobility_here(state, contact, omega_c)
-        mean += here / places
-        greatest = max(greatest, here)
-    put(state, obj, contact, contact.now.position)
-    return mean, greatest
-
-
-@kernel
 def _mobility_here(state: State, contact: Contact, omega_c: float) -> float:
     """Return that sum at the place of a contact."""
     total = 0.0
@@ -261,16 +255,6 @@ def keeps_line(contact: Contact, rows: int, frame: int) -> bool:
     """True if what rolls or slides keeps its rows of shapes over the LINE frames about one."""
     begin = frame // LINE * LINE
     return keeps_rows(rows, position_of(contact, begin), position_of(contact, begin + LINE))
-
-
-@kernel
-def line_position_of(contact: Contact, rows: int, frame: int) -> float:
-    """Return the position of what rolls or slides, as a line for LINE frames where it keeps its rows of shapes."""
-    if not keeps_line(contact, rows, frame):
-        return position_of(contact, frame)
-    begin = frame // LINE * LINE
-    here = position_of(contact, begin)
-    return here + (frame - begin) / LINE * (position_of(contact, begin + LINE) - here)
 
 
 @kernel

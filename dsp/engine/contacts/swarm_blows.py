@@ -114,11 +114,50 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
 def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> None:
     """Lay blows onto the grids, or make them contacts of their own."""
     rate, sizes, mass = state.rate / swarm.every, swarm.sized == 1, swarm.together * mean_mass(swarm)
-    stream = STREAM * mass, STREAM * _flow_beside(state, swarm)
+    # How many kilograms a second other swarms bring to a swarm's object.
+    total = 0.0
+    for k in range(SWARMS):
+        other = state.swarms[k]
+        if other.used == 1 and other.slot == swarm.slot:
+            total += other.flow
+    stream = STREAM * mass, STREAM * max(total - swarm.flow, 0.0)
     for n in range(blows.count):
-        _weigh_blow(state, contact, swarm, blows, n, stream)
+        # Find a blow's momentum, its width (ln of samples) and its middle (in that) by how its place yields; the
+        # momentum is 0 where it becomes a contact of its own.
+        table, mass, v, loss = state.pulses.tables[swarm.table], blows.mass[n], blows.v[n], blows.loss[n]
+        ratio, width, asked = _yielded(swarm, blows, n, stream[0] * blows.rate[n] + stream[1])
+        width += swarm.log_rate
+        blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
+        swarm.energy += 0.5 * mass * v * v
+        if asked > _HEAVY and contact.trait.breaks == 0 and _may_be_contact(state, swarm, blows.time[n], log(mass * v)):
+            _become_contact(state, contact, blows, n)
+            blows.momentum[n] = 0.0
+        else:
+            state.stats.impacts += 1
+            blows.momentum[n] = (
+                (blows.heard[n] if swarm.pieces > 0 else known_of(table.momentum, loss)) * ratio * mass * v
+            )
+            if swarm.law == DROPS:
+                blows.momentum[n] *= blows.heard[n]
+            if (
+                width > _WIDEST
+            ):  # as loud at frequencies above the longer pulse's, and less below: it begins as t^(power - 1)
+                power = 1.5 if swarm.law == DROPS else swarm.a + 1.0
+                blows.momentum[n] *= exp(power * (_WIDEST - width))
     if sizes and swarm.cracked == swarm.pieces == 0:
-        _share_blows(state, swarm, blows)
+        # Find what grains that ring take of their blows: the factor on the momentum, and by how much ln of the width is
+        # less. Both are those of rigid ones where they do not ring.
+        if swarm.bends == 0:
+            for n in range(BATCH):
+                blows.alike[n], blows.shorter[n] = 1.0, 0.0
+        else:
+            table, varied = state.pulses.tables[swarm.table], swarm.finer > ONE_SIZE
+            for n in range(BATCH):
+                given = known_of(table.momentum, blows.loss[n])
+                size = size_of(swarm, blows.mass[n]) if varied else 0.0
+                mass_ratio = 1.0 if varied else blows.mass[n] / swarm.m
+                kept, blows.shorter[n] = kept_of(swarm, mass_ratio, blows.width[n] - swarm.log_rate - size, given)
+                blows.alike[n] = math.sqrt(left_by(given, blows.ratio[n]) * kept)
     origin = (contact.origin - state.position + swarm.lead) / swarm.every + _EARLY
     for n in range(BATCH):
         blows.at[n] = origin + blows.time[n] * rate + blows.at[n] * exp(blows.width[n])
@@ -164,17 +203,6 @@ def _ring(state: State, swarm: Swarm, c: int, at: float, width: float, loss: flo
 
 
 @kernel
-def _flow_beside(state: State, swarm: Swarm) -> float:
-    """Return how many kilograms a second other swarms bring to a swarm's object."""
-    total = 0.0
-    for k in range(SWARMS):
-        other = state.swarms[k]
-        if other.used == 1 and other.slot == swarm.slot:
-            total += other.flow
-    return max(total - swarm.flow, 0.0)
-
-
-@kernel
 def _yielded(swarm: Swarm, blows: Blows, n: int, flow: float) -> tuple[float, float, float]:
     """Return what `yielding` does of a blow, in a stream of a flow (kg/s) as the stream's share has it."""
     if swarm.places == 0:
@@ -182,31 +210,6 @@ def _yielded(swarm: Swarm, blows: Blows, n: int, flow: float) -> tuple[float, fl
     where = blows.place[n]
     ratio, width, asked = yielding(swarm, where, blows.mass[n], blows.width[n])
     return ratio / (1.0 + ratio * flow * swarm.slow[where]), width, asked
-
-
-@kernel
-def _weigh_blow(
-    state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, stream: tuple[float, float]
-) -> None:
-    """Find a blow's momentum, its width (ln of samples) and its middle (in that) by how its place yields; the momentum
-    is 0 where it becomes a contact of its own. stream: kg, and kg/s of other swarms: the mean mass, and what they
-    bring, as the stream's share has them."""
-    table, mass, v, loss = state.pulses.tables[swarm.table], blows.mass[n], blows.v[n], blows.loss[n]
-    ratio, width, asked = _yielded(swarm, blows, n, stream[0] * blows.rate[n] + stream[1])
-    width += swarm.log_rate
-    blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
-    swarm.energy += 0.5 * mass * v * v
-    if asked > _HEAVY and contact.trait.breaks == 0 and _may_be_contact(state, swarm, blows.time[n], log(mass * v)):
-        _become_contact(state, contact, blows, n)
-        blows.momentum[n] = 0.0
-        return
-    state.stats.impacts += 1
-    blows.momentum[n] = (blows.heard[n] if swarm.pieces > 0 else known_of(table.momentum, loss)) * ratio * mass * v
-    if swarm.law == DROPS:
-        blows.momentum[n] *= blows.heard[n]
-    if width > _WIDEST:  # as loud at frequencies above the longer pulse's, and less below: it begins as t^(power - 1)
-        power = 1.5 if swarm.law == DROPS else swarm.a + 1.0
-        blows.momentum[n] *= exp(power * (_WIDEST - width))
 
 
 @kernel
@@ -250,23 +253,6 @@ def _left_to(state: State, swarm: Swarm, blows: Blows, n: int) -> float:
     """Return the factor on a blow's momentum that moves what rings, by the energy that the object leaves it."""
     given = known_of(state.pulses.tables[swarm.table].momentum, blows.loss[n])
     return math.sqrt(left_by(given, blows.ratio[n])) if swarm.bends > 0 else 1.0
-
-
-@kernel
-def _share_blows(state: State, swarm: Swarm, blows: Blows) -> None:
-    """Find what grains that ring take of their blows: the factor on the momentum, and by how much ln of the width is
-    less. Both are those of rigid ones where they do not ring."""
-    if swarm.bends == 0:
-        for n in range(BATCH):
-            blows.alike[n], blows.shorter[n] = 1.0, 0.0
-        return
-    table, varied = state.pulses.tables[swarm.table], swarm.finer > ONE_SIZE
-    for n in range(BATCH):
-        given = known_of(table.momentum, blows.loss[n])
-        size = size_of(swarm, blows.mass[n]) if varied else 0.0
-        mass_ratio = 1.0 if varied else blows.mass[n] / swarm.m
-        kept, blows.shorter[n] = kept_of(swarm, mass_ratio, blows.width[n] - swarm.log_rate - size, given)
-        blows.alike[n] = math.sqrt(left_by(given, blows.ratio[n]) * kept)
 
 
 @kernel

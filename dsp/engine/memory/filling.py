@@ -22,7 +22,14 @@ def fill_unused(state: State) -> None:
     if state.filler == 0:
         return
     if state.position == 0:
-        _fill_places(state)
+        for i in range(len(state.contacts)):
+            fill_contact(state, i)
+        for i in range(ROLLS - _NEXT, ROLLS):
+            fill_roll(state, i)
+        for i in range(SWARMS):
+            fill_swarm(state, i)
+        for i in range(VOICES):
+            fill_voice(state, i)
     # A list of an object's rolls goes through contacts that have ended within a quantum.
     free = len(state.contacts) - state.stats.contacts_active
     for i in range(max(free - _NEXT, 0), free):
@@ -79,18 +86,6 @@ def _fill_group(state: State) -> None:
     fill_bytes(group.sought, byte)
     fill_bytes(group.event, byte)
     fill_bytes(group.path, byte)
-
-
-@kernel
-def _fill_places(state: State) -> None:
-    for i in range(len(state.contacts)):
-        fill_contact(state, i)
-    for i in range(ROLLS - _NEXT, ROLLS):
-        fill_roll(state, i)
-    for i in range(SWARMS):
-        fill_swarm(state, i)
-    for i in range(VOICES):
-        fill_voice(state, i)
 
 
 @kernel

@@ -15,25 +15,6 @@ _HUGE = 1e30  # above this a voice counts as not finite
 
 
 @kernel
-def clear_mix(state: State) -> None:
-    """Begin a quantum with silence, also in the stems of objects that no longer sound."""
-    output = state.output
-    for channel in range(output.channels):
-        for n in range(QUANTUM):
-            output.mix[channel, n] = 0.0
-    if output.stems_on == 0:
-        return
-    if output.delay > 0:
-        output.turn = 1 - output.turn
-    for slot in range(STEMS):
-        if output.stem_sounds[output.turn, slot] == 1:
-            output.stem_sounds[output.turn, slot] = 0
-            for channel in range(output.channels):
-                for n in range(QUANTUM):
-                    output.stems[output.turn, slot, channel, n] = 0.0
-
-
-@kernel
 def glide_gains(state: State, obj: Object) -> None:
     """Bring an object's gains nearer to their targets."""
     ask_gains(state, obj)
@@ -105,47 +86,3 @@ def is_finite(state: State, voice: View2D[float]) -> bool:
 def sides_of(state: State) -> int:
     """Return the sides of a voice that are heard: left and right of two channels, else the first."""
     return 2 if state.output.channels == 2 else 1
-
-
-@kernel
-def remove_static(state: State, obj: Object, voice: View2D[float]) -> None:
-    """Take the output of an object's static deflection out of its voice."""
-    for side in range(sides_of(state)):
-        before = obj.static_before[side]
-        more = (obj.static[side] - before) / QUANTUM
-        if before != 0.0 or more != 0.0:
-            for n in range(QUANTUM):
-                voice[side, n] = voice[side, n] - before - (n + 1) * more
-
-
-@kernel
-def add_share(state: State, slot: int, voice: View2D[float]) -> None:
-    """Add an object's voice with its gains to the mix, and to its stem where stems are kept."""
-    output, scratch, obj = state.output, state.scratch, state.objects[slot]
-    for channel in range(output.channels):
-        before = obj.place.before[channel]
-        step = (obj.place.gain[channel] - before) / QUANTUM
-        if before == 0.0 and step == 0.0:
-            continue
-        side = min(channel, sides_of(state) - 1)
-        for n in range(QUANTUM):
-            scratch.share[n] = voice[side, n] * (before + (n + 1) * step)
-        for n in range(QUANTUM):
-            output.mix[channel, n] += scratch.share[n]
-        obj.energy += _energy(scratch.share)
-        if output.stems_on == 1:
-            output.stem_sounds[output.turn, slot] = 1
-            for n in range(QUANTUM):
-                output.stems[output.turn, slot, channel, n] += scratch.share[n]
-
-
-@kernel
-def _energy(share: View[float]) -> float:
-    """Return the sum of squares: of eight that do not wait for one another."""
-    energy = 0.0
-    for n in range(0, QUANTUM, 8):
-        a, b, c, d, e, f, g, h = (
-            share[n], share[n + 1], share[n + 2], share[n + 3], share[n + 4], share[n + 5], share[n + 6], share[n + 7],
-        )  # fmt: skip
-        energy += ((a * a + b * b) + (c * c + d * d)) + ((e * e + f * f) + (g * g + h * h))
-    return energy
