@@ -14,7 +14,6 @@ from .bodies.retuning import retune
 from .bodies.sensing import begin_sensing, sense
 from .bodies.sheets import follow_sheets, is_coupled, uncouple
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
-from .contacts.abreast import roll_abreast
 from .contacts.blocks import solve_blocks
 from .contacts.contact_groups import solve_groups
 from .contacts.contact_list import end_contacts
@@ -66,7 +65,6 @@ def update_objects(state: State) -> None:
     state.resting = 0
     for i in range(state.active):
         update_contacts(state, state.objects[state.order[i]])
-    roll_abreast(state)
     settle_rests(state)
 
 

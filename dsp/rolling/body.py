@@ -9,10 +9,6 @@ path gives its weight, which nobody hears: the force that is handed on is f - m 
 A flight ends by a quadratic, piece of the path by piece. Contacts go by the collocation step of collocation.py, with
 steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
 A roll that asks for more than EVENTS steps a second gets coarser ones, whose energy can't grow.
-
-One kind of body is an exception: up to `-60`, at sampling rates of 40 to 64 kHz, one that swings slowly, under a law of
-exponent 3/2, on a path of many pieces goes by steps of a sample (sample_step.py), in contact and in flight, abreast of
-others (abreast.py): from the end of the stretch in which it is seen to be one.
 """
 
 import math
@@ -25,9 +21,8 @@ from ..numerics.legendre import KEPT
 from ..schema import SPEED
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, PIECES, extend_path, renew_path, restart_path
+from .path import AHEAD, PIECES, extend_path, pass_on, renew_path, restart_path
 from .roll_record import Roll
-from .sample_step import Body, follows, pass_on
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -48,9 +43,6 @@ _STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
-_BUSY = 3.0  # samples a piece of the path: where they are shorter, a body begins to go by samples
-_IDLE = 16.0  # and where they are longer, it ends: few steps of contact_step.py do, but each change is a small jump
-_SAME = 2.0**-16  # samples: times that are nearer count as one
 
 
 @kernel
@@ -81,7 +73,7 @@ def begin_roll(roll: Roll, place: int, k: float, mu: float, a: float, corners: f
     roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
     roll.fade = 1.0
     roll.mobility = roll.brief = 0.0
-    roll.ended = roll.impacts = roll.events = roll.holds = roll.samples = 0
+    roll.ended = roll.impacts = roll.events = roll.holds = 0
     roll.along = 0.0
     roll.piece = -1
     roll.path.begin = place
@@ -170,7 +162,7 @@ def look_ahead(roll: Roll, seconds: float) -> float:
         else:
             restart_path(path, path.begin)
         extend_path(path, 1)
-        roll.piece, roll.along, _ = pass_on(path, 0, roll.along)
+        roll.piece, roll.along = pass_on(path, 0, roll.along)
     extend_path(path, roll.piece + AHEAD)
     if anew:
         # On another path the body keeps its distance and its rate, or begins at rest.
@@ -200,13 +192,13 @@ def share_of(roll: Roll) -> float:
 
 
 @kernel
-def next_event(roll: Roll, most: float) -> None:
-    """Advance the body by one event, of some seconds at most: a flight or a part of one, or a step in contact."""
+def next_event(roll: Roll) -> None:
+    """Advance the body by one event: a flight or a part of one, or a step in contact."""
     steer(roll)
     modulate(roll)
     least = roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0
     wanted = min(max(roll.next, least), _LONGEST) if roll.touching == 1 else _LONGEST
-    longest = min(0.999 * look_ahead(roll, _ROOM * wanted), _LONGEST, most)
+    longest = min(0.999 * look_ahead(roll, _ROOM * wanted), _LONGEST)
     roll.since = roll.t
     if roll.touching == 1:
         step_contact(roll, longest, least)
@@ -294,36 +286,20 @@ def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) ->
     """Fill in the moments (N s) of the force over each frame.
 
     moments: (frames, KEPT) float64. Frame n is the sample from origin + n/rate to
-    origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other. A body that is to go by
-    samples stops at the end.
+    origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other.
     """
     frames = len(moments)
     for n in range(frames):
         for i in range(KEPT):
             moments[n, i] = 0.0
-    end, near, waits = origin + frames / rate, _SAME / rate, False
+    end = origin + frames / rate
     for _ in range(_MOST_EVENTS):
         stop = roll.since + roll.span
-        roll.samples = 1 if waits and abs(end - stop) < near else 0
         add_quadratic(roll.force, roll.since, roll.span, roll.given, min(stop, end), origin, rate, moments)
         roll.given = max(roll.given, min(stop, end))
-        if stop >= end or roll.samples == 1 or roll.ended == 1:
+        if stop >= end or roll.ended == 1:
             break
-        waits = _goes_by_samples(roll, 1.0 / rate, _BUSY)
-        next_event(roll, end - stop if waits else math.inf)
-
-
-@kernel
-def _goes_by_samples(roll: Roll, period: float, bound: float) -> bool:
-    """True if a step a sample, of a period (s), does, and the next pieces of the path are short: so many samples."""
-    if not follows(roll, period):
-        return False
-    path, first, way = roll.path, roll.piece, -roll.along
-    extend_path(path, first + AHEAD)
-    for n in range(first, first + AHEAD, 4):  # four that do not wait for one another
-        a, b, c, d = n & (PIECES - 1), n + 1 & (PIECES - 1), n + 2 & (PIECES - 1), n + 3 & (PIECES - 1)
-        way += (path.length[a] + path.length[b]) + (path.length[c] + path.length[d])
-    return way < bound * AHEAD * period * roll.modulated_speed
+        next_event(roll)
 
 
 @kernel
@@ -334,22 +310,3 @@ def is_even(roll: Roll) -> bool:
     loads = roll.m == target.mass and roll.g == target.gravity == roll.modulated_gravity and roll.stiffness > 0.0
     ways = path.radius == target.radius and path.roughness == target.roughness and path.patch == target.patch
     return speeds and loads and ways and target.friction == target.asymmetry == 0.0 and roll.fade == 1.0
-
-
-@kernel
-def goes_abreast(roll: Roll, origin: float, rate: float) -> bool:
-    """True if a body goes by samples from an origin (s) on, abreast of others (abreast.py)."""
-    return roll.samples == 1 and abs(roll.t - origin) * rate < _SAME and _goes_by_samples(roll, 1.0 / rate, _IDLE)
-
-
-@kernel
-def stand(roll: Roll, body: Body, t: float, period: float) -> None:
-    """Say where a body is at a time t (s) after steps of a sample, of a period (s)."""
-    roll.y, roll.w, force = body
-    roll.touching = 1 if force > 0.0 else 0
-    for i in range(NODES):
-        roll.step.f[i] = force
-    roll.next = period
-    roll.t = t
-    roll.since = roll.t - roll.span
-    roll.given = roll.since + roll.span

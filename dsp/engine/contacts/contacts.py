@@ -31,7 +31,6 @@ from ..memory.state import (
     Object,
     State,
 )
-from .abreast import hand_on, waits_for_others
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_groups import solve_alone
 from .contact_list import (
@@ -49,10 +48,11 @@ from .coupled_rolls import LEAVING
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .presses import add_static, glide_push, lay_on
 from .rests import bear_load, begin_rest, keep_resting
-from .rolls import feed_on, move_on
+from .rolls import feed_of, feed_on, move_on, register_roll
 from .slides import choose_again, lead_slide, rub, rubs
 from .solver_choice import is_moved
 from .swarms import delay_swarm, has_run_out, swarm_on
+from .trace import trace_roll
 
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 
@@ -227,8 +227,6 @@ def _roll_on(state: State, index: int) -> bool:
         return roll.ended == 1
     roll.path.coarseness = coarseness_of(state)
     ends = contact.trait.slips == 1 and state.slides[contact.roll].feels == LEAVING
-    if not ends and waits_for_others(state, index):
-        return False
     met = roll.impacts
     if ends:
         # End a body's force with the frames that are computed.
@@ -239,7 +237,19 @@ def _roll_on(state: State, index: int) -> bool:
                 feed[n, k] = 0.0
     else:
         feed_on(state, contact)
-    hand_on(state, index, roll.impacts - met)
+    # Hand the force on to what it drives.
+    feed = feed_of(state, contact)
+    if contact.trait.rolls == 1:
+        ahead = roll.t - (state.position - 1 + QUANTUM - contact.origin) / state.rate
+        contact.rolled += contact.rolls
+        contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
+    state.stats.impacts += roll.impacts - met
+    trace_roll(state, contact, feed, (0, QUANTUM), 1)
+    for n in range(len(contact.forces)):
+        contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
+    if roll.ended == 0:
+        register_roll(state, index)
+        roll_striker(state, contact)
     return roll.ended == 1
 
 

@@ -49,8 +49,6 @@ def fill_unused(state: State) -> None:
     fill_bytes(scratch.drift, byte)
     fill_bytes(scratch.room, byte)
     fill_bytes(scratch.receptance, byte)
-    fill_bytes(scratch.abreast, byte)
-    scratch.abreast.count = 0  # of those that wait, none between quanta
     fill_bytes(scratch.drivers, byte)
     fill_bytes(scratch.blows, byte)
     clear_record(scratch.batch)  # blows that were not drawn go through the same loops: they must be numbers
