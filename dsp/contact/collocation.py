@@ -113,15 +113,6 @@ def allowance(gained: float, scale: float) -> float:
 
 
 @kernel
-def extrapolate(step: Step, ratio: float) -> None:
-    """Extrapolate the last step's force as the first guess of the next step's Newton iteration; the next step is
-    `ratio` times as long."""
-    f0, f1, f2 = step.f[0], step.f[1], step.f[2]
-    for i in range(NODES):
-        step.f[i] = force_at(f0, f1, f2, 1.0 + ratio * GAUSS[i])
-
-
-@kernel
 def force_at(f0: float, f1: float, f2: float, theta: float) -> float:
     """Return the quadratic through a step's forces at `theta`, in times of the step; never negative."""
     c0, c1, c2 = power_series_of(f0, f1, f2)

@@ -13,14 +13,16 @@ can't gain energy either.
 """
 
 from ..native.jit import kernel
-from ..native.typed import Items, View
+from ..native.typed import Items
 from ..numerics.legendre import FINE
+from .collocation import discrete_gradient
 from .coupled import lay_on, lift, look, move, move_to_end, pass_kinks, settle, until_kink
 from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_records import Coupled, CoupledGroup, Member
-from .coupled_step import FINEST, HELD, LEAST, give_of, hold, set_powers
+from .coupled_step import FINEST, HELD, LEAST, give_of, set_powers
 from .power_series import BINOMIAL, legendre_moments, value_at
+from .step_record import NODES
 from .touches import begin_touch
 
 _STRETCHED = 1.1  # times the step to try: so long may one be that comes to the sample's end, rather than leave a sliver
@@ -169,7 +171,15 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
                 for a in range(b):
                     i = group.touches[a]
                     given += 2.0 * give_of(group.answer[j, i], eta) * contacts[group.member[i]].coupled.force[0]
-                hold(contact, eta, given)
+                # A held force can't gain energy; others take `given` (m) off the compression meanwhile.
+                h = contact.period
+                free = value_at(contact.motion, eta)[0] - contact.motion[0] - given
+                give = give_of(contact.answer, eta)
+                force = discrete_gradient(contact.motion[0], free, give, eta * h, contact.k, contact.mu, contact.a)[1]
+                contact.held += 1
+                contact.next = 2.0 * eta
+                for j in range(NODES):
+                    contact.force[j] = contact.step.f[j] = force
                 contact.motion[0] -= given
                 contact.position -= given
             _set_all(contacts, group, eta)
@@ -211,17 +221,13 @@ def _answer_others(contacts: Items[Member], group: CoupledGroup, kept: bool) -> 
         for b in range(group.touching):
             if group.touches[b] != i:
                 other = contacts[group.member[group.touches[b]]].coupled
-                _answer(contact, group.answer[i, group.touches[b]], other, kept and contact.touching == 1)
-
-
-@kernel
-def _answer(contact: Coupled, answer: View[float], other: Coupled, kept: bool) -> None:
-    """Move the point of a contact as it answers another's force; its compression now may be `kept`."""
-    for k in range(FINE):
-        total = 0.0
-        for n in range(k, FINE):
-            total += BINOMIAL[n, k] * (answer[n] * other.impulse[n - k])
-        if k == 0 and kept:
-            contact.position += total
-        else:
-            contact.motion[k] -= total
+                # Move the point of a contact as it answers another's force; its compression now may be `kept`.
+                stays = kept and contact.touching == 1
+                for k in range(FINE):
+                    total = 0.0
+                    for n in range(k, FINE):
+                        total += BINOMIAL[n, k] * (group.answer[i, group.touches[b]][n] * other.impulse[n - k])
+                    if k == 0 and stays:
+                        contact.position += total
+                    else:
+                        contact.motion[k] -= total

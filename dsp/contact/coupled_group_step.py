@@ -31,15 +31,13 @@ from .coupled_step import (
     RETRY,
     ROUNDING,
     TRIALS,
-    lasting_force,
     set_powers,
     speed_of,
     taken_at_end,
     work_against,
-    work_of,
 )
 from .law import elastic, law, law_with_slopes, spring_of
-from .power_series import END, FREE, GIVE, MISSED, NODE_RATES, put
+from .power_series import END, FREE, GIVE, MISSED, NODE_RATES, WORK, put
 from .step_record import GIVE_COUNT, NODES
 
 _LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
@@ -185,7 +183,13 @@ def _solve(contacts: Items[Member], group: CoupledGroup, eta: float, touching: i
                         x += INTEGRAL[r, n] * group.give_v[a * NODES + n, b * NODES + s]
                     group.give_x[a * NODES + r, b * NODES + s] = x * time
             j = group.touches[b]
-            lasts = lasting_force(contacts[group.member[j]].coupled)
+            # The force (N) that is taken to last over a step: that of the striker at rest, or the end of the last
+            # step's.
+            other = contacts[group.member[j]].coupled
+            if other.rest_force > 0.0:
+                lasts = other.rest_force
+            else:
+                lasts = max(end_of(other.force), 0.0) if other.last > 0.0 else 0.0
             # Correct the nodes so that a force that lasts moves none beyond its answer: the Gauss method's
             # integral of the answer differs from it, and steps would be refined for that alone.
             impulse = eta * lasts
@@ -315,7 +319,8 @@ def _is_sound(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
         stored = elastic(contact.motion[0], contact.k, contact.a)
         v = contact.motion[1] / contact.period
         contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
-        work = work_of(f, contact.free)
+        # A step's work (J) of the nodes' forces (N) along a motion, exactly.
+        work = contact.free[WORK] * f[0] + contact.free[WORK + 1] * f[1] + contact.free[WORK + 2] * f[2]
         for b in range(group.touching):
             j = group.touches[b]
             work -= work_against(f, contacts[group.member[j]].coupled.step.f, group.give[i, j], eta)

@@ -5,10 +5,9 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
-from .collocation import discrete_gradient, end_of
 from .coupled_records import Coupled
 from .law import elastic
-from .power_series import TAKEN, TO_ENDS, WORK, value_at
+from .power_series import TAKEN, TO_ENDS
 from .step_record import NODES
 
 HELD = math.inf
@@ -36,15 +35,6 @@ def set_powers(contact: Coupled, eta: float) -> None:
 
 
 @kernel
-def lasting_force(contact: Coupled) -> float:
-    """Return the force (N) that is taken to last over a step: that of the striker at rest, or the end of the last
-    step's."""
-    if contact.rest_force > 0.0:
-        return contact.rest_force
-    return max(end_of(contact.force), 0.0) if contact.last > 0.0 else 0.0
-
-
-@kernel
 def taken_at_end(give: View[float], f: View[float], eta: float) -> tuple[float, float]:
     """Return how much the nodes' forces take off compression (m) and its derivative (m per step) at the step's end."""
     x, v = give[TO_ENDS:], give[TO_ENDS + NODES :]
@@ -64,12 +54,6 @@ def speed_of(contact: Coupled, x: float, v: float) -> float:
     share = 2.0 / contact.mass
     now, then = elastic(x0, contact.k, contact.a), elastic(x, contact.k, contact.a)
     return math.sqrt(max(v0 * v0 + share * now, v * v + share * then))
-
-
-@kernel
-def work_of(f: View[float], free: View[float]) -> float:
-    """Return a step's work (J) of the nodes' forces (N) along a motion, exactly."""
-    return free[WORK] * f[0] + free[WORK + 1] * f[1] + free[WORK + 2] * f[2]
 
 
 @kernel
@@ -93,16 +77,3 @@ def give_of(answer: View[float], eta: float) -> float:
         power *= eta
         give += answer[n] * power / (n + 1)
     return give
-
-
-@kernel
-def hold(contact: Coupled, eta: float, taken: float) -> None:
-    """Hold the force for a step, which can't gain energy. taken (m): what others take off the compression meanwhile."""
-    h = contact.period
-    free = value_at(contact.motion, eta)[0] - contact.motion[0] - taken
-    give = give_of(contact.answer, eta)
-    force = discrete_gradient(contact.motion[0], free, give, eta * h, contact.k, contact.mu, contact.a)[1]
-    contact.held += 1
-    contact.next = 2.0 * eta
-    for j in range(NODES):
-        contact.force[j] = contact.step.f[j] = force

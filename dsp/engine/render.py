@@ -5,6 +5,7 @@ Objects that share a contact are rendered together, sample by sample; every othe
 
 from ..native.atomics import fence
 from ..native.jit import kernel, noinline_kernel
+from ..native.typed import View2D
 from ..resonator.simd import LANES
 from .bank.spectral import mix_bank
 from .bank.spectral_modes import come_back
@@ -22,11 +23,10 @@ from .contacts.flights import call_back
 from .contacts.lanes import solve_in_lanes
 from .contacts.rests import settle_rests
 from .contacts.rolls import add_through, is_fed, ring_on
-from .memory.capacity import STEMS
 from .memory.filling import fill_object
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
 from .memory.state import QUANTUM, Object, State
-from .output.mix import glide_gain, glide_gains, is_faded, is_finite, sides_of
+from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, sides_of
 from .output.space import hear_space
 from .output.space_lines import add_voice, travels
 from .panic import mix_fading
@@ -71,20 +71,7 @@ def update_objects(state: State) -> None:
 @kernel
 def mix_objects(state: State) -> None:
     """Add all objects to the mix: first those that share contacts, together, then each other one by itself."""
-    # Begin a quantum with silence, also in the stems of objects that no longer sound.
-    output = state.output
-    for channel in range(output.channels):
-        for n in range(QUANTUM):
-            output.mix[channel, n] = 0.0
-    if output.stems_on != 0:
-        if output.delay > 0:
-            output.turn = 1 - output.turn
-        for slot in range(STEMS):
-            if output.stem_sounds[output.turn, slot] == 1:
-                output.stem_sounds[output.turn, slot] = 0
-                for channel in range(output.channels):
-                    for n in range(QUANTUM):
-                        output.stems[output.turn, slot, channel, n] = 0.0
+    clear_mix(state)
     # Begin a quantum in which no sensor senses anything.
     for k in range(state.output.sensors):
         sensor = state.sensors[k]
@@ -165,34 +152,37 @@ def _render_group(state: State) -> None:
     for g in range(scratch.group_size):
         if is_fed(state, state.objects[scratch.group[g]]):
             add_through(state, state.objects[scratch.group[g]], scratch.voices[g])
-        # Add an object's voice to the mix; one that is not finite is silenced.
-        slot = scratch.group[g]
-        voice = scratch.voices[g]
-        obj = state.objects[slot]
-        if not is_finite(state, voice):
-            state.stats.faults += 1
-            obj.faults += 1
-            _rest_all(state, obj)
-            end_contacts(state, obj)
-        else:
-            # Take the output of an object's static deflection out of its voice.
-            for side in range(sides_of(state)):
-                before = obj.static_before[side]
-                more = (obj.static[side] - before) / QUANTUM
-                if before != 0.0 or more != 0.0:
-                    for n in range(QUANTUM):
-                        voice[side, n] = voice[side, n] - before - (n + 1) * more
-            add_voice(state, slot, voice)
-            state.stats.live_modes += obj.live
-            state.stats.sounding += 1
-            obj.driven_lately = max(obj.driven_lately, obj.driven_modes)
-            if obj.driven_modes > 0:
-                obj.last_driven_at = state.position
-            if obj.driven_modes == 0 and is_left_out(state, obj) and is_faded(state, obj):
-                _rest_all(state, obj)  # a striker that bounces on it goes on
-            else:
-                _rest_silent(state, obj)
-                rest_strikers(state, obj)
+        _mix(state, scratch.group[g], scratch.voices[g])
+
+
+@kernel
+def _mix(state: State, slot: int, voice: View2D[float]) -> None:
+    """Add an object's voice to the mix; one that is not finite is silenced."""
+    obj = state.objects[slot]
+    if not is_finite(state, voice):
+        state.stats.faults += 1
+        obj.faults += 1
+        _rest_all(state, obj)
+        end_contacts(state, obj)
+        return
+    # Take the output of an object's static deflection out of its voice.
+    for side in range(sides_of(state)):
+        before = obj.static_before[side]
+        more = (obj.static[side] - before) / QUANTUM
+        if before != 0.0 or more != 0.0:
+            for n in range(QUANTUM):
+                voice[side, n] = voice[side, n] - before - (n + 1) * more
+    add_voice(state, slot, voice)
+    state.stats.live_modes += obj.live
+    state.stats.sounding += 1
+    obj.driven_lately = max(obj.driven_lately, obj.driven_modes)
+    if obj.driven_modes > 0:
+        obj.last_driven_at = state.position
+    if obj.driven_modes == 0 and is_left_out(state, obj) and is_faded(state, obj):
+        _rest_all(state, obj)  # a striker that bounces on it goes on
+    else:
+        _rest_silent(state, obj)
+        rest_strikers(state, obj)
 
 
 @noinline_kernel

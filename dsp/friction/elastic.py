@@ -75,7 +75,25 @@ def step_elastic(friction: Friction, mean: float) -> None:
     path = 0.5 * (friction.drive[0] + friction.drive[1]) * period
     free, give = path - mean * period, friction.whole_mean * period
     sign = 1.0 if free >= give * held else -1.0
-    stretch = _stretch_of(friction, sign, sign * free, give, most)
+    # The stretch x >= 0 (m) over the sample, along `sign`, with x = free - give f(x), f being the mean force. f
+    # is concave, so that Newton's method comes from 0 and never goes beyond the solution.
+    way = sign * free
+    stretch = 0.0
+    for _ in range(_STEPS):
+        force = rise = 0.0
+        for i in range(SPRINGS):
+            k, pull, bound = STIFFNESS[i] * friction.tangential, sign * friction.pull[i], SHARE[i] * most
+            left = (bound - pull) / k
+            if stretch <= left:
+                force += pull + 0.5 * k * stretch
+                rise += 0.5 * k
+            else:
+                force += bound - 0.5 * k * left * left / stretch
+                rise += 0.5 * k * left * left / (stretch * stretch)
+        step = (way - give * force - stretch) / (1.0 + give * rise)
+        if step <= _EXACT * stretch:
+            break
+        stretch += step
     # Stretch the springs, and count what they store and lose (J); their mean force (N) along `sign`.
     force = stored = 0.0
     slipping = True
@@ -104,28 +122,3 @@ def step_elastic(friction: Friction, mean: float) -> None:
     kept = math.exp(-0.5 * stretch / length) if length > 0.0 else 0.0
     friction.limit = mu + (friction.limit - mu) * kept * kept
     friction.limit_ahead = mu + (friction.limit - mu) * kept
-
-
-@kernel
-def _stretch_of(friction: Friction, sign: float, free: float, give: float, most: float) -> float:
-    """Return the stretch x >= 0 (m) over the sample, along `sign`, with x = free - give f(x), f being the mean force.
-
-    f is concave, so that Newton's method comes from 0 and never goes beyond the solution.
-    """
-    stretch = 0.0
-    for _ in range(_STEPS):
-        force = rise = 0.0
-        for i in range(SPRINGS):
-            k, pull, bound = STIFFNESS[i] * friction.tangential, sign * friction.pull[i], SHARE[i] * most
-            left = (bound - pull) / k
-            if stretch <= left:
-                force += pull + 0.5 * k * stretch
-                rise += 0.5 * k
-            else:
-                force += bound - 0.5 * k * left * left / stretch
-                rise += 0.5 * k * left * left / (stretch * stretch)
-        step = (free - give * force - stretch) / (1.0 + give * rise)
-        if step <= _EXACT * stretch:
-            break
-        stretch += step
-    return stretch

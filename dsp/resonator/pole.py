@@ -16,16 +16,13 @@ def run_pole(values: View[float], before: float, more: float, last: float) -> fl
         p = before + (n + 1) * more
         q, r, s = p + more, p + 2.0 * more, p + 3.0 * more
         two, three = p * q, p * q * r
-        # Find four values from number n on by the last one, and return the last of them.
-        poles = (q, r, s)
-        products = (p, two, three, three * s)
         first = values[n]
-        second = values[n + 1] + poles[0] * first
-        third = values[n + 2] + poles[1] * second
-        fourth = values[n + 3] + poles[2] * third + products[3] * y
-        values[n] = first + products[0] * y
-        values[n + 1] = second + products[1] * y
-        values[n + 2] = third + products[2] * y
+        second = values[n + 1] + q * first
+        third = values[n + 2] + r * second
+        fourth = values[n + 3] + s * third + three * s * y
+        values[n] = first + p * y
+        values[n + 1] = second + two * y
+        values[n + 2] = third + three * y
         values[n + 3] = fourth
         y = fourth
     return y

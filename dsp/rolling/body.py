@@ -21,7 +21,7 @@ from ..numerics.legendre import KEPT
 from ..schema import SPEED
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, PIECES, extend_path, pass_on, renew_path, restart_path
+from .path import AHEAD, PIECES, extend_path, renew_path, restart_path
 from .roll_record import Roll
 
 EVENTS = 120_000.0
@@ -162,7 +162,12 @@ def look_ahead(roll: Roll, seconds: float) -> float:
         else:
             restart_path(path, path.begin)
         extend_path(path, 1)
-        roll.piece, roll.along = pass_on(path, 0, roll.along)
+        # The body is on the piece on which the way along the path ends.
+        roll.piece = 0
+        while roll.along > path.length[roll.piece & (PIECES - 1)]:
+            roll.along -= path.length[roll.piece & (PIECES - 1)]
+            roll.piece += 1
+            extend_path(path, roll.piece + 1)
     extend_path(path, roll.piece + AHEAD)
     if anew:
         # On another path the body keeps its distance and its rate, or begins at rest.
@@ -227,9 +232,14 @@ def _fly(roll: Roll, longest: float) -> None:
         left = longest - roll.span
         time = min(end, left)
         met = False
-        if not _is_clear(roll, v, rises, time):
-            level, incline = path_at(roll)
-            gap, fall = max(roll.y - level, 0.0), g + v * v * path.curvature[piece]
+        # A flight stays above the line between a piece's ends, the path below `swell` above its own: it is enough that
+        # the gaps at both ends are larger.
+        level, incline = path_at(roll)
+        gap, bend, passed = roll.y - level, path.curvature[piece], v * time
+        swell = 0.125 * max(-bend, 0.0) * passed * passed
+        rise = time * (roll.w - rises - 0.5 * g * time)
+        if not (gap > swell and gap + rise - passed * (incline + 0.5 * bend * passed) > swell):
+            gap, fall = max(gap, 0.0), g + v * v * bend
             # The time until gap + rate t - fall t^2/2 is 0, infinite if never.
             rate = roll.w - rises - v * incline
             square = rate * rate + 2.0 * fall * gap
@@ -267,18 +277,6 @@ def _fly(roll: Roll, longest: float) -> None:
             return
         roll.piece += 1
         roll.along = 0.0
-
-
-@kernel
-def _is_clear(roll: Roll, v: float, rises: float, time: float) -> bool:
-    """True if a flight surely stays above the piece of the path for a time. It stays above the line between its ends,
-    the path below `swell` above its own: so it is enough that the gaps at both ends are larger."""
-    path, piece = roll.path, roll.piece & (PIECES - 1)
-    level, incline = path_at(roll)
-    gap, bend, passed = roll.y - level, path.curvature[piece], v * time
-    swell = 0.125 * max(-bend, 0.0) * passed * passed
-    rise = time * (roll.w - rises - 0.5 * roll.modulated_gravity * time)
-    return gap > swell and gap + rise - passed * (incline + 0.5 * bend * passed) > swell
 
 
 @kernel

@@ -360,14 +360,3 @@ def _lay(path: Path, point: int, made: int, piece: tuple[float, float, float, fl
     path.incline[i] = slope
     path.curvature[i] = curvature
     return made + (1 if length > _SHORTEST * distance else 0)
-
-
-@kernel
-def pass_on(path: Path, piece: int, along: float) -> tuple[int, float]:
-    """Return the piece of a path in which a place lies that is so far (m) along another, and how far along it is
-    there."""
-    while along > path.length[piece & (PIECES - 1)]:
-        along -= path.length[piece & (PIECES - 1)]
-        piece += 1
-        extend_path(path, piece + 1)
-    return piece, along

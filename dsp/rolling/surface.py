@@ -177,16 +177,16 @@ def read_heights(
         surface.gain[j] = gains[j]
         if gain == 0.0 and rise == 0.0:
             continue
-        if _is_in_one_cell(surface, j, place, stride):
+        level = OCTAVES - 1 - j
+        shifted = place + surface.offset[j]
+        cell, last = shifted >> level, (shifted + (BLOCK - 1) * stride) >> level
+        if cell == last:
             b0, b1, b2, b3, b4 = _in_one_cell(surface, j, place, stride, gain, rise)
             c0, c1, c2, c3, c4 = c0 + b0, c1 + b1, c2 + b2, c3 + b3, c4 + b4
             continue
-        points = (1 << (OCTAVES - 1 - j)) // stride
+        points = (1 << level) // stride
         if points >= BLOCK:
             # Add octave j, of whose cells a block meets two at most.
-            level = OCTAVES - 1 - j
-            shifted = place + surface.offset[j]
-            cell = shifted >> level
             step = stride / (1 << level)
             since = (shifted - (cell << level)) / (1 << level)
             _enter(surface, j, cell, 5)
@@ -200,11 +200,7 @@ def read_heights(
                 z[i] += (gain + (i + 1) * rise) * (here if t < 1.0 else there)
         elif points > 1:
             # Add octave j, of whose cells a block meets many, by weights: its points lie alike in each block.
-            level = OCTAVES - 1 - j
-            shifted = place + surface.offset[j]
-            cell = shifted >> level
-            _enter(surface, j, cell, ((shifted + (BLOCK - 1) * stride) >> level) - cell + 4)
-            points = (1 << level) // stride
+            _enter(surface, j, cell, last - cell + 4)
             table, repeats = _table_of(points), max(points // LANES, 1) - 1
             for g in range(BLOCK // LANES):
                 c = ((shifted + g * LANES * stride) >> level) - cell
@@ -217,9 +213,6 @@ def read_heights(
                 add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
         elif points == 1:
             # Add octave j, of whose cells each holds one point of a block, all at one place in their cells.
-            level = OCTAVES - 1 - j
-            shifted = place + surface.offset[j]
-            cell = shifted >> level
             _enter(surface, j, cell, BLOCK + 3)
             weights = cubic_weights((shifted - (cell << level)) / (1 << level))
             for g in range(BLOCK // LANES):
@@ -246,14 +239,6 @@ def _vary(surface: Surface, place: int, stride: int, z: View[float]) -> None:
     rise = (local_roughness(surface.variation, place + BLOCK * stride) - local) / BLOCK
     for i in range(BLOCK):
         z[i] *= local + i * rise
-
-
-@kernel
-def _is_in_one_cell(surface: Surface, j: int, place: int, stride: int) -> bool:
-    """True if a block's points lie in one cell of octave j's lattice."""
-    level = OCTAVES - 1 - j
-    shifted = place + surface.offset[j]
-    return shifted >> level == (shifted + (BLOCK - 1) * stride) >> level
 
 
 @kernel

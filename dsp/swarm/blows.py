@@ -77,7 +77,15 @@ def draw_blows(swarm: Swarm, table: PulseTable, blows: Blows) -> None:
         distance, beyond = swarm.random[DISTANCE], swarm.beyond
         for n in range(BATCH):
             i = first + n
-            diameter = _draw_drop(scale, unit(magnitude, i), unit(other, i), unit(variety, i))
+            # The diameter (m) of a drop that arrives, of those whose mean diameter in the air is `scale` above
+            # the smallest.
+            u = unit(magnitude, i)
+            second = unit(other, i)
+            chosen = unit(variety, i)
+            more = _NEARLY * _SLOWED * scale
+            less = (1.0 - _NEARLY) * (1.0 + _SLOWED * scale)
+            cut = scale / (1.0 + _SLOWED * scale) * log(second) if chosen * (more + less) < more else 0.0
+            diameter = min(SMALLEST_DROP - scale * log(u) - cut, _LARGEST_DROP)
             v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
             blows.v[n], blows.mass[n], blows.loss[n] = v, _WATER * diameter * diameter * diameter, 0.0
             blows.width[n] = log(DROP_TIME * diameter / v) - _FLATTER * max(diameter - _ROUND, 0.0) + width
@@ -152,16 +160,6 @@ def known_of(values: View[float], loss: float) -> float:
     n = int(x)
     found: float = values[n] + (x - n) * (values[n + 1] - values[n])
     return found
-
-
-@kernel
-def _draw_drop(scale: float, u: float, other: float, chosen: float) -> float:
-    """Return the diameter (m) of a drop that arrives, of those whose mean diameter in the air is `scale` above the
-    smallest."""
-    more = _NEARLY * _SLOWED * scale
-    less = (1.0 - _NEARLY) * (1.0 + _SLOWED * scale)
-    beyond = scale / (1.0 + _SLOWED * scale) * log(other) if chosen * (more + less) < more else 0.0
-    return min(SMALLEST_DROP - scale * log(u) - beyond, _LARGEST_DROP)
 
 
 @kernel

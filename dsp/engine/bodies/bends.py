@@ -121,7 +121,13 @@ def retune_bent(state: State, obj: Object, stretch: float, share: float) -> None
     _add(modes, bent, 1.0)
     total = _energy(state, obj, modes)
     if total > allowed:
-        kept = _affordable(_energy(state, obj, bent), total, swings, allowed)
+        # The greatest share s in [0, 1] of a bend at which the energy is allowed, or else that of the least
+        # energy. It is swings + s (total - swings - bend) + s^2 bend.
+        bend = _energy(state, obj, bent)
+        slope = total - swings - bend
+        root = slope * slope - 4.0 * bend * (swings - allowed)
+        part = (math.sqrt(max(root, 0.0)) - slope) / (2.0 * bend) if bend > 0.0 else 0.0
+        kept = min(max(part, 0.0), 1.0)
         _add(modes, bent, kept - 1.0)
         total = _energy(state, obj, modes)
         if total > allowed:
@@ -171,17 +177,6 @@ def find_static(state: State, contact: Contact, side: int, obj: Object, count: i
             right += heard * state.bank.balance[obj.first + i]
     contact.static[side, 0] = left
     contact.static[side, 1] = right
-
-
-@kernel
-def _affordable(bend: float, total: float, swings: float, allowed: float) -> float:
-    """Return the greatest share s in [0, 1] of a bend at which the energy is allowed, or else that of the least energy.
-
-    It is swings + s (total - swings - bend) + s^2 bend."""
-    slope = total - swings - bend
-    root = slope * slope - 4.0 * bend * (swings - allowed)
-    share = (math.sqrt(max(root, 0.0)) - slope) / (2.0 * bend) if bend > 0.0 else 0.0
-    return min(max(share, 0.0), 1.0)
 
 
 @kernel

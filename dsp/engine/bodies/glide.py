@@ -61,7 +61,10 @@ def follow_tension(state: State, obj: Object) -> None:
         stretch += (obj.stretch - stretch) * math.exp(-step_of(state) / (_SPREAD * state.rate))
     if not stretch >= _AUDIBLE:
         stretch = 0.0
-    if abs(stretch - obj.stretch) < _least_step(state, obj) * (1.0 + stretch):
+    # A change s of the tension moves a mode's phase by s omega/(2 sigma) while it rings: smaller ones wait.
+    omega, sigma = 2.0 * math.pi * state.bank.frequency[obj.first], state.bank.sigma[obj.first]
+    least = min(_STEP, 2.0 * _PHASE * sigma / omega) if omega > 0.0 else _STEP
+    if abs(stretch - obj.stretch) < least * (1.0 + stretch):
         return
     if stretch > 0.0 and is_pressed(state, obj):
         retune_bent(state, obj, stretch, 1.0)
@@ -73,14 +76,6 @@ def follow_tension(state: State, obj: Object) -> None:
     else:
         obj.detuned = 1
         ring_tensed(state, obj, 1.0)
-
-
-@kernel
-def _least_step(state: State, obj: Object) -> float:
-    """Return the least change of the tension that is carried out: a change s moves a mode's phase by s omega/(2 sigma)
-    while it rings."""
-    omega, sigma = 2.0 * math.pi * state.bank.frequency[obj.first], state.bank.sigma[obj.first]
-    return min(_STEP, 2.0 * _PHASE * sigma / omega) if omega > 0.0 else _STEP
 
 
 @kernel

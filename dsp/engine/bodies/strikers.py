@@ -19,6 +19,7 @@ from ...numerics.elementary import log
 from ...numerics.legendre import FALL, MOMENTS, RISE
 from ...numerics.random import STEP, mixed
 from ...resonator.bank import Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
+from ...resonator.click import set_click
 from ...resonator.simd import LANES
 from ...swarm.record import SOUNDS
 from ...swarm.ringing import kept_by, left_by
@@ -26,9 +27,11 @@ from ..memory.filling import fill_voice
 from ..memory.quality import silence_of
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, Object, State
-from ..memory.striker_state import VOICES, Voice
+from ..memory.striker_state import STRIKER_MODES, VOICES, Voice
 from ..output.fade import fade_length, left_of, tilt_of
-from .striker_modes import become, modes_of_voice, rescale, resize
+from .striker_modes import modes_of_voice, rescale
+
+_SAME = 1e-9  # relative difference of radii that are one
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
 _FINE = 2.0**40  # steps per m/s in which a velocity is told from another
@@ -76,7 +79,14 @@ def roll_striker(state: State, contact: Contact) -> None:
         voice = state.voices[contact.voice]
         obj = state.objects[voice.slot]
         if not has_one and contact.trait.along == 1:
-            resize(state, voice, contact)
+            # Retune a new voice's click to a rolling body of its radius, of the same form as the striker.
+            striker = state.strikers[contact.sound]
+            ratio = state.rolls[contact.roll].target.radius / striker.radius if striker.clicks > 0 else 1.0
+            if abs(ratio - 1.0) > _SAME:
+                set_click(
+                    modes_of_voice(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
+                    striker.weight[0] * ratio,
+                )  # fmt: skip
         voice.driven = 1
         voice.share[0] = obj.level / (state.rolls[contact.roll].m if contact.trait.along == 1 else contact.m)
         if contact.solver != COUPLING:  # else its force comes sample by sample, with the gain
@@ -180,7 +190,15 @@ def _take_voice(state: State, contact: Contact, needed: bool) -> None:
     voice.roll = -1
     voice.loudness = _NEW
     voice.share[0] = share_of_blow(state, contact)
-    become(state, voice, contact)
+    # Give a cleared voice the modes of a contact's striker.
+    striker = state.strikers[contact.sound]
+    voice.size = striker.size
+    for i in range(striker.size):
+        voice.a1[i], voice.a2[i] = striker.a1[i], striker.a2[i]
+        voice.balance[i] = 1.0
+        voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
+    for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
+        voice.response[i] = striker.response[i]
 
 
 @kernel

@@ -9,11 +9,11 @@ its own.
 import math
 
 from ...contact.block_choice import is_eased
-from ...contact.block_records import AT_BEGIN, AT_END, TOGETHER, Net, Tables
-from ...contact.block_tables import go_on_from_end, mix_tables, settle_tables, take_answers, take_missed
+from ...contact.block_records import AT_BEGIN, AT_END, TERMS, TOGETHER, Net, Tables
+from ...contact.block_tables import go_on_from_end, mix_tables, settle_tables, take_answers
 from ...contact.coupled import answer_of
 from ...native.jit import kernel, noinline_kernel
-from ...numerics.legendre import FINE
+from ...numerics.legendre import AHEAD, FINE
 from ...resonator.fed import LINE
 from ..bodies.surface import put
 from ..memory.records import Contact
@@ -138,7 +138,13 @@ def _settle_with(state: State, net: Net, i: int, j: int, samples: int) -> None:
     if bends_under(other):
         place = lay_answers(state, contact, other, BENT, samples)
         own = contact.coupled.period**2 / contact.m if i == j else 0.0
-        take_missed(tables, state.scratch.rows, place, own)
+        # Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the rows
+        # of their motion if they are let go.
+        tables.missed[0] = state.scratch.rows[(TERMS - 1) * AHEAD] - place + tables.within[0, 0] - 0.5 * own
+        for k in range(1, TERMS):
+            tables.missed[k] = (
+                state.scratch.rows[(k - 1) * AHEAD] + tables.within[k, 0] - (0.5 * own if k == 1 else 0.0)
+            )
 
 
 @kernel

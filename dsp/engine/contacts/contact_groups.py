@@ -43,7 +43,19 @@ def solve_groups(state: State, frame: int) -> None:
     candidates = state.scratch.candidates
     for i in range(count):
         if candidates[i] >= 0:
-            _gather(state, i, count)
+            # Put a candidate and all that share objects with it, and with these, into `together`; they are
+            # candidates no more. More than GROUP see each other one after the other, and so do those whose forces
+            # are held.
+            group = state.scratch.together
+            group.size = 0
+            _join(group, candidates, i)
+            member = 0
+            while member < group.size:
+                for k in range(count):
+                    free = group.size < GROUP and candidates[k] >= 0
+                    if free and _see_each_other(state.contacts[group.member[member]], state.contacts[candidates[k]]):
+                        _join(group, candidates, k)
+                member += 1
             _solve(state, frame)
 
 
@@ -55,24 +67,6 @@ def solve_alone(state: State, contact: Contact, frame: int) -> None:
     state.scratch.together.size = 1
     state.scratch.together.member[0] = contact.index
     _solve(state, frame)
-
-
-@kernel
-def _gather(state: State, first: int, count: int) -> None:
-    """Put a candidate and all that share objects with it, and with these, into `together`; they are candidates no more.
-
-    More than GROUP see each other one after the other, and so do those whose forces are held.
-    """
-    group, candidates = state.scratch.together, state.scratch.candidates
-    group.size = 0
-    _join(group, candidates, first)
-    member = 0
-    while member < group.size:
-        for i in range(count):
-            free = group.size < GROUP and candidates[i] >= 0
-            if free and _see_each_other(state.contacts[group.member[member]], state.contacts[candidates[i]]):
-                _join(group, candidates, i)
-        member += 1
 
 
 @kernel

@@ -31,7 +31,7 @@ from ..memory.state import (
     Object,
     State,
 )
-from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
+from .contact_force import apply_contact_force, begin_contact, couple_pulse, observe_points, update_mode_count
 from .contact_groups import solve_alone
 from .contact_list import (
     KEPT_ASIDE,
@@ -46,7 +46,7 @@ from .contact_list import (
 )
 from .coupled_rolls import LEAVING
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
-from .presses import add_static, glide_push, lay_on
+from .presses import add_static, glide_push
 from .rests import bear_load, begin_rest, keep_resting
 from .rolls import feed_of, feed_on, move_on, register_roll
 from .slides import choose_again, lead_slide, rub, rubs
@@ -282,7 +282,11 @@ def _begin(state: State, contact: Contact, frame: int) -> bool:
     contact.begun = float(state.position + frame)
     if begin_rest(state, contact) if contact.trait.rests == 1 else begin_contact(state, contact, is_pushed(contact)):
         if contact.trait.held == 1:
-            lay_on(state, contact)
+            # Begin to press a striker on where it begins to touch, with no force yet.
+            observe_points(state, contact)
+            contact.push = 0.0
+            glide_push(state, contact, state.position - 1 + QUANTUM - contact.start - contact.fraction)
+            add_static(state, contact, contact.push)
         return True
     report_end(state, contact.gesture, END_NO_ROOM)
     return False

@@ -122,20 +122,7 @@ def _needed(state: State, contact: Contact, turn: float, fits: bool) -> float:
     many as the stiffest, on an object that is as light against all of them. From TOGETHER others on they are more than
     there can be.
     """
-    count, together = _count_beside(state, contact), 1
-    if count >= TOGETHER:
-        return math.inf
-    if not fits:
-        together += count
-        for i in range(1, together):
-            turn = max(turn, swing_of(state.contacts[state.scratch.candidates[i]].coupled))
-    per_radian: float = STEPS_A_RADIAN[state.choices.accuracy]
-    return price_of(together) * (1.0 + per_radian * turn * math.sqrt(together))
-
-
-@noinline_kernel
-def _count_beside(state: State, contact: Contact) -> int:
-    """Return how many coupled contacts, up to TOGETHER, share objects with one, or with another of them."""
+    # List the coupled contacts, up to TOGETHER others, that share objects with it, or with another of them.
     found, count, before = state.scratch.candidates, 1, 0
     found[0] = contact.index
     while before < count <= TOGETHER:
@@ -152,7 +139,15 @@ def _count_beside(state: State, contact: Contact) -> int:
                     found[count] = index
                     count += 1
                 index = other.next
-    return count - 1
+    if count > TOGETHER:
+        return math.inf
+    together = 1
+    if not fits:
+        together = count
+        for i in range(1, together):
+            turn = max(turn, swing_of(state.contacts[found[i]].coupled))
+    per_radian: float = STEPS_A_RADIAN[state.choices.accuracy]
+    return price_of(together) * (1.0 + per_radian * turn * math.sqrt(together))
 
 
 @kernel

@@ -12,19 +12,9 @@ from ...native.jit import kernel
 from ...schema import FORCE
 from ..memory.records import Contact
 from ..memory.state import QUANTUM, State
-from .contact_force import observe_points
 
 _GLIDE = FORCE.glide  # s: also of a striker's weight
 _REACHED = 1e-12  # N: as near to its target a push has reached it
-
-
-@kernel
-def lay_on(state: State, contact: Contact) -> None:
-    """Begin to press a striker on where it begins to touch, with no force yet."""
-    observe_points(state, contact)
-    contact.push = 0.0
-    glide_push(state, contact, state.position - 1 + QUANTUM - contact.start - contact.fraction)
-    add_static(state, contact, contact.push)
 
 
 @kernel

@@ -32,15 +32,10 @@ def feed_on(state: State, contact: Contact) -> None:
     """Compute a rolling or sliding body's force up to LEAD frames behind this quantum's end."""
     roll, feed = state.rolls[contact.roll], state.feeds[contact.roll]
     new = BEHIND + LEAD if roll.piece >= 0 else BEHIND
-    since = begin_of(state, contact, new)
+    # The time (s) since a gesture began at the first of the frames to be fed, which has a number of `new`.
+    since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate
     move_on(state, contact, new)
     fill_roll(roll, since, state.rate, feed[new:])
-
-
-@kernel
-def begin_of(state: State, contact: Contact, new: int) -> float:
-    """Return the time (s) since a gesture began at the first of the frames to be fed, which has a number of `new`."""
-    return (state.position - 1 - contact.origin + new - BEHIND) / state.rate
 
 
 @kernel
@@ -317,7 +312,14 @@ def add_through(state: State, obj: Object, voice: View2D[float]) -> None:
         contact = state.contacts[entry // 2]
         point, through = contact.point[entry % 2], state.through[contact.roll, entry % 2]
         if contact.trait.swarms > 0:
-            _add_through_places(state, obj, contact, voice)
+            # Add what of a swarm's forces goes straight into an object's voice, over a quantum.
+            own = state.scratch.taps[0]
+            for j in range(_list_swarm(state, obj, contact, 0)):
+                grain = state.scratch.drivers[j]
+                now = state.through[grain.feed, 0]
+                _know_through(state, obj, contact.point[0].modes, grain.row, now)
+                _weigh_taps(grain, now, own)
+                _hear(own, own, state.samples[grain.feed], voice)
             entry = point.next_roll
             continue
         moves = entry % 2 == 0 and contact.travel > 0.0
@@ -337,18 +339,6 @@ def _weigh_taps(driver: Driver, through: Through, taps: View2D[float]) -> None:
             taps[side, k] = 0.0
             for i in range(4):
                 taps[side, k] += driver.weights[i] * through.taps[i, side, k]
-
-
-@kernel
-def _add_through_places(state: State, obj: Object, contact: Contact, voice: View2D[float]) -> None:
-    """Add what of a swarm's forces goes straight into an object's voice, over a quantum."""
-    taps = state.scratch.taps[0]
-    for j in range(_list_swarm(state, obj, contact, 0)):
-        driver = state.scratch.drivers[j]
-        through = state.through[driver.feed, 0]
-        _know_through(state, obj, contact.point[0].modes, driver.row, through)
-        _weigh_taps(driver, through, taps)
-        _hear(taps, taps, state.samples[driver.feed], voice)
 
 
 @kernel

@@ -32,7 +32,7 @@ from ...swarm.pieces import (
     size_at,
     size_of,
 )
-from ...swarm.record import BACK, BATCH, CLICKS, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Pulses, Swarm
+from ...swarm.record import BACK, BATCH, CLICKS, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Swarm
 from ...swarm.ringing import clicks_apart, kept_of, left_by
 from ...swarm.times import PLACE, SIZE, take_blows, uniform
 from ..memory.commands import NUMBERS
@@ -172,27 +172,24 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
         if sizes:
             c, alike = _size_of_blow(state, contact, swarm, blows, n, width - swarm.log_rate)
             if clicks_apart(swarm) and state.strikers[contact.sound].clicks > 0:
-                _click(contact, swarm, blows, n, c, state.pulses, at)
+                # Lay a pulse onto the grid of a grain's or a piece's click: all of its blow moves it, as a whole.
+                step, heard, mass = SIZES + c // (SIZES // CLICKS), 1.0, blows.mass[n]
+                if swarm.pieces > 0:
+                    heard = blows.toward[n] * heard_above(blows.toward[n] * TILT)
+                    mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
+                elif swarm.finer <= ONE_SIZE:
+                    mass = swarm.m
+                pushes = blows.momentum[n] * heard * swarm.m * math.exp(3.0 * size_at(swarm, step)) / mass
+                end = lay_pulse(
+                    state.pulses, swarm.table, swarm.size_grid[step], at, blows.width[n], blows.loss[n], pushes
+                )
+                swarm.size_busy[step] = max(swarm.size_busy[step], end)
             width -= blows.shorter[n]
             _ring(state, swarm, c, at, width, loss, alike * momentum)
             if swarm.pieces > 0 and blows.below[n] >= 0:
                 c, alike = _size_of_piece(state, contact, swarm, blows, n, blows.below[n])
                 _ring(state, swarm, c, at, width, loss, MIDDLE * alike * momentum)
         swarm.impulse += momentum
-
-
-@kernel
-def _click(contact: Contact, swarm: Swarm, blows: Blows, n: int, size: int, pulses: Pulses, at: float) -> None:
-    """Lay a pulse onto the grid of a grain's or a piece's click: all of its blow moves it, as a whole."""
-    c, heard, mass = SIZES + size // (SIZES // CLICKS), 1.0, blows.mass[n]
-    if swarm.pieces > 0:
-        heard = blows.toward[n] * heard_above(blows.toward[n] * TILT)
-        mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
-    elif swarm.finer <= ONE_SIZE:
-        mass = swarm.m
-    momentum = blows.momentum[n] * heard * swarm.m * math.exp(3.0 * size_at(swarm, c)) / mass
-    end = lay_pulse(pulses, swarm.table, swarm.size_grid[c], at, blows.width[n], blows.loss[n], momentum)
-    swarm.size_busy[c] = max(swarm.size_busy[c], end)
 
 
 @kernel

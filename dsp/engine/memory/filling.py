@@ -58,15 +58,8 @@ def fill_unused(state: State) -> None:
     fill_bytes(scratch.striker, byte)
     fill_bytes(scratch.bank, byte)
     fill_bytes(scratch.candidates, byte)
-    _fill_group(state)
-    if state.coupled_sheets > 0:
-        fill_bytes(state.space, byte)
-
-
-@kernel
-def _fill_group(state: State) -> None:
-    """Fill what contacts that are solved together need within a sample: their answers to each other stay."""
-    group, byte = state.scratch.together, state.filler
+    # Fill what contacts that are solved together need within a sample: their answers to each other stay.
+    group = state.scratch.together
     fill_bytes(group.observed, byte)
     fill_bytes(group.moments, byte)
     fill_bytes(group.touches, byte)
@@ -84,6 +77,8 @@ def _fill_group(state: State) -> None:
     fill_bytes(group.sought, byte)
     fill_bytes(group.event, byte)
     fill_bytes(group.path, byte)
+    if state.coupled_sheets > 0:
+        fill_bytes(state.space, byte)
 
 
 @kernel

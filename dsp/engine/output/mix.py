@@ -15,6 +15,25 @@ _HUGE = 1e30  # above this a voice counts as not finite
 
 
 @kernel
+def clear_mix(state: State) -> None:
+    """Begin a quantum with silence, also in the stems of objects that no longer sound."""
+    output = state.output
+    for channel in range(output.channels):
+        for n in range(QUANTUM):
+            output.mix[channel, n] = 0.0
+    if output.stems_on == 0:
+        return
+    if output.delay > 0:
+        output.turn = 1 - output.turn
+    for slot in range(STEMS):
+        if output.stem_sounds[output.turn, slot] == 1:
+            output.stem_sounds[output.turn, slot] = 0
+            for channel in range(output.channels):
+                for n in range(QUANTUM):
+                    output.stems[output.turn, slot, channel, n] = 0.0
+
+
+@kernel
 def glide_gains(state: State, obj: Object) -> None:
     """Bring an object's gains nearer to their targets."""
     ask_gains(state, obj)

@@ -317,22 +317,17 @@ def _filter(state: State, path: Path, first: float, second: float) -> None:
         else:
             memory[1] = heard[QUANTUM - 1]
         if space.layout == 1:
-            _shade(state, path, ear)
+            # Filter what an ear heard as the head's shadow does, which goes from one to another over the quantum.
+            heard = state.surroundings.heard[ear]
+            two, corner = 2.0 * state.rate, 2.0 * space.speed / space.head
+            scale = 1.0 / (corner + two)
+            low, high = corner * scale, two * scale
+            more = (space.aim[2 + ear] - path.shadow[ear]) / QUANTUM * high
+            begin, previous = path.shadow[ear] * high + more, memory[2]
+            memory[2] = heard[QUANTUM - 1]
+            memory[3] = run_filter(heard, low + begin, low - begin, more, previous, high - low, memory[3])
             path.longer[ear], path.shadow[ear] = space.aim[ear], space.aim[2 + ear]
     path.air[0], path.air[1] = first, second
-
-
-@kernel
-def _shade(state: State, path: Path, ear: int) -> None:
-    """Filter what an ear heard as the head's shadow does, which goes from one to another over the quantum."""
-    space, heard, memory = state.surroundings, state.surroundings.heard[ear], path.memory[ear]
-    two, corner = 2.0 * state.rate, 2.0 * space.speed / space.head
-    scale = 1.0 / (corner + two)
-    low, high = corner * scale, two * scale
-    more = (space.aim[2 + ear] - path.shadow[ear]) / QUANTUM * high
-    first, previous = path.shadow[ear] * high + more, memory[2]
-    memory[2] = heard[QUANTUM - 1]
-    memory[3] = run_filter(heard, low + first, low - first, more, previous, high - low, memory[3])
 
 
 @kernel
