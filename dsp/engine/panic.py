@@ -51,7 +51,7 @@ def let_fade(state: State) -> None:
         while index >= 0:
             contact = state.contacts[index]
             # Make the force on a contact's voice die away in a panic, so that its end makes no sound.
-            if not contact.voice < 0:
+            if contact.voice >= 0:
                 voice = state.voices[contact.voice]
                 gain = 1.0 if contact.solver == ROLLING else contact.now.gain  # a roll's share holds it
                 q, u, v, w = going_on(contact.forces, pace_of(contact.forces, state.rate), state.rate)

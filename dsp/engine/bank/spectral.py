@@ -81,12 +81,12 @@ def ring_bank(state: State) -> None:
 @noinline_kernel
 def mix_bank(state: State) -> None:
     """Add the bank's sound to the mix, without what has left it."""
+    spectral, output = state.spectral, state.output
     sounds = state.tails.count > 0
     for p in range(PHASES):
-        sounds |= state.spectral.phases[p].sounds == 1
+        sounds |= spectral.phases[p].sounds == 1
     if sounds:
         # Add what the phases have laid out for this quantum to the mix.
-        spectral, output = state.spectral, state.output
         out = state.scratch.bank
         for side in range(2):
             for n in range(QUANTUM):
@@ -105,9 +105,8 @@ def mix_bank(state: State) -> None:
                 output.mix[side, n] += left * out[side, n]
         state.stats.live_modes += spectral.modes
         state.stats.sounding += max(state.ringer_count, spectral.fading)
-    if state.spectral.fading == 1:
+    if spectral.fading == 1:
         # End a fade that is over.
-        spectral = state.spectral
         spectral.faded += QUANTUM
         if spectral.faded < fade_length(state.rate):
             return

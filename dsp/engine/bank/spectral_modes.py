@@ -79,8 +79,7 @@ def go(state: State, slot: int, turn: int) -> None:
                 # Write a mode, whose state z it was a sample ago and now begins its block, to its place.
                 single = phase.single[b]
                 z = complex(re, im) * left
-                spectral = state.spectral
-                step = _step(state.bank, at)
+                step = _step(bank, at)
                 middle = _power(step, FRAMES // 2)
                 c = complex(z.imag, -z.real) * middle * step
                 put_number(spectral, single, place, 0, c.real)

@@ -122,7 +122,6 @@ def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
                     contact.unsettled = 1  # its force moves on, and leaves it elsewhere
             state.steps_taken += end - net.begin
         # Say when the objects of a net whose block ends at a frame are to be looked at again.
-        end = net.end
         apart = 0
         for i in range(net.objects):
             apart = max(apart, state.objects[net.object[i]].apart)

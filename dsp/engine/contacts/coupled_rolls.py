@@ -78,8 +78,7 @@ def couple_roll(state: State, contact: Contact) -> None:
         mean += here / places
         greatest = max(greatest, here)
     put(state, obj, contact, contact.now.position)
-    mobility, greatest = mean, greatest
-    roll.mobility = mobility / omega_c
+    roll.mobility = mean / omega_c
     gives = mass * greatest
     gives_way = gives > GIVING[level]
     roll.brief = BRIEF if level < _FINE or gives_way else 0.0

@@ -114,8 +114,7 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
         else:
             ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return
-    # True if a roll on an object moves over it.
-    moves = False
+    moves = False  # whether a roll on it moves over it
     entry = obj.rolls_head
     while entry >= 0:
         contact = state.contacts[entry // 2]
@@ -132,8 +131,7 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
                 keep = keep and (entry % 2 == 1 or contact.travel == 0.0 or keeps_line(contact, obj.rows, frame))
                 entry = contact.point[entry % 2].next_roll
             end = min(stop, frame - frame % LINE + LINE) if keep else frame + 1
-        # List the rolls on an object as they are at a frame, and how they move, in `drivers`: how many, and how many
-        # modes they drive.
+        # List the rolls on an object as they are at a frame, and how they move, in `drivers`.
         count = driven = 0
         entry = obj.rolls_head
         while entry >= 0:
@@ -165,7 +163,7 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
                 for n in range(frame, end):
                     voice[side, n] = 0.0
         if fed > 0:
-            # Add up the forces of those drivers that stay at one place, in `blows`; how many places there are.
+            # Add up the forces of those drivers that stay at one place, in `blows`.
             scratch, places = state.scratch, 0
             for j in range(count):
                 driver = scratch.drivers[j]

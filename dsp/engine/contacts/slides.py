@@ -230,7 +230,7 @@ def rub(state: State, contact: Contact, frame: int) -> None:
     slide.pull += (force - slide.pull) / (_MEAN * state.rate)
     # Inject friction's force over the sample into the modes.
     sample = state.position + frame - 1
-    friction, scale = slide.friction, contact.now.gain * slide.along
+    scale = contact.now.gain * slide.along
     first = (friction.start + 0.5 * friction.slope) / state.rate
     second = friction.slope / (6.0 * state.rate)
     if not whole:

@@ -139,9 +139,8 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
             )
             if swarm.law == DROPS:
                 blows.momentum[n] *= blows.heard[n]
-            if (
-                width > _WIDEST
-            ):  # as loud at frequencies above the longer pulse's, and less below: it begins as t^(power - 1)
+            if width > _WIDEST:
+                # As loud at frequencies above the longer pulse's, and less below: it begins as t^(power - 1).
                 power = 1.5 if swarm.law == DROPS else swarm.a + 1.0
                 blows.momentum[n] *= exp(power * (_WIDEST - width))
     if sizes and swarm.cracked == swarm.pieces == 0:

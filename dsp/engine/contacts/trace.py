@@ -204,7 +204,7 @@ def _entry(state: State, contact: Contact, sample: int, impulse: float, met: tup
     entry.gain = contact.now.gain
     # Tell of an entry's striker how it sounds.
     entry.sound, entry.share, entry.ratio, entry.left = -1, 0.0, 1.0, 1.0
-    if not (contact.sound < 0 or state.strikers[contact.sound].serial != contact.sound_serial):
+    if contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial:
         striker = state.strikers[contact.sound]
         entry.sound = contact.sound
         if contact.trait.along == 1:

@@ -69,18 +69,18 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         # Say which object is touched, and which one touches it, if one does.
         touched, other = contact.point[0], contact.point[1]
         touched.slot, touched.serial = event.slot, event.serial
-        touched.on_surface = int(event.values.on_surface)
+        touched.on_surface = int(values.on_surface)
         _point_along(contact.direction[0], values.direction_x, values.direction_y, values.direction_z)
         _point_along(contact.direction[1], values.by_direction_x, values.by_direction_y, values.by_direction_z)
         other.slot, other.serial = event.by_slot, event.by_serial
         partner = state.objects[other.slot]
         if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:
-            other.on_surface = int(event.values.by_on_surface)
+            other.on_surface = int(values.by_on_surface)
             if other.on_surface == 1 and partner.faces > 0:
-                put_at(state, partner, other, event.values.by_x, event.values.by_y, event.values.by_z)
+                put_at(state, partner, other, values.by_x, values.by_y, values.by_z)
                 direct(state, partner, contact, 1)
             else:
-                place(other, event.values.by_position, partner)
+                place(other, values.by_position, partner)
         else:
             other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
         contact.until = contact.gone_at = math.inf
@@ -114,7 +114,6 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         contact.now = contact.target
         if trait.along == 1:
             # Give a striker that moves along a surface its body and its surface.
-            values = event.values
             contact.roll = take_roll(state)
             stats.rolls_active += 1
             contact.solver = ROLLING
