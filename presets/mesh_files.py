@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..dsp.bodies.material import Array
+from ..dsp.mesh.polygons import Polygons, require_indices
 from ..dsp.mesh.surface import Indices, MeshError
-from .polygons import Polygons, require_indices
 
 _STL_HEAD, _STL_ROW = 84, 50  # bytes
 _STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])

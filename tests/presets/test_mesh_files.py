@@ -9,11 +9,11 @@ import pytest
 
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.cleaning import cleaned, openings
+from carom.dsp.mesh.polygons import Polygons, triangulated
 from carom.dsp.mesh.surface import MeshError, Surface, volume_of
 from carom.dsp.mesh.winding import sides_of
 from carom.presets.mesh_files import read_obj, read_ply, read_stl
 from carom.presets.meshes import read_mesh, read_parts
-from carom.presets.polygons import Polygons, triangulated
 from tests import needs
 
 needs.module("mapbox_earcut")
