@@ -243,7 +243,14 @@ def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     _carry(contact, eta)
     put(contact.moved, ON, contact.series)
     if _pushes(contact):
-        _push(contact, eta)
+        # Apply the force to the point: what becomes of the sample's rest.
+        f, power, series, pushed = contact.force, contact.power, contact.series, contact.pushed
+        for n in range(FINE):
+            contact.impulse[n] = _impulse(contact, n, eta, power[n])
+            contact.given[n] = contact.answer[n] * power[n]
+        put(contact.given, PUSH, pushed)
+        for k in range(FINE):
+            series[k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
         _give(contact, eta, at, powers)
     back, shorter = 1.0, 1.0 / eta
     for k in range(FINE):
@@ -286,18 +293,6 @@ def _impulse(contact: Coupled, n: int, eta: float, power: float) -> float:
     f = contact.force
     impulse: float = eta * power * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
     return impulse
-
-
-@kernel
-def _push(contact: Coupled, eta: float) -> None:
-    """Apply the force to the point: what becomes of the sample's rest."""
-    f, power, series, pushed = contact.force, contact.power, contact.series, contact.pushed
-    for n in range(FINE):
-        contact.impulse[n] = _impulse(contact, n, eta, power[n])
-        contact.given[n] = contact.answer[n] * power[n]
-    put(contact.given, PUSH, pushed)
-    for k in range(FINE):
-        series[k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
 
 
 @kernel

@@ -87,7 +87,7 @@ def _follow(roll, seconds, rows):
     while roll.t < seconds and roll.ended == 0 and count < len(rows):
         impacts = roll.impacts
         touching = roll.touching
-        next_event(roll, math.inf)
+        next_event(roll)
         if touching == 1 and inside:
             for i in range(NODES):
                 # The force over the weight is heard, and fades with the roll.

@@ -43,7 +43,6 @@ class Roll(Record):
     debt: float  # events beyond what is granted
     fade: float  # 1, falling to 0 when the roll has stopped
     ended: int
-    samples: int  # 1: it goes by samples (sample_step.py); 0: by flights and steps
     # The last event: what is heard from `since` on for `span` s is the quadratic through `force` (N) at GAUSS.
     since: float
     span: float

@@ -9,7 +9,6 @@ import math
 from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
 from ...contact.closed_form import begin_pulse, find_nodes, find_power
 from ...contact.coupled_step import HELD
-from ...contact.pulse_record import Pulse
 from ...native.jit import kernel
 from ...schema import VELOCITY
 from ..bodies.objects import is_felt, pitch_of, reach_of, shape_at
@@ -181,22 +180,18 @@ def soften_pulse(state: State, contact: Contact, mass_ratio: float, seen_mass_ra
         return
     pulse = contact.pulse
     ratio = 1.0 / (1.0 + seen_mass_ratio)
-    _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))
+    # Scale a pulse's times.
+    shorter = ratio ** (1.0 / (pulse.exponent + 1.0))
+    pulse.duration *= shorter
+    for i in range(len(pulse.node_time)):
+        pulse.node_time[i] *= shorter
+    for phase in range(2):
+        pulse.phase_time[phase] *= shorter
+        for i in range(len(pulse.time_series[phase])):
+            pulse.time_series[phase, i] *= shorter
     if (1.0 + pulse.restitution) * (1.0 + mass_ratio) > 2.0 * (1.0 + seen_mass_ratio):
         ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + _seen_mass_ratio(state, contact))))
     pulse.momentum *= ratio
-
-
-@kernel
-def _shorten(pulse: Pulse, ratio: float) -> None:
-    """Scale a pulse's times."""
-    pulse.duration *= ratio
-    for i in range(len(pulse.node_time)):
-        pulse.node_time[i] *= ratio
-    for phase in range(2):
-        pulse.phase_time[phase] *= ratio
-        for i in range(len(pulse.time_series[phase])):
-            pulse.time_series[phase, i] *= ratio
 
 
 @kernel

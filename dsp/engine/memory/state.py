@@ -19,7 +19,6 @@ from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
 from ...resonator.bank import RESPONSES, Driver
 from ...resonator.simd import LANES
 from ...resonator.sizes import HALF, REACH, ROOM_FOR_FACTORS, ROOM_FOR_ROWS
-from ...rolling.abreast_record import Abreast
 from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits
@@ -259,7 +258,6 @@ class Scratch(Record):
     drift: Annotated[View[float], 4]  # of a point's weights
     room: Annotated[View[float], ROOM_FOR_ROWS]  # to lay them out
     receptance: Annotated[View[float], FINE]
-    abreast: Abreast  # bodies that roll or slide by samples, together
     drivers: Annotated[View[Driver], DRIVEN]  # of the rolls and swarms on one object, at one time
     blows: Annotated[View2D[float], DRIVEN, QUANTUM]  # their forces by one number a frame, those at one place together
     batch: Blows  # of a swarm, that are drawn together
