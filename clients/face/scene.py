@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock
 from typing import TYPE_CHECKING, NoReturn, SupportsFloat, SupportsIndex
@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, NoReturn, SupportsFloat, SupportsIndex
 from ._capture import Capture
 from ._documented import documented
 from .clients.actions import Actions, CommandError, plain
-from .clients.gesture_methods import ObjectMethods, Value, with_methods_of
-from .clients.modes import ModeTable, Settings, gains_of, mode_table
+from .clients.gesture_methods import ObjectMethods, with_methods_of
+from .clients.modes import ModeTable, Settings, mode_table
 from .clients.performer import Folders, Performer, Placed
 from .dsp.arguments import explain_all_arguments
-from .dsp.schema import SETTINGS
 from .server.closing import Closing
 from .server.costs import CostWatch
 from .server.files.whole import RenderError
@@ -25,6 +24,8 @@ from .server.render import Options
 from .sound import Sound
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
     from typing_extensions import Unpack
 
     from .clients.gesture_methods import NewKeys, SensorKeys
@@ -229,7 +230,8 @@ class Scene(Actions, Closing):
             The name is taken, or a key does not fit.
         """
         self.send("/object/new", name, preset, at=at, **keys)
-        return Object(self, name, self._open.placed(name), _settings(keys))
+        own = keys.get("gains", ())
+        return Object(self, name, self._open.placed(name), self._open.heard_first(name, own))
 
     def ended(self) -> list[str]:
         """Return the ids of gestures that have ended since the last call, up to the scene's time, the oldest first."""
@@ -244,12 +246,14 @@ class Object(ObjectMethods):
     It may stand where its name is expected. name: its name; mass: of the whole body, kg.
     """
 
-    def __init__(self, scene: Scene, name: str, placed: Placed, settings: Settings) -> None:
+    def __init__(
+        self, scene: Scene, name: str, placed: Placed, heard: tuple[Settings, NDArray[np.float64]]
+    ) -> None:  # fmt: skip
         self.scene = scene
         self.name = name
         self.mass = placed.modes.mass
         self._placed = placed
-        self._first_settings = settings
+        self._heard_first = heard
 
     def __repr__(self) -> str:
         return f"<carom.Object {self.name}>"
@@ -279,9 +283,7 @@ class Object(ObjectMethods):
         if not 0.0 <= place <= 1.0:
             raise RenderError(f"position = {_said(position)}: expected 0 to 1")
         performer = self.scene._performer
-        settings, gains = self._first_settings, gains_of(self._first_settings, self.scene.channels)
-        if performer and (heard := performer.heard(self._placed)):
-            settings, gains = heard
+        settings, gains = (performer and performer.heard(self._placed)) or self._heard_first
         return mode_table(self._placed.modes, self._placed.level, settings, gains, place, self.scene.rate)
 
     def sensor(
@@ -303,10 +305,3 @@ def _number(value: object) -> float:
 def _said(value: object) -> str:
     """Return a value as an error names it: a text in quotes, which a number is not."""
     return repr(value) if isinstance(value, str) else str(value)
-
-
-def _settings(keys: Mapping[str, Value]) -> Settings:
-    """Return the keys that an object was made with."""
-    return Settings(
-        **{name: each.in_engine(float(keys.get(name, each.default or 0.0))) for name, each in SETTINGS.items()}
-    )
