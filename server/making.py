@@ -70,7 +70,7 @@ class Making:
         place, call = self._left[0]
         made: Made
         if place >= OBJECTS or self.bytes > _MOST_BYTES:
-            made = EngineFull("no room for all objects of this packet: expected fewer of them in one")
+            made = EngineFull("no capacity for all objects of this packet: expected fewer in one packet")
         else:
             made = _made(call, presets, top, plan)
         self.made[id(call)] = made

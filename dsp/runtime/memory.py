@@ -56,7 +56,7 @@ class Memory:
         plan = plan or self.plan(modes, top)
         size = plan.shape.shape[1]
         if not self.free:
-            raise EngineFull(f"no room for another object: all {self._most} are taken")
+            raise EngineFull(f"no capacity for another object: all {self._most} are taken")
         sheet = -1 if plan.laid is None else self._sheets.lay_out(plan.laid)
         try:
             first = self._modes.take(size)
