@@ -474,8 +474,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the running one of
-        that `id` (or NAME)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the roll that has
+        this `id` (or NAME)."""
 
     def press(
         self,
@@ -506,8 +506,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the running one of
-        that `id` (or NAME)."""
+        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the slide that has
+        this `id` (or NAME)."""
 
     def rest(
         self,
@@ -538,8 +538,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many copies of the striker hit the object at random times, until it is stopped:
-        dice in a cup."""
+        """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times, until
+        it is stopped."""
 
     def crumple(
         self,
@@ -613,8 +613,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the running one of
-        that `id` (or NAME)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the roll that has
+        this `id` (or NAME)."""
 
     def press(
         self,
@@ -642,8 +642,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the running one of
-        that `id` (or NAME)."""
+        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the slide that has
+        this `id` (or NAME)."""
 
     def rest(
         self,
@@ -671,8 +671,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many copies of the striker hit the object at random times, until it is stopped:
-        dice in a cup."""
+        """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times, until
+        it is stopped."""
 
     def crumple(
         self,

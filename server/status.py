@@ -76,7 +76,7 @@ FIELDS = {
     "replies_dropped": "replies that clients were too slow to read; over UDP only those of this machine, on Linux",
     "connections": "TCP clients",
     "waiting": "clients whose messages wait for an object to be made, or for their turn",
-    "full_scale": "pressure of full scale, of objects of level 0, Pa",
+    "full_scale": "pressure of full scale for objects of level 0, Pa",
     "recording": "yes, no, or why the recording of `--record` ended",
     "logging": "yes, no, or why the log ended",
     "take": "file that `/record` writes, no, or why the last one ended",
@@ -209,7 +209,7 @@ class Status:
         count = stats.holes - self._warned["holes"]
         self._warned["holes"] = stats.holes
         more = f", and {count - 1} times before" if count > 1 else ""
-        text = f"the sound stood still for {stats.hole_last:.2f} s{more}, as the process or its device was stopped"
+        text = f"the sound was stopped for {stats.hole_last:.2f} s{more}, as the process or its device was stopped"
         return (stats.hole_at, text) if count else None
 
     def _limiter_warnings(self) -> list[str]:

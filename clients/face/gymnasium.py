@@ -208,7 +208,7 @@ def seconds_of(env: Any, model: mujoco.MjModel) -> float:
             return float(dt)
         if isinstance(steps := getattr(each, "frame_skip", None), int):
             return steps * float(model.opt.timestep)
-    raise WorldError(f"{env}: it does not say how long an action takes: expected `frames`")
+    raise WorldError(f"{env}: the duration of an action is unknown: expected `frames`")
 
 
 class _Sound:

@@ -104,7 +104,7 @@ def _lines(score: PathLike[str] | str | Iterable[Line | Sequence[Any]]) -> list[
             return parse(score.encode(), "score")
         except UnicodeEncodeError as error:
             line = score.count("\n", 0, error.start) + 1
-            raise ScoreError(f"score:{line}: {score[error.start]!a} is no character, but half of one") from None
+            raise ScoreError(f"score:{line}: {score[error.start]!a} is half a character") from None
     if not isinstance(score, Iterable):
         raise ScoreError(f"score = {score!r}: expected a score's text, a path of its file, or its lines")
     return [line if isinstance(line, Line) else _line(line, f"line {n}") for n, line in enumerate(score, 1)]
