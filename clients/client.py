@@ -272,7 +272,7 @@ class Client(Actions, Closing):
         Parameters
         ----------
         seconds : float
-            Time to read, s. It counts once the server has compiled its engine.
+            Time to read, s, from when the server has compiled its engine.
 
         Yields
         ------

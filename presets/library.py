@@ -43,7 +43,7 @@ _SETTLED = 3_000_000_000
 class Presets:
     """Presets by name, first from the user's folders (each with objects/, strikers/, surfaces/, materials/).
 
-    Files are read when asked for, so an edited one counts from then on.
+    Files are read on each use, so that edits take effect at once.
     """
 
     def __init__(self, folders: Folder | Iterable[Folder] = ()) -> None:

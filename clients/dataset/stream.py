@@ -65,9 +65,9 @@ def render_many(
     Raises
     ------
     PresetError
-        Names what the recipe cannot have.
+        The recipe is refused; the text says why.
     ItemError
-        Names an item that cannot be.
+        An item cannot be rendered; the text names it.
 
     Examples
     --------

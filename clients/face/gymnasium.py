@@ -107,7 +107,7 @@ class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
     Raises
     ------
     WorldError
-        What is no SyncVectorEnv, and as for AddAudioObservation.
+        The environment is no SyncVectorEnv, or as for AddAudioObservation.
     """
 
     def __init__(
@@ -310,10 +310,10 @@ class _Sound:
             return
         self._settle()
         self.bridge.restart_if_set_back()  # an environment may reset its data within a step
-        tell, simulation = self.bridge.tell_or_restart, self.bridge.world.simulation
+        report, simulation = self.bridge.report_or_restart, self.bridge.world.simulation
         for _ in range(count):
             step()
-            if tell():
+            if report():
                 self._blows.append(simulation.blows)
         self._block = self.bridge.world.whole_block(self._batch)
 

@@ -57,7 +57,7 @@ def mesh(
     Raises
     ------
     MeshError, PresetError, OSError
-        Say what cannot be.
+        An argument is refused, or a file cannot be read or written; the text says why.
 
     Examples
     --------

@@ -43,11 +43,11 @@ def render(
     rate : int, default 48000
         Sampling rate in Hz, 8000 to 192000.
     limiter, gain, channels, full_scale : optional
-        As for a Scene. Default: what the score says at time 0.
+        As for a Scene. Default: as the score sets them at time 0.
     calibrated, stems, contacts, presets : optional
         As for a Scene.
     normalize : float, optional
-        Peak of the whole, dB of full scale; without a limiter unless one is asked for.
+        Peak of the sound, dB of full scale. There is then no limiter, unless `limiter` is True.
     seconds : float, optional
         Length in s. Default: until silence.
 
@@ -59,9 +59,9 @@ def render(
     Raises
     ------
     ScoreError
-        Names a line that cannot be read or was refused.
+        A line cannot be read, or is refused; the text names it.
     RenderError, PresetError, OSError
-        Say what else cannot be.
+        Another argument is refused, or a file cannot be read; the text says why.
 
     Examples
     --------

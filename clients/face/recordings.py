@@ -54,7 +54,7 @@ def fit(
     Raises
     ------
     RecordingError, FitError, PresetError, OSError
-        Say what cannot be.
+        An argument is refused, or a file cannot be read or written; the text says why.
 
     Examples
     --------
@@ -102,7 +102,7 @@ def compare(a: File, b: File) -> Distance:
     Raises
     ------
     RecordingError, OSError
-        Say what cannot be read.
+        A file cannot be read; the text says why.
 
     Examples
     --------

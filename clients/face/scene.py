@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 class Scene(Actions, Closing):
     """An engine in this process: objects and gestures as methods, and `render` for the sound.
 
-    Each address of a score is a method. Calls may come in any order of time, as sound is computed once `render` asks
-    for it; nothing can happen before what is computed. Equal calls make equal sounds, bit for bit, and those of the
-    score that says the same. Scenes may work in parallel, each in one thread at a time.
+    Each address of a score is a method. Sound is computed by `render` alone, so that calls may come in any order of
+    time, but not before the time that is computed. Equal calls make equal sounds, bit for bit; a score of the same
+    messages makes them, too. Scenes may work in parallel, each in one thread at a time.
 
     Parameters
     ----------
@@ -64,9 +64,9 @@ class Scene(Actions, Closing):
     Raises
     ------
     CommandError
-        A message was refused, and changed nothing. Of several values to `steer` the others count.
+        A message was refused, and changed nothing. Of several values to `steer`, the others hold.
     RenderError
-        An option or a length that cannot be.
+        An option or a length is out of range.
 
     Notes
     -----
@@ -143,7 +143,7 @@ class Scene(Actions, Closing):
 
     @property
     def time(self) -> float:
-        """The earliest time (s) of what is asked for now.
+        """The earliest time (s) at which anything can still happen.
 
         The engine computes 64 frames at a time, and the limiter, on or off, looks 64 frames ahead. So after a `render`
         the time lies up to 127 frames behind the end of the sound that was given; up to 63 in a calibrated scene.

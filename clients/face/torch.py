@@ -38,7 +38,7 @@ class Items(IterableDataset[Any]):
     Raises
     ------
     PresetError
-        Names what the recipe cannot have.
+        The recipe is refused; the text says why.
     """
 
     def __init__(
