@@ -129,10 +129,7 @@ class Scene(Actions, Closing):
             self._busy.release()
 
     def close(self) -> None:
-        """Give its memory back.
-
-        Sounds stay; the scene and its objects can do nothing more.
-        """
+        """Free its memory. Sounds stay; the scene and its objects are of no more use."""
         self._performer = None
 
     @property
@@ -243,7 +240,14 @@ class Scene(Actions, Closing):
 class Object(ObjectMethods):
     """An object of a scene; its methods are the scene's, without the name.
 
-    It may stand where its name is expected. name: its name; mass: of the whole body, kg.
+    It may be given wherever a name is expected.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    mass : float
+        Mass of the whole body, kg.
     """
 
     def __init__(

@@ -135,7 +135,7 @@ class Sound:
 
     @property
     def mono(self) -> "Sound":
-        """The mean of all channels, as a sound of one."""
+        """Mean of all channels, as a sound of one channel."""
         return self._other(lambda samples: samples.mean(axis=1, keepdims=True, dtype=np.float32))
 
     def __getitem__(self, frames: slice) -> "Sound":

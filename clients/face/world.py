@@ -167,7 +167,7 @@ class World(Grained, Closing):
             self._send([Said(start, message) for message in self._listening.first()])
 
     def close(self) -> None:
-        """End it: give its memory back, or free its bodies' objects on the server.
+        """Free its memory, or its bodies' objects on the server.
 
         Sounds stay.
         """
@@ -197,7 +197,7 @@ class World(Grained, Closing):
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """The names of the bodies; their places are their numbers."""
+        """Names of the bodies, in the order of their numbers."""
         return tuple(body.name for body in self.simulation.bodies)
 
     @property
@@ -362,7 +362,7 @@ class World(Grained, Closing):
     def sensed(self) -> dict[str, NDArray[np.float32]]:
         """The signals of sensors over the last block, by name, float32 (frames,), in the unit of each.
 
-        Empty of a World with a client, whose server has them as channels.
+        Empty for a World with a client: its server has them as channels.
         """
         if self._scene is None:
             return {}
@@ -488,7 +488,7 @@ class World(Grained, Closing):
         return self._up_to(self.time, batch)
 
     def whole_block(self, batch: Batch | None = None) -> Blocks:
-        """Return what `block` does, with the signals of sensors as further channels."""
+        """Return the sound as `block` does, with the signals of sensors as further channels."""
         self.block(batch)
         return self._whole
 
