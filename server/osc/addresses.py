@@ -234,7 +234,7 @@ _ENGINE = (
         "sets a score's pressure of full scale; a server accepts only the one it was started with",
         (FULL_SCALE,),
     ),
-    Verb("/end", "ends a score's render at its time; a server does nothing"),
+    Verb("/end", "ends the render of a score at its time; a server ignores it"),
     Verb("/panic", "ends all gestures; the sound fades, and objects stay"),
 )
 

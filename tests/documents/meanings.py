@@ -26,7 +26,7 @@ MEANINGS = {
     ("mesh", "wall"): "thickness of a sheet or a hollow body | solid",
     ("mesh", "scale"): "unit of the mesh | 1",
     ("mesh", "modes"): "largest number of modes | 60",
-    ("mesh", "points"): "number of points of the surface, about | 400",
+    ("mesh", "points"): "approximate number of points of the surface | 400",
     ("mesh", "fine"): "twice as many cells | `no`",
     ("object", "damping"): "losses in place of the material's",
     ("object", "strike"): "usual strike",

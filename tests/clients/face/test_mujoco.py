@@ -384,15 +384,15 @@ def test_a_contact_pair_is_heard_as_its_bodies():
     assert {(hit.a, hit.b) for hit in found} == {("ball", "floor")}
 
 
-def test_what_tells_stays_as_long_as_it_is_held():
+def test_what_reports_stays_as_long_as_it_is_held():
     model, data = dropped(0.002, 0.1, ".02 1")
-    tell = carom.mujoco.Bridge(model, data).tell
+    report = carom.mujoco.Bridge(model, data).report
     gc.collect()
     kept = [np.full(12_624 // 8, 7) for _ in range(200)]  # takes the memory that is free
     blows = 0
     for _ in range(200):
         mujoco.mj_step(model, data)
-        blows += tell()
+        blows += report()
     assert blows >= 1 and all((each == 7).all() for each in kept)
 
 
