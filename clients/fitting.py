@@ -40,7 +40,7 @@ _AS_NEAR = 0.1  # dB: a strike by the measured force that is no further from the
 
 
 class FitError(CaromError, ValueError):
-    """Error of a fit that cannot be made as asked; the text names why."""
+    """Error of a fit that cannot be made as requested; the text names why."""
 
 
 @dataclass(frozen=True)

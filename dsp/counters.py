@@ -45,7 +45,7 @@ class Stats:
     live_modes: int = _counter("modes that ring")
     sounding: int = _counter("objects that sound")
     sounded: int = _counter("end of the last quantum in which an object sounded", "samples")
-    limit_lowest: float = _measure("lowest gain of the limiter since it was last asked for")
+    limit_lowest: float = _measure("lowest gain of the limiter since it was last requested")
     headroom: float = _measure("present gain of the automatic level ahead of the limiter; 1: it does nothing")
     load: float = _measure("share of the available time that the callback takes, over a second")
     load_now: float = _measure("the same over a tenth of a second")

@@ -1,7 +1,7 @@
 """The macros: eight knobs that every object has, declared once. All else that knows of them follows from this list.
 
 A macro goes from 0 to 1, and in the middle the object is as its preset has it. Those of the body change its modes while
-they ring; the others change what its gestures are told.
+they ring; the others change the values of its gestures.
 """
 
 from dataclasses import dataclass

@@ -58,7 +58,7 @@ SHARED = {
 
 
 def _own(gesture: Gesture) -> dict[str, Parameter]:
-    """Return the parameters of a gesture that not every gesture has; one that falls is told the velocity, not the
+    """Return the parameters of a gesture that not every gesture has; one that falls gets the velocity, not the
     height."""
     given = (*gesture.keys, *(() if gesture.falls else (gesture.argument,)))
     return {each.name: each for each in given if each.name not in SHARED}
@@ -67,7 +67,7 @@ def _own(gesture: Gesture) -> dict[str, Parameter]:
 OWN = {name: _own(gesture) for name, gesture in GESTURES.items()}
 """Parameters of each gesture that not every gesture has, by name."""
 
-_AFTER = Parameter("after", 0.0, 1e9, "s", "until it begins; 0: what was asked for before ends", default=0.0)
+_AFTER = Parameter("after", 0.0, 1e9, "s", "until it begins; 0: what was requested before ends", default=0.0)
 
 OF_RAMPS = {each.name: each for each in (OVER, CURVE, _AFTER)}
 """Parameters of a ramp, by name."""

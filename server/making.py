@@ -89,7 +89,7 @@ def _made(call: Call, presets: Presets, top: float, plan: Callable[[Modes], obje
         return made
     except (EngineFull, Refused, PresetError) as error:
         return error.with_traceback(None)  # whose frames hold those who keep the error: a circle
-    except Exception as error:  # a fault, which is told with its place
+    except Exception as error:  # a fault, which is reported with its place
         return error
 
 

@@ -88,8 +88,8 @@ FIELDS = {
 """The names that follow in /status.reply and their meanings; an empty one is that of the engine's statistics."""
 
 _MOST_CLIENTS = 256  # whose last question is remembered
-_RESTS = 0.2  # s without the limiter, after which what it did is told
-_SAID_EVERY = 2.0  # s after which it is told in any case
+_RESTS = 0.2  # s without the limiter, after which its work is reported
+_SAID_EVERY = 2.0  # s after which it is reported in any case
 
 
 class LowestGain:

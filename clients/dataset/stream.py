@@ -145,7 +145,7 @@ def sound_of(recipe: Recipe, clip: Clip) -> np.ndarray[Any, np.dtype[np.float32]
 def _by_processes(
     recipe: Recipe, folders: tuple[str, ...], numbers: Iterator[int], workers: int
 ) -> Iterator[dict[str, Any]]:
-    """Render items in processes, a few of them ahead of the one that is asked for."""
+    """Render items in processes, a few of them ahead of the one that is requested."""
     import multiprocessing  # slow to load
 
     context = multiprocessing.get_context("spawn")

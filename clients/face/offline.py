@@ -84,7 +84,7 @@ def render(
 
 
 def _normalized(capture: Capture, options: Options) -> Sound:
-    """Normalize the sound that was captured to the peak that is asked for."""
+    """Normalize the sound that was captured to the peak that is requested."""
     gain = options.gain_of(capture.peak, capture.warnings.append)
     sound = capture.sound()
     if options.normalize is None:

@@ -1,4 +1,4 @@
-"""Items of a recipe for PyTorch, rendered as they are asked for (`pip install 'carom[torch]'`).
+"""Items of a recipe for PyTorch, rendered as they are requested (`pip install 'carom[torch]'`).
 
 import carom.torch
 from torch.utils.data import DataLoader

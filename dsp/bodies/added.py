@@ -8,7 +8,7 @@ rms along the path of its shape times its sound pressure. So much louder or soft
 infinitely short, at a point where that mode moves by its rms. A fit to a recording first divides the recording by the
 spectrum of its blow's force.
 
-The mass of added modes does not change the sound, only how far a contact feels them. Unless it is said, all modes of a
+The mass of added modes does not change the sound, only how far a contact feels them. Unless it is given, all modes of a
 section together yield to a force as a rigid body of LOAD times the body's mass does: contacts don't feel that.
 """
 
@@ -28,7 +28,7 @@ from .modes import MOST_MODES, Modes, columns, read_only
 
 LOAD = 100.0
 
-_WHOLE = 20_000.0  # Hz: up to which the shape's modes are that levels are told against
+_WHOLE = 20_000.0  # Hz: up to which the shape's modes are that levels refer to
 
 Values = float | tuple[float, ...]
 

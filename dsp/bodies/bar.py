@@ -27,9 +27,9 @@ from .unheard import FINER, Felt, completed, with_unheard
 
 _SIGN_AT = 0.03  # of the length: whose sign a mode's sound has
 UNDERCUT_SPAN = 0.6
-"""Share of the length that is carved where nothing else is said."""
+"""Share of the length that is carved by default."""
 FAN_DEPTH = 0.5
-"""Share of a tube's sound that a fan takes away at most, where nothing else is said."""
+"""Share of a tube's sound that a fan takes away at most, by default."""
 ACROSS, TILT = 0.2, 5.0
 """Place of a blow across the bar's width, and its angle (degrees): as a hand strikes unless it takes care."""
 

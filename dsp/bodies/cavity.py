@@ -8,7 +8,7 @@ of section S = V/L that is closed at its other end: its waves end in the opening
     cot(k L) = k L' S/A,
 
 the lowest of which is Helmholtz's. With X the volume that has left the opening, and u = sin(k z)/(S sin(k L)) X the
-displacement in the tube, such a mode has the mass m = rho L'/A + rho S int u^2 dz, and a wall that gives way at z by a
+displacement in the tube, such a mode has the mass m = rho L'/A + rho S int u^2 dz, and a wall that yields at z by a
 volume D drives it by rho c^2 k cos(k z)/(S sin(k L)) D.
 
 What it loses it radiates, as a source much smaller than its wave, sigma = rho omega^2/(8 pi c m) (L. Kinsler et al.,

@@ -131,7 +131,7 @@ def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]
 
 
 def ascending(frequency: Array) -> Indices:
-    """Return indices of modes by ascending frequency; those that rounding alone tells apart stay in their order."""
+    """Return indices of modes by ascending frequency; those that differ by rounding alone stay in their order."""
     return np.argsort(np.round(np.log(np.maximum(frequency, _LEAST)), 9), kind="stable")
 
 

@@ -18,7 +18,7 @@ _TURN = 0.2
 """rad: the swing of a contact at rest turns by no more than this in a sample. What lands harder swings faster, by
 the tenth root of its energy over that at rest where the force goes with the 3/2nd power."""
 
-_SUNK = 0.1  # the most by which a dashpot gives way in a sample, over the compression at rest
+_SUNK = 0.1  # the most by which a dashpot yields in a sample, over the compression at rest
 _SHORTEST = 1.0 / 64_000.0  # s: of shorter samples there are more than the steps of contact_step.py
 _LONGEST = 1.0 / 40_000.0  # s: in longer ones landings are blurred, third octaves of bodies that hop 4 to 6 dB wrong
 

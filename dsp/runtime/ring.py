@@ -30,7 +30,7 @@ class Ring:
         ring = record["ring"]
         self._written, self._read = ring["written"], ring["read"]
         self.entries: NDArray[np.void] = ring["entries"]
-        """The commands, by their numbers modulo RING. Whoever writes them has asked for room, sets their numbers, and
+        """The commands, by their numbers modulo RING. Whoever writes them has requested room, sets their numbers, and
         publishes."""
         self.bytes = as_bytes(self.entries)
 

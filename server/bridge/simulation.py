@@ -352,7 +352,7 @@ class Simulation:
         return self.told(self._own, self._tell(self._own_at))
 
     def told(self, telling: NDArray[np.void], found: int) -> list[Request]:
-        """Return the requests of a step that was reported, for which `tell` returned what it found."""
+        """Return the requests of a step that was reported, for which `tell` returned a number."""
         if found >= 0 and not found & LOOK:
             return []
         before = float(telling["before"][0])

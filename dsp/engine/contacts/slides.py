@@ -194,7 +194,7 @@ def rub(state: State, contact: Contact, frame: int) -> None:
 
 @kernel
 def _settle(state: State, contact: Contact) -> None:
-    """Tell a slide's friction where it is, and how the objects give way there; their modes only if these are others."""
+    """Tell a slide's friction where it is, and how the objects yield there; their modes only if these are others."""
     slide, scratch = state.slides[contact.roll], state.scratch
     slide.along, slide.position = contact.target.along, contact.now.position
     keep_spot(contact, slide.spot)

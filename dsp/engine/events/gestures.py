@@ -157,7 +157,7 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
         else:
             place(other, event.values.by_position, partner)
     else:
-        other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
+        other.slot = -1  # it was freed, or there never was one: its mass strikes alone
 
 
 @kernel

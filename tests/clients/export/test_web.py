@@ -16,14 +16,12 @@ from typing import Any
 
 import pytest
 
-from carom.clients.cli import main
 from carom.clients.export.packing import compressed
 from carom.clients.export.parting import parted
 from carom.clients.export.scene_file import summed
 from carom.dsp.native.wasm_object import CODE, as_leb
 from tests import needs
 from tests.clients.export.pages import RENDER, served
-from tests.documents.pages import ROOT
 
 playwright = needs.module("playwright.sync_api")
 
@@ -247,22 +245,6 @@ def test_a_worklet_makes_the_bits_of_a_render(page: Any, folder: Path) -> None:
     made = page.evaluate(RENDER)
     assert made["digest"] == hashlib.sha256(sound).hexdigest()
     assert not made["isolated"] and made["megabytes"] < 64.0 + TABLES
-
-
-def test_the_module_in_the_page_on_exports_runs(tmp_path: Path) -> None:
-    """The example in export.md strikes and rolls, on a scene with its two objects."""
-    ((text),) = re.findall(r"```js\n(.*?)```", (ROOT / "clients" / "export.md").read_text(), re.DOTALL)
-    begin, rest = text.split("\n", 1)
-    assert begin == 'import { Carom } from "./carom.js";'
-    (tmp_path / "score.txt").write_text("0 /object/new bell church-bell\n0 /object/new pane glass-plate\n")
-    assert main(["export", str(tmp_path / "score.txt"), str(tmp_path / "page")]) == 0
-    with served(tmp_path / "page") as address, playwright.sync_playwright() as runner:
-        browser = runner.chromium.launch(executable_path=needs.program("chromium"), args=["--no-sandbox"])
-        opened = browser.new_page()
-        opened.goto(f"{address}index.html")
-        first = 'const { Carom } = await import("./carom.js");'
-        assert opened.evaluate(f"async () => {{ {first} {rest} return [id, context.state]; }}") == ["pane", "running"]
-        browser.close()
 
 
 def test_files_are_unpacked_by_others_too(folder: Path) -> None:
