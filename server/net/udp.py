@@ -23,9 +23,9 @@ from ...dsp.native.jit import c_function, carray, external, kernel
 from ...dsp.native.typed import Record, View, dtype_of, i32
 from .tcp import listen
 
-CAPACITY = 3 << 22
+CAPACITY = 1 << 22
 """Bytes of datagrams that can wait to be carried out, each with 24 of its own. An address may take as much as its host
-leaves free of what is left for that: a third where no other sends, some 50,000 short ones; a fifth where another of its
+leaves free of what is left for that: a third where no other sends, some 17,000 short ones; a fifth where another of its
 host does. So there is room for a newcomer of this host, and of others."""
 
 RECEIVE_BUFFER = 1 << 22
