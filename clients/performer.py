@@ -10,7 +10,7 @@ from typing import SupportsFloat
 from weakref import proxy
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..dsp.arguments import switch_of
 from ..dsp.bodies.modes import Modes
@@ -221,14 +221,15 @@ class Performer:
         there = self.engine.placed[obj.handle.serial]
         return Placed(there.handle, there.modes, there.level, obj.preset.position)
 
-    def heard_first(self, name: str, own: Sequence[float]) -> tuple[Settings, NDArray[np.float64]]:
-        """Return what `heard` returns as soon as a new object is there. own: its gains, if it has any."""
+    def heard_first(self, name: str, own: ArrayLike) -> tuple[Settings, NDArray[np.float64]]:
+        """Return what `heard` returns as soon as a new object is there. own: its gains, if any."""
         given = self.scene.objects[name].settings
         settings = Settings(**{key: each.in_engine(given[key]) for key, each in SETTINGS.items()})
         main = self.engine.gain if self.engine.position else self._first_gain
-        if not len(own):
+        factors = np.ravel(np.asarray(own, np.float64))
+        if not len(factors):
             return settings, gains_of(settings, self.engine.channels, main)
-        padded = np.pad(np.asarray(own, np.float64), (0, self.engine.channels - len(own)))
+        padded = np.pad(factors, (0, self.engine.channels - len(factors)))
         return settings, settings.gain / settings.distance * main * padded
 
     def heard(self, placed: Placed) -> tuple[Settings, NDArray[np.float64]] | None:

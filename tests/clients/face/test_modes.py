@@ -64,7 +64,12 @@ def test_modes_add_up_to_the_sound(preset, keys, position):
 
 @pytest.mark.parametrize(
     ("options", "keys"),
-    [({}, {"pitch": 440.0}), ({}, {"note": 69, "damp": 0.3}), ({"gain": -6.0}, {}), ({}, {"gains": [1.0, 0.25]})],
+    [
+        ({}, {"pitch": 440.0}),
+        ({}, {"note": 69, "damp": 0.3}),
+        ({"gain": -6.0}, {}),
+        ({}, {"gains": [1.0, 0.25]}),
+    ],
 )
 def test_modes_before_the_first_render_are_those_after_it(options, keys):
     with carom.Scene(RATE, **options) as scene:
