@@ -65,7 +65,7 @@ MEANINGS = {
     ("noise", "level"): "level of a band, against the shape's loudest mode",
     ("cavity", "level"): "level of the lowest mode, against the shape's loudest",
     ("cavity", "length"): "length of a tube with the opening at its end | a cavity without waves",
-    ("cavity", "wall"): "mass of the wall per area, which a blow dents, in place of the level",
+    ("cavity", "wall"): "mass per area of a wall that a blow dents, in place of the level",
     ("noise", "edges"): "edges of the bands, one more than there are bands",
     ("noise", "edge_ratio"): "edges as multiples of the shape's lowest frequency",
     ("noise", "modes"): "number of modes in a band",

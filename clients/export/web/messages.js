@@ -270,7 +270,7 @@ export class Messages {
     if (given.by !== undefined) refuse(`by = ${given.by}: grains hit it; expected a striker`);
     const exponent = gesture.drops ? 0 : law.exponent;
     const table = this.map.pulses.find(([each]) => each === exponent);
-    return table?.[1] ?? refuse(`exponent = ${exponent}: expected a swarm of that in the scene's score, as it has tables for its own alone`);
+    return table?.[1] ?? refuse(`exponent = ${exponent}: expected a gesture of small blows with it in the scene's score`);
   }
 
   along(command, gesture, given, { profile }) {
