@@ -559,7 +559,7 @@ class World(Grained, Closing):
         Parameters
         ----------
         path : path, optional
-            File to write it to, too.
+            File to which the score is also written.
 
         Returns
         -------
