@@ -94,7 +94,7 @@ def _read(path: Path, scale: float | None) -> Triangles:
     if suffix == ".glb" and data[: len(MAGIC)] != MAGIC:
         raise MeshError(f"{path}: begins with {data[: len(MAGIC)]!r}: expected {MAGIC!r}, as all .glb files do")
     try:
-        with np.errstate(all="ignore"):  # what is no number is said
+        with np.errstate(all="ignore"):  # what is no number is refused
             read = READERS[suffix](str(path), data) if suffix in READERS else read_gltf(str(path), data, path.parent)
             found = triangulated(read)
     except MissingLibrary as error:
