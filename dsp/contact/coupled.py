@@ -198,7 +198,7 @@ def look(contact: Coupled, observed: View[float]) -> None:
 
 @kernel
 def _bear(contact: Coupled) -> None:
-    """Take the weight off, which the force at rest bears, and undo how far the point gives way to it."""
+    """Take the weight off, which the force at rest bears, and undo how far the point yields to it."""
     h = contact.period
     contact.motion[2] -= 0.5 * h * h * contact.rest_force / contact.m
     lift(contact, contact.answer, contact.rest_force)
@@ -223,10 +223,10 @@ def lay_on(contact: Coupled, at: float, powers: View[float]) -> None:
 
 @kernel
 def lift(contact: Coupled, answer: View[float], force: float) -> None:
-    """Undo how far a point gives way to a constant force (N) over the sample, by its answer to one.
+    """Undo how far a point yields to a constant force (N) over the sample, by its answer to one.
 
     The answer's last power integrates to one that `motion` does not hold. The lower ones stand for it: where modes lie
-    above the Nyquist frequency it carries much of how a light object gives way.
+    above the Nyquist frequency it carries much of how a light object yields.
     """
     for n in range(1, FINE - 1):
         contact.motion[n + 1] += force * answer[n] / (n + 1)

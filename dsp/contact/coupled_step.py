@@ -19,7 +19,7 @@ _LEAST_SWING = 1e-5  # of the compression at which a striker rests: an amplitude
 LEAST = 1e-12  # samples: the force is held no shorter, or steps that fail one after the other come to nothing
 RETRY = 0.25  # of a step whose equations are not solved
 REFINE = 0.5  # of a step whose energy is not right
-ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
+ROUNDING = 1e-14  # share of the momentum at hand that needs no force
 
 
 @kernel
@@ -69,7 +69,7 @@ def work_against(f: View[float], other: View[float], give: View[float], eta: flo
 
 @kernel
 def give_of(answer: View[float], eta: float) -> float:
-    """Return the distance (m) by which a point gives way to 1 N held for a step, by its answer (FINE, m/(N sample)) to
+    """Return the distance (m) by which a point yields to 1 N held for a step, by its answer (FINE, m/(N sample)) to
     it."""
     give = 0.0
     power = eta

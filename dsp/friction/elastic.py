@@ -1,4 +1,4 @@
-"""An elastic contact: it gives way along the surface before it slips, and so squeaks and creaks.
+"""An elastic contact: it yields along the surface before it slips, and so squeaks and creaks.
 
 It is a row of springs, each of which slips at its share of the limit (Iwan, J. Appl. Mech. 33, 1966). Their shares are
 such that the contact follows the law of two spheres (Mindlin, J. Appl. Mech. 16, 1949) by straight pieces:

@@ -2,7 +2,7 @@
 sample, or over it.
 
 All modes that turn by less than a bound in a sample are one motion whose band ends there. So rows need no sum over
-modes of their own: the displacement at the ends of samples, or at a few times in each, tells it between them, by
+modes of their own: the displacement at the ends of samples, or at a few times in each, gives it between them, by
 filters of some 20 taps, found by least squares over the band. Slow modes are summed once a sample, others twice or four
 times. The samples before now and behind the last that filters take are those of a motion that always was free.
 

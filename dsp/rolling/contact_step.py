@@ -1,6 +1,6 @@
 """A rolling body's contact, step by step: compression x = path - body, under the contact law and weight.
 
-An object that gives way is a dashpot between path and ground, as a large plate is (Cremer): its surface sinks at the
+An object that yields is a dashpot between path and ground, as a large plate is (Cremer): its surface sinks at the
 mobility 1/Z times f - m g. Height, rate and compression are the body's against that surface.
 
 The path enters a collocation step (collocation.py) at its nodes: what the compression would be without the force is

@@ -64,7 +64,7 @@ class Path(Record):
     bend: float  # 1/m: curvature of the body's lowest arc, -1/radius
     corners: float  # of the body, 0: it is round
     side: float  # m between them, 0: it is round
-    # As asked for.
+    # As requested.
     begin: int  # place at which a body begins
     speed: float  # m/s
     roughness: float  # factor on the surface's heights

@@ -27,7 +27,7 @@ class Roll(Record):
     g: float
     mobility: float  # m/(N s): of the object, where that yields as a dashpot; 0: it is rigid
     v: float  # m/s along the surface
-    top_speed: float  # the speed last asked for
+    top_speed: float  # the speed last requested
     modulated_speed: float  # v as asymmetry modulates it
     modulated_gravity: float  # g as asymmetry modulates it
     angle: float

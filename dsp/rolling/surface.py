@@ -313,12 +313,34 @@ def make_surface(
     variation_length: float = 0.05,
     seed: int = 0,
 ) -> np.void:
-    """Make a rough surface that never ends nor repeats, as a SURFACE record.
+    """Make a rough surface that neither ends nor repeats.
 
-    roughness: rms height in m, >= 0; correlation: length l in m, > 0; slope: beta of the power spectrum above 1/l, in
-    (1, 5]; ripple, wavelength: amplitude (m, >= 0) and wavelength (m, > 0) of a corrugation; variation: standard
-    deviation of the local rms height, 0 to MOST_VARIATION dB, which changes over variation_length (m, > 0). ValueError
-    names what is out of range.
+    Parameters
+    ----------
+    roughness : float
+        Rms height, m, at least 0.
+    correlation : float
+        Correlation length l, m, above 0.
+    slope : float, default 2
+        Slope beta of the power spectrum above 1/l, 1 to 5.
+    ripple, wavelength : float, default 0, 1
+        Amplitude and wavelength of a corrugation, m.
+    variation : float, default 0
+        Standard deviation of the local roughness, 0 to 12 dB.
+    variation_length : float, default 0.05
+        Length over which it changes, m.
+    seed : int, default 0
+        Seed of the heights.
+
+    Returns
+    -------
+    SURFACE record
+        The surface.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
     """
     surface = np.zeros(1, SURFACE)
     profile = np.zeros(1, PROFILE)
@@ -338,9 +360,19 @@ def make_surface(
 
 
 def heights(surface: np.void, places: ArrayLike) -> NDArray[np.float64]:
-    """Return the heights in m at places, float64 of their shape.
+    """Return the heights of a surface.
 
-    places: whole numbers of surface["unit"] metres.
+    Parameters
+    ----------
+    surface : SURFACE record
+        As `make_surface` returns it.
+    places : int or array
+        Places, in units of `surface["unit"]` metres.
+
+    Returns
+    -------
+    array
+        float64 of the same shape, m.
     """
     where = np.ascontiguousarray(places, np.int64)
     z = np.empty(np.shape(places))

@@ -66,10 +66,10 @@ in glass at most (an estimate, after H. Schardin, 1959)."""
 SLOWEST = 0.03
 """m/s: a slower corner stays where it lands, unheard."""
 TILT = math.sqrt(0.5)
-"""Cosine of the angle at which a piece's modes are struck, as they are told."""
+"""Cosine of the angle at which a piece's modes are struck, as they are stated."""
 MIDDLE = math.sqrt(0.5)
 """Share in which a blow along the normal, anywhere on a piece, moves a free square's modes in the mean (rms): they are
-told at TILT and at a corner, where their shape is twice its rms value."""
+stated at TILT and at a corner, where their shape is twice its rms value."""
 SPUN = 6.0
 """m R^2/I of a square about its diagonal, with its corners a distance R from its middle."""
 _CORNER = math.sqrt(0.5 * math.pi)  # of a square, in the radius of a disc of its area
@@ -340,7 +340,7 @@ def bend_piece(
 
     mass, width, given: as it would meet the floor if it were rigid, in kg, ln of s, and in m v. Its modes have
     frequencies as the inverse of its mass, and masses as that; flat: the cosine of the angle at which it lies, as they
-    are told at TILT.
+    are stated at TILT.
     """
     piece, toward = swarm.mass_of[p], flat / TILT
     mass_ratio, at = toward * toward * swarm.bending * mass / piece, width + log(swarm.usual / piece)

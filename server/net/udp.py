@@ -141,7 +141,7 @@ def drain(address: int) -> None:
         before = written
         written = _beyond(written, size)
         store_release(box.written, 0, written)
-        # The reader may have found nothing a moment before. Each of the two tells what it has done, and then looks at
+        # The reader may have found nothing a moment before. Each of the two writes what it has done, and then looks at
         # what the other has: without a fence in both either look could come first, and the bell would not be rung.
         fence()
         if load_acquire(box.read, 0) == before:

@@ -58,7 +58,7 @@ _LASTING = (-29.0, -17.0)
 _FRACTIONS = (1.0 / 6.0, 0.5, 5.0 / 6.0)
 """Places in the useful range of an argument, by ratios, at which a gesture is measured."""
 _FASTER, _FASTEST = 20.0, 20.0
-"""Times by which a plate that swells is struck faster or slower than was asked for, and m/s, at most."""
+"""Times by which a plate that swells is struck faster or slower than was requested, and m/s, at most."""
 _HALVINGS = 12  # of the ratio between both: to 1 %, as the velocity is rounded
 _RATE = 48_000
 _SECONDS = {"impact": 0.5, "bounce": 0.8, "slide": 2.0}

@@ -72,7 +72,7 @@ def in_air(striker: Striker, swarm: Swarm, i: int, lower: float) -> tuple[float,
     """Return by how much more (1/s) a piece's mode decays, which is lower by a ratio than the usual piece's, than in
     that ratio, and the factor on how loud it is: by what it radiates.
 
-    The usual piece's first mode is that of a free square sheet, which tells its coincidence. A mode radiates no more
+    The usual piece's first mode is that of a free square plate, which gives its coincidence. A mode radiates no more
     than it loses, even where a gesture says another mass than the striker's.
     """
     radiates = 2.0 * math.pi * striker.weight[i] * striker.weight[i] / (_IMPEDANCE * swarm.bending * swarm.usual)

@@ -34,7 +34,7 @@ from .striker_modes import modes_of_voice, rescale
 _SAME = 1e-9  # relative difference of radii that are one
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
-_FINE = 2.0**40  # steps per m/s in which a velocity is told from another
+_FINE = 2.0**40  # steps per m/s to which velocities are distinguished
 _WIDTH = 0.15
 """The rms width of a narrow pulse over its duration: narrow ones reach more modes. It is 0.22 for an exponent of 1,
 0.19 for 1.5 and 0.16 for 2.5 without loss; only a loss mu v of 1 and more makes it narrower."""

@@ -1,7 +1,7 @@
 """Rolls and slides that feel the modes of the object under them.
 
-On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
-solved a quantum at a time where it can be (blocks.py). Where it can't, and the object hardly gives way, where steps
+On an object that yields a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
+solved a quantum at a time where it can be (blocks.py). Where it can't, and the object hardly yields, where steps
 are held, where `/budget` has no room or too few steps, and under a bow the object is a dashpot, which costs as much for
 any number of modes (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is
 off by -15 to -40 dB.
@@ -13,8 +13,8 @@ steps than the sum of each, and a force that is held among them gains energy.
 All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
 fits in none touches its object.
 
-The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
-that are faster hardly move meanwhile. So sum m phi^2/(1 + (omega/omega_c)^2) tells by how much the object is lighter
+The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower yield, those
+that are faster hardly move meanwhile. So sum m phi^2/(1 + (omega/omega_c)^2) gives by how much the object is lighter
 than rigid. Over a uniform density of modes that is m omega_c/Z, with 1/Z the mean of their mobility.
 """
 
@@ -64,7 +64,7 @@ PASSED = 1e-3
 
 @noinline_kernel
 def couple_roll(state: State, contact: Contact) -> None:
-    """Couple a roll or slide that begins to the objects that it touches, if they give way enough."""
+    """Couple a roll or slide that begins to the objects that it touches, if they yield enough."""
     level, roll = state.choices.accuracy, state.rolls[contact.roll]
     mass, gravity = roll.target.mass, roll.target.gravity
     omega_c = math.sqrt(contact.a * gravity / compression_at(mass * gravity, contact.k, contact.a))

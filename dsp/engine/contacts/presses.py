@@ -2,7 +2,7 @@
 place that is steered.
 
 It is taken sample by sample, from the instant at which the striker is laid on: a light one that bounces under it would
-tell where the quanta begin. What bends under a press that moves by quanta would ring.
+show where the quanta begin. What bends under a press that moves by quanta would ring.
 """
 
 import math

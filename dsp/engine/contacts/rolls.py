@@ -1,6 +1,6 @@
 """The ringing of objects from contact to contact, driven meanwhile by the bodies that roll on them.
 
-A roll is computed LEAD frames ahead of its sound, so that one number a frame tells the modes its force (see
+A roll is computed LEAD frames ahead of its sound, so that one number a frame passes its force to the modes (see
 resonator/fed.py); a click's modes, which answer in another way, get its moments. New values of a roll take effect as
 much later. A roll that feels all modes is computed with them instead (coupled_rolls.py).
 """

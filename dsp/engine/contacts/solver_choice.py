@@ -1,6 +1,6 @@
 """The choice of a contact's solver: the cheapest whose error is known to be small enough (contact/accuracy.py).
 
-The closed form of a rigid wall, with an effective mass where the objects give way, if a striker is light or slow
+The closed form of a rigid wall, with an effective mass where the objects yield, if a striker is light or slow
 against them and they are quiet; otherwise the contact is coupled to their modes (contact/coupled.py).
 """
 
@@ -16,7 +16,7 @@ from ..memory.quality import holds_steps
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import CLOSED, COUPLING, State
 
-_RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
+_RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes give the spectrum, beyond it is as good as 0
 _BURST = 256  # times its steps per sample that a coupled contact may need at once: a blow at `exact` takes 4,000
 _BURST_OF_ALL = 1024  # the same of all coupled contacts, in a quantum
 _CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step

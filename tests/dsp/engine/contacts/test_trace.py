@@ -22,7 +22,7 @@ SOFT = (0.005, 1e6, 0.1, 1.5)
 
 
 def heavy():
-    """Return a body that gives way to nothing."""
+    """Return a body that yields to nothing."""
     return bell(modal_mass=1e9)
 
 
