@@ -162,7 +162,7 @@ _OBJECTS = (
     ),
     Verb(
         "/object/NAME/free",
-        "removes the object and the copies for its notes, once they are silent; its name is free at once",
+        "removes the object and the copies for its notes once they are silent; the name can be used again immediately",
         optional=(Number("at_once", 0, 1, "", "1: removes it immediately, with a short fade", default=0, whole=True),),
     ),
 )
@@ -184,7 +184,7 @@ _RUNNING = (
 _ENGINE = (
     Verb(
         "/accuracy",
-        "sets the accuracy of contacts with objects that yield",
+        "sets the error that is allowed in the sound of contacts",
         (Either("accuracy", LEVELS, "error of the sound, dB", "-60", tuple(NUMBERS)),),
     ),
     Verb(
@@ -199,7 +199,7 @@ _ENGINE = (
     ),
     Verb(
         "/budget",
-        "bounds the cost of contacts that are coupled to modes. A score begins with 0 0, without bounds, a server with "
+        "bounds the cost of contacts that are coupled to modes. A score begins without bounds (0 0), a server with "
         "16 8192",
         (STEPS, ROOM),
     ),
@@ -216,7 +216,7 @@ _ENGINE = (
     ),
     Verb(
         "/play",
-        "turns make-up on or off for later gestures: a gain by which every striker is heard on every object",
+        "turns make-up on or off for later gestures; make-up is a gain by which every striker is heard on every object",
         (Either("play", ("on", "off", "1", "0"), "on or off", "off"),),
     ),
     Verb(
@@ -234,7 +234,7 @@ _ENGINE = (
         "sets a score's pressure of full scale; a server accepts only the one it was started with",
         (FULL_SCALE,),
     ),
-    Verb("/end", "ends the render of a score at its time; a server ignores it"),
+    Verb("/end", "ends a score's render at this message's time; servers ignore it"),
     Verb("/panic", "ends all gestures; the sound fades, and objects stay"),
 )
 
@@ -266,8 +266,8 @@ _SERVER = (
     ),
     Verb(
         "/record",
-        "begins a recording in the server's folder, or ends it. The reply is `/done /record FILE FIRST`, at the end "
-        "`/done /record FILE FIRST END`, in samples",
+        "begins or ends a recording in the server's folder. The reply to a beginning is `/done /record FILE FIRST`, to "
+        "an end `/done /record FILE FIRST END`; FIRST and END count samples",
         (Number("on", 0, 1, "", "1 begins, 0 ends", whole=True),),
         keys=(Word("name", "name of the new file", "day and time"),),
         scored=False,

@@ -42,6 +42,6 @@ MACRO_VERBS = (
         "sets all macros at random, in ranges that sound good; the answer is `/object/NAME/macros` with their values",
         optional=(SEED,),
     ),
-    Verb(UNDO, "takes back the last throw of the dice"),
+    Verb(UNDO, "restores the macros from before the last `dice`"),
     Morph(MORPHING, "moves the object part of the way to another preset of the same shape", (OTHER, MORPH)),
 )  # fmt: skip

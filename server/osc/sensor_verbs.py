@@ -38,5 +38,5 @@ SENSORS = (
             Vector("direction", DIRECTION, "direction in which it senses at a point, in place of the normal"),
         ),
     ),
-    Verb("/sensor/NAME/free", "removes a sensor; its channel is silent"),
+    Verb("/sensor/NAME/free", "removes a sensor; its channel falls silent"),
 )

@@ -134,18 +134,18 @@ def _blocks(verbs: Iterable[Verb]) -> Iterable[str]:
         if verb in settings[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _said(each)) for each in settings]
             example = "\n".join(f"    {EXAMPLES[each.address]}" for each in settings[:2])
-            yield "### `/object/NAME/SETTING value [over s] [curve c]`\n\nSet a number, at once or in time."
+            yield "### `/object/NAME/SETTING value [over s] [curve c]`\n\nSets a number, at once or over a time."
             yield example
             yield table(("address", "value", "meaning"), rows)
         elif verb in steering[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _steered(each.action)) for each in steering]
-            yield "### `/gesture/ID/KEY value [over s] [curve c]`\n\nSteer a gesture that goes on, at once or in time."
+            yield "### `/gesture/ID/KEY value [over s] [curve c]`\n\nSteers a running gesture, at once or over a time."
             yield f"    {EXAMPLES[verb.address]}"
             yield table(("address", "value", "steers"), rows)
         elif verb in macros[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _said(each)) for each in macros]
             yield "### `/object/NAME/macro/MACRO value [over s] [curve c]`"
-            yield "Turn a [macro](macros.md), at once or in time."
+            yield "Turns a [macro](macros.md), at once or over a time."
             yield f"    {EXAMPLES[verb.address]}"
             yield table(("address", "value", "meaning"), rows)
         elif verb not in (*settings, *steering, *macros):
