@@ -128,7 +128,7 @@ class Actions(Gestures, ABC):
         self.send(f"/object/{name}/pan", place, at=at, **keys)
 
     def gains(self, name: str, *gains: Value, at: SupportsFloat | None = None) -> None:
-        """Set a factor for each channel, in place of the pan. Without any the pan counts again.
+        """Set a factor for each channel, in place of the pan. Without factors, restore the pan.
 
         Parameters
         ----------
@@ -229,7 +229,7 @@ class Actions(Gestures, ABC):
         self._send([message_of(f"/object/{name}/macro/{macro}", (each,), ramp) for macro, each in values.items()], at)
 
     def dice(self, name: str, seed: int | None = None, at: SupportsFloat | None = None) -> None:
-        """Turn all macros of an object at random, within what sounds good.
+        """Set all macros of an object at random, in ranges that sound good.
 
         Parameters
         ----------
@@ -245,7 +245,7 @@ class Actions(Gestures, ABC):
     def morph(
         self, name: str, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]
     ) -> None:
-        """Bring an object some of the way to another preset of its shape.
+        """Move an object part of the way to another preset of the same shape.
 
         Parameters
         ----------
@@ -261,7 +261,7 @@ class Actions(Gestures, ABC):
         self.send(f"/gesture/{id}/stop", at=at)
 
     def place(self, name: str, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
-        """Place an object in space, or move it. Without a place its pan counts again.
+        """Place an object in space, or move it. Without a place, restore its pan.
 
         Parameters
         ----------

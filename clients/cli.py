@@ -52,7 +52,7 @@ def main(argv: list[str] | None = None) -> int:
         try:
             if sys.stdout:
                 sys.stdout.flush()
-        except OSError:  # it was told. Without this, Python fails once more as it ends, and returns 120
+        except OSError:  # it was reported. Without this, Python fails once more as it ends, and returns 120
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

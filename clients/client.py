@@ -24,7 +24,7 @@ _MAKING = 10.0  # s: a busy machine may take that long over a large object
 _PARTING = 2.0  # s that a server may take to read what was sent last
 
 KEPT = 1_000
-"""Replies of each kind that a client keeps until they are asked for."""
+"""Replies of each kind that a client keeps until they are requested."""
 
 
 @explain_all_arguments
@@ -71,7 +71,7 @@ class Client(Actions, Closing):
             address: deque(maxlen=KEPT) for address in ("/fail", "/gesture/end", "/warning")
         }
         self.dropped = 0
-        """Replies that were forgotten, the oldest first, as more than KEPT of their kind waited to be asked for."""
+        """Replies that were forgotten, the oldest first, as more than KEPT of their kind waited to be requested."""
 
     def tell_compiling(self, tell: Callable[[float, float], object]) -> None:
         """Report the progress while the server compiles its engine.
@@ -217,12 +217,12 @@ class Client(Actions, Closing):
 
     def _take_in(self) -> None:
         """Keep what has arrived so far."""
-        with suppress(ConnectionError):  # whoever sends next is told
+        with suppress(ConnectionError):  # whoever sends next gets the error
             for reply in self.replies(0.0):
                 self._keep(reply)
 
     def _keep(self, reply: wire.Message) -> None:
-        """Keep a reply that nobody waits for, if it is of a kind that can be asked for."""
+        """Keep a reply that nobody waits for, if it is of a kind that can be requested."""
         kept = self._kept.get(reply.address)
         if kept is not None:
             self.dropped += len(kept) == KEPT
@@ -272,7 +272,7 @@ class Client(Actions, Closing):
         Parameters
         ----------
         seconds : float
-            Time to read, s. It counts once the server has compiled its engine.
+            Time to read, s, from when the server has compiled its engine.
 
         Yields
         ------

@@ -24,7 +24,7 @@ class Connection:
         self._tcp = tcp
         self._stream: Framing | None = None  # of the server, which answers as it is spoken to, once it was
         self._ended = ""  # reason for which a TCP server ends the stream
-        self._inbox: deque[wire.Message] = deque()  # read from the socket, but not asked for yet
+        self._inbox: deque[wire.Message] = deque()  # read from the socket, but not requested yet
         if tcp:
             with self._reaching(), self._finding():
                 self._socket = socket.create_connection((host, port), _PATIENCE)
@@ -48,7 +48,7 @@ class Connection:
             try:
                 self._socket.sendall(Sized.framed(packet) if self._tcp else packet)
             except (BrokenPipeError, ConnectionResetError):
-                while self._receive(0.0):  # what it said as it left, up to the end, which raises
+                while self._receive(0.0):  # its last messages, up to the end, which raises
                     pass
                 raise
 

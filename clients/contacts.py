@@ -51,8 +51,8 @@ class Drive:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """A contact as it was played. It ends where the two part: a blow on an object that gives way may be several
-    contacts.
+    """A contact as it was played. It ends where the two part: a blow on an object that yields may be
+    several contacts.
 
     Attributes
     ----------
@@ -65,16 +65,16 @@ class Contact:
     gesture : str
         Name of the gesture, such as "impact", "roll" or "rest".
     start : float
-        Begin on the scene's clock, s, between samples as it falls.
+        Beginning on the scene's clock, s; it may lie between samples.
     duration : float
-        Time until the force ends, s, as far as this sound goes.
+        Time until the force, or this sound, ends, s.
     position : float
         0 to 1 on the object's strike path, where it began.
     speed : float
         Speed at which striker and object met, or of a roll or a slide along the surface, m/s.
     velocity : float
-        Speed of the striker towards the object, m/s; below 0 where the object caught up with it, 0 of rolls and
-        slides.
+        Speed of the striker towards the object, m/s; below 0 where the object caught up with it, 0 for rolls
+        and slides.
     mass : float
         Mass of the striker, kg.
     impulse : float

@@ -40,7 +40,7 @@ _AS_NEAR = 0.1  # dB: a strike by the measured force that is no further from the
 
 
 class FitError(CaromError, ValueError):
-    """Error of a fit that cannot be made as asked; the text names why."""
+    """Error of a fit that cannot be made as requested; the text names why."""
 
 
 @dataclass(frozen=True)
@@ -213,8 +213,8 @@ def _by_force(
     if by_force <= apart + _AS_NEAR:
         return *hammered, []
     note = (
-        f"{path}: struck for {1e3 * begun[0].duration:.2g} ms, as it says, the preset is {by_force:.1f} dB from the "
-        f"recording; for {1e3 * own.blows[0].duration:.2g} ms, as the recording says, {apart:.1f} dB: that is taken"
+        f"{path}: its blow of {1e3 * begun[0].duration:.2g} ms leaves the preset {by_force:.1f} dB from the recording, "
+        f"a blow of {1e3 * own.blows[0].duration:.2g} ms only {apart:.1f} dB: the latter is used"
     )
     return *heard_of, [note]
 

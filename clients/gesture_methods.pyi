@@ -474,8 +474,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the running one of
-        that `id` (or NAME)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the roll that has
+        this `id` (or NAME)."""
 
     def press(
         self,
@@ -506,8 +506,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the running one of
-        that `id` (or NAME)."""
+        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the slide that has
+        this `id` (or NAME)."""
 
     def rest(
         self,
@@ -538,8 +538,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many copies of the striker hit the object at random times, until it is stopped:
-        dice in a cup."""
+        """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times, until
+        it is stopped."""
 
     def crumple(
         self,
@@ -613,8 +613,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the running one of
-        that `id` (or NAME)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the roll that has
+        this `id` (or NAME)."""
 
     def press(
         self,
@@ -642,8 +642,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the running one of
-        that `id` (or NAME)."""
+        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the slide that has
+        this `id` (or NAME)."""
 
     def rest(
         self,
@@ -671,8 +671,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many copies of the striker hit the object at random times, until it is stopped:
-        dice in a cup."""
+        """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times, until
+        it is stopped."""
 
     def crumple(
         self,
@@ -734,7 +734,7 @@ class ObjectMethods:
         """Place an object between left and right."""
 
     def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
-        """Set a factor for each channel, in place of the pan. Without any the pan counts again."""
+        """Set a factor for each channel, in place of the pan. Without factors, restore the pan."""
 
     def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
         """Set the distance from an object to the listener."""
@@ -754,13 +754,13 @@ class ObjectMethods:
         """Turn macros of an object, all of them together: `macro("bell", size=0.7, brightness=0.2)`."""
 
     def dice(self, seed: int | None = None, at: SupportsFloat | None = None) -> None:
-        """Turn all macros of an object at random, within what sounds good."""
+        """Set all macros of an object at random, in ranges that sound good."""
 
     def undo(self, at: SupportsFloat | None = None) -> None:
         """Take back the last throw of the dice of an object."""
 
     def morph(self, preset: str, share: Value, at: SupportsFloat | None = None, **keys: Unpack[RampKeys]) -> None:
-        """Bring an object some of the way to another preset of its shape."""
+        """Move an object part of the way to another preset of the same shape."""
 
     def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Unpack[PlaceKeys]) -> None:
-        """Place an object in space, or move it. Without a place its pan counts again."""
+        """Place an object in space, or move it. Without a place, restore its pan."""

@@ -39,7 +39,7 @@ def write_mesh_report(made: MadeMesh, asked: Asked, material: Material, out: Pat
         *(f"Mended or assumed: {note}." for note in made.notes),
         f"A second resolution differs by {100 * np.median(known):.2g} % (median), {100 * known.max():.2g} % (most)."
         if len(known)
-        else "The errors of frequencies were not asked for: --errors gives them.",
+        else "The errors of frequencies were not computed: add --errors.",
         "The body is free. Its loudness is that at 1 m, the mean over directions.",
     ]
     sound = played(asked.name, out, _RATE).mean(axis=1)

@@ -21,12 +21,12 @@ Say = Callable[[str, float], object]
 
 
 class MeshNameError(CaromError, ValueError):
-    """Error of a mesh's object that can't be named or placed as asked; the text says why."""
+    """Error of a mesh's object that can't be named or placed as requested; the text says why."""
 
 
 @dataclass(frozen=True)
 class Asked:
-    """An object that is asked for: its name, its material (a preset's name), the wall (m) of a sheet or a hollow body,
+    """An object that is requested: its name, its material (a preset's name), the wall (m) of a sheet or a hollow body,
     the mesh's unit (m), and how the model is made. source: of the mesh, kept in the preset. parts: the materials of
     parts that are of another one, by their names in the mesh."""
 

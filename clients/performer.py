@@ -10,7 +10,7 @@ from typing import SupportsFloat
 from weakref import proxy
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..dsp.arguments import switch_of
 from ..dsp.bodies.modes import Modes
@@ -97,6 +97,7 @@ class Performer:
         # A circle would keep the engine's memory until the next search for garbage.
         self.scene.on_sent = partial(Performer._remember, proxy(self))
         self.scene.sensors.grows = not score
+        self._first_gain = 10.0 ** ((options.gain or 0.0) / 20.0)
         self.warnings: list[str] = []  # for the next report
         self.off_path: set[str] = set()
         """Names of objects touched in a way that no contact shows: at a point, in a direction, or by a swarm."""
@@ -219,6 +220,17 @@ class Performer:
         obj = self.scene.objects[name]
         there = self.engine.placed[obj.handle.serial]
         return Placed(there.handle, there.modes, there.level, obj.preset.position)
+
+    def heard_first(self, name: str, own: ArrayLike) -> tuple[Settings, NDArray[np.float64]]:
+        """Return what `heard` returns as soon as a new object is there. own: its gains, if any."""
+        given = self.scene.objects[name].settings
+        settings = Settings(**{key: each.in_engine(given[key]) for key, each in SETTINGS.items()})
+        main = self.engine.gain if self.engine.position else self._first_gain
+        factors = np.ravel(np.asarray(own, np.float64))
+        if not len(factors):
+            return settings, gains_of(settings, self.engine.channels, main)
+        padded = np.pad(factors, (0, self.engine.channels - len(factors)))
+        return settings, settings.gain / settings.distance * main * padded
 
     def heard(self, placed: Placed) -> tuple[Settings, NDArray[np.float64]] | None:
         """Return the settings of an object, and its gain in each channel; None before it is there."""

@@ -70,7 +70,7 @@ def read(path: Path, mixed: bool = False) -> Recording:
         if head == _POINTER:
             raise RecordingError(f"{path}: a pointer of Git LFS, not the file: `git lfs pull` fetches it") from None
         why = str(error.error_string).rstrip(".")
-        # The first is said of files that are too short to be any sound, too.
+        # The first is also the error of files that are too short to be any sound.
         if why.startswith("File does not exist") or not head:
             why = "it holds no sound"
         to = f"{path.stem}.wav" if path.suffix.lower() != ".wav" else f"{path.stem}-plain.wav"

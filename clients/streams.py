@@ -52,7 +52,7 @@ def read_score(word: str, objects: Mapping[int, str] = MappingProxyType({})) -> 
 def _parsed(data: bytes, name: str, objects: Mapping[int, str]) -> list[Line]:
     if not data.startswith(HEAD):
         if objects:
-            raise ScoreError(f"{name}: it is no MIDI file: expected one beside --object")
+            raise ScoreError(f"{name}: expected a MIDI file, as --object plays its notes")
         return parse(data, name)
     if not objects:
         raise ScoreError(f"{name}: it is a MIDI file: expected --object PRESET, which plays it")

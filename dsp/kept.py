@@ -33,7 +33,7 @@ class Kept(Generic[_Key, _Value]):
         self.most = most
         self._size = size
         self._lock = Lock()
-        self._values: OrderedDict[_Key, tuple[_Value, float, int]] = OrderedDict()  # when last asked for (s), bytes
+        self._values: OrderedDict[_Key, tuple[_Value, float, int]] = OrderedDict()  # when last requested (s), bytes
         self._bytes = 0
 
     def get(self, key: _Key) -> _Value | None:

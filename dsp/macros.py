@@ -1,7 +1,7 @@
 """The macros: eight knobs that every object has, declared once. All else that knows of them follows from this list.
 
 A macro goes from 0 to 1, and in the middle the object is as its preset has it. Those of the body change its modes while
-they ring; the others change what its gestures are told.
+they ring; the others change the values of its gestures.
 """
 
 from dataclasses import dataclass
@@ -44,27 +44,27 @@ MACROS = {
     macro.name: macro
     for macro in (
         _macro("size", "size of the body", ("small", "large"),
-            "all lengths times s = 16^(m - 0.5), a quarter to four times; frequencies go as 1/s, masses as s^3",
+            "factor s = 16^(m - 0.5) of all lengths; frequencies scale as 1/s, masses as s^3",
             20, (0.25, 0.8), True),
-        _macro("material", "what the body is made of", ("plastic", "steel"),
-            "a line of materials; between two of them density, stiffness and losses go by equal ratios",
+        _macro("material", "material of the body", ("plastic", "steel"),
+            "the material, in the order below; density, stiffness and losses change by equal ratios in between",
             21, (0.3, 1.0), True),
-        _macro("brightness", "how long high partials ring", ("dark", "bright"),
-            "below the middle a loss grows with the square of the frequency, above it high partials lose less",
+        _macro("brightness", "decay time of high partials", ("dark", "bright"),
+            "below 0.5 a loss that grows as the frequency squared; above 0.5 less loss of high partials",
             22, (0.2, 0.9), True),
-        _macro("damping", "how soon the body falls silent", ("free", "held"),
-            "below the middle all decay times grow, up to four times; above it a hand lies on the body",
+        _macro("damping", "damping of the body", ("free", "held"),
+            "below 0.5 longer decay times, up to fourfold; above 0.5 damping as by a hand",
             23, (0.2, 0.75), True),
-        _macro("hardness", "hardness of what strikes", ("soft", "hard"),
-            "stiffness times 1000^(2 m - 1), mass times 2^(2 m - 1)",
+        _macro("hardness", "hardness of strikers", ("soft", "hard"),
+            "striker's stiffness times 1000^(2 m - 1), its mass times 2^(2 m - 1)",
             24, (0.2, 0.8), False),
-        _macro("force", "how hard gestures are", ("gentle", "strong"),
+        _macro("force", "strength of gestures", ("gentle", "strong"),
             "velocity, force or load times 8^(2 m - 1)",
             25, (0.4, 0.65), False),
-        _macro("place", "where gestures touch", ("one end", "other end"),
-            "positions are drawn to one end of the strike path or the other",
+        _macro("place", "position of gestures", ("one end", "other end"),
+            "positions, shifted towards one end of the strike path or the other",
             26, (0.2, 0.8), False),
-        _macro("roughness", "roughness of the surface under what rolls or slides", ("smooth", "rough"),
+        _macro("roughness", "roughness of surfaces under rolls and slides", ("smooth", "rough"),
             "roughness times 10^(2 m - 1)",
             27, (0.2, 0.8), False),
     )

@@ -81,7 +81,7 @@ MASS = Parameter("mass", 1e-9, 1e6, "kg", "mass of the striker", useful=(1e-4, 1
 STIFFNESS = Parameter("stiffness", 1e-3, 1e16, "N/m^a", "contact stiffness k", useful=(1e3, 1e12), otherwise=_STRIKERS)
 DISSIPATION = Parameter(
     "dissipation", 0.0, 1e6, "s/m", "contact dissipation mu", useful=(0.0, 10.0),
-    otherwise="the striker's; of rolls and slides the surface's",
+    otherwise="the striker's; for rolls and slides the surface's",
 )  # fmt: skip
 EXPONENT = Parameter("exponent", 1.0, 6.0, "", "contact exponent a", useful=(1.0, 4.0), otherwise=_STRIKERS)
 LAW = (MASS, STIFFNESS, DISSIPATION, EXPONENT)
@@ -152,7 +152,7 @@ VELOCITY = Parameter(
 IMPULSE = Parameter("impulse", 0.0, 1e6, "N s", "impulse of the blow, in place of `velocity`", useful=(1e-4, 1.0))
 HEIGHT = Parameter("height", 0.0, 1000.0, "m", "height of the drop", useful=(0.01, 2.0), otherwise=_OBJECTS)
 THROW = Parameter(
-    "velocity", -100.0, 100.0, "m/s", "speed of a throw: downwards, or upwards below 0", default=0.0, useful=(-5.0, 5.0)
+    "velocity", -100.0, 100.0, "m/s", "speed of a throw, downwards; negative: upwards", default=0.0, useful=(-5.0, 5.0)
 )
 SPEED = Parameter(
     "speed", 0.0, 100.0, "m/s", "speed along the surface; 0 stops it", useful=(0.01, 5.0), steerable=True, glide=0.02,
@@ -168,7 +168,7 @@ GRAVITY = Parameter(
     glide=0.02,
 )  # fmt: skip
 IRREGULARITY = Parameter(
-    "irregularity", 0.0, 1.0, "", "deviation of the body from round, so that its bounces differ in height",
+    "irregularity", 0.0, 1.0, "", "deviation of the body from round, which makes its bounces uneven",
     default=0.0, steerable=True, steered="from its next contact on",
 )  # fmt: skip
 SEED = Parameter(
@@ -199,14 +199,14 @@ BOUNCE = Gesture(
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until its speed is 0, or steers the running one of that `id` (or NAME)",
+    "roll", "rolls the striker over the object until its speed is 0, or steers the roll that has this `id` (or NAME)",
     SPEED,
     (
         *_STEERED_LAW,
         RADIUS,
         ROUGHNESS,
         Parameter(
-            "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, over the radius", default=0.0, steerable=True,
+            "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, in radii", default=0.0, steerable=True,
         ),
         Parameter(
             "friction", 0.0, 10.0, "", "share of the body's weight that slows it down", default=0.0, useful=(0.0, 0.2),
@@ -247,7 +247,7 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker over the object until its speed is 0, or steers the running one of that `id` (or NAME)",
+    "slide", "drags the striker over the object until its speed is 0, or steers the slide that has this `id` (or NAME)",
     replace(SPEED, help="slip speed of the striker over the surface; 0 stops it"),
     (
         replace(FORCE, otherwise="the striker's weight"),
@@ -268,7 +268,7 @@ SLIDE = Gesture(
             otherwise=_STRIKERS,
         ),
         Parameter(
-            "dynamic", 0.0, 10.0, "", "coefficient of friction of a fast slip", useful=(0.0, 1.0), steerable=True,
+            "dynamic", 0.0, 10.0, "", "coefficient of friction in fast slip", useful=(0.0, 1.0), steerable=True,
             otherwise=_STRIKERS,
         ),
         Parameter(
@@ -331,7 +331,7 @@ RAIN = Gesture(
     swarms=DROPS,
 )  # fmt: skip
 SHAKE = Gesture(
-    "shake", "lets many copies of the striker hit the object at random times, until it is stopped: dice in a cup",
+    "shake", "lets many copies of the striker, such as dice, hit the object at random times, until it is stopped",
     RATE,
     (
         Parameter(
@@ -340,7 +340,7 @@ SHAKE = Gesture(
         ),
         Parameter(
             "evenness", 0.5, 10.0, "",
-            "evenness of their speeds: exp(-(v/speed)^evenness) of them are above v; 2: as in a gas",
+            "evenness of the speeds; the share exp(-(v/speed)^evenness) is above v; 2: as in a gas",
             default=2.0, steerable=True,
         ),
         EXCITATION,
@@ -412,7 +412,7 @@ SHATTER = Gesture(
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),
         replace(HEIGHT, help="greatest height from which a piece falls", default=0.1),
         Parameter("steepness", 1.01, 3.0, "", "exponent b in the distribution m^-b of the masses", default=1.35),
-        replace(MASS, name="wall_mass", help="mass of all pieces as thick as the striker; 0: the object's mass",
+        replace(MASS, name="wall_mass", help="total mass of the pieces as thick as the striker; 0: the object's mass",
             useful=None, default=0.0, or_zero=True),
         replace(MASS, name="thick_mass", help="mass of the thick parts, such as foot, bottom and neck; 0: none",
             useful=None, default=0.0, or_zero=True),
@@ -456,7 +456,7 @@ SETTINGS = {
         Parameter("gain", -120.0, 40.0, "dB", "level of the object", default=0.0, useful=(-40.0, 12.0)),
         Parameter(
             "pan", -1.0, 1.0, "",
-            "pan from left (-1) to right (1); with more than two channels the whole ring, front at 0",
+            "pan from left (-1) to right (1); with more than two channels, the angle on the ring, 0 in front",
             default=0.0,
         ),
         Parameter(
@@ -489,7 +489,7 @@ STEPS = Parameter(
 )  # fmt: skip
 ROOM = Parameter(
     "modes", 0, 2**31 - 1, "",
-    "modes that may be coupled to contacts at once, and 32 for each contact; 0: any number",
+    "largest number of modes coupled at once, with 32 more counted for each contact; 0: any number",
     default=0.0, useful=(0, 65_536), whole=True,
 )  # fmt: skip
 OVER = Parameter("over", 0.0, 3600.0, "s", "duration of the change", default=0.0, useful=(0.01, 10.0))

@@ -23,9 +23,9 @@ _SOUND = (
     Parameter("sound_serial", 0, _MOST_PLACE, "", "its serial there; 0: it does not sound", default=0.0),
 )
 _PRESSED = Parameter(
-    "press", 0, _MOST_PLACE, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
+    "press", 0, _MOST_PLACE, "", "number of the press that sets a slide's normal force; 0: none", default=0.0
 )  # fmt: skip
-_PULSES = Parameter("pulses", 0, _MOST_PLACE, "", "number of the table of a swarm's pulses", default=0.0)
+_PULSES = Parameter("pulses", 0, _MOST_PLACE, "", "number of the table of pulses of small blows", default=0.0)
 _WHOLE = Parameter("whole", 0.0, 1e9, "kg", "mass of what breaks", default=0.0)
 _FRICTION = Parameter("friction", 0.0, 10.0, "", "coefficient, of pieces on what they fall on", default=0.0)
 _OWN_LAW = (
@@ -58,7 +58,7 @@ SHARED = {
 
 
 def _own(gesture: Gesture) -> dict[str, Parameter]:
-    """Return the parameters of a gesture that not every gesture has; one that falls is told the velocity, not the
+    """Return the parameters of a gesture that not every gesture has; one that falls gets the velocity, not the
     height."""
     given = (*gesture.keys, *(() if gesture.falls else (gesture.argument,)))
     return {each.name: each for each in given if each.name not in SHARED}
@@ -67,7 +67,7 @@ def _own(gesture: Gesture) -> dict[str, Parameter]:
 OWN = {name: _own(gesture) for name, gesture in GESTURES.items()}
 """Parameters of each gesture that not every gesture has, by name."""
 
-_AFTER = Parameter("after", 0.0, 1e9, "s", "until it begins; 0: what was asked for before ends", default=0.0)
+_AFTER = Parameter("after", 0.0, 1e9, "s", "until it begins; 0: what was requested before ends", default=0.0)
 
 OF_RAMPS = {each.name: each for each in (OVER, CURVE, _AFTER)}
 """Parameters of a ramp, by name."""

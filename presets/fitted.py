@@ -51,7 +51,7 @@ def object_text(fit: Fit, facts: Facts, louder: float = 0.0) -> str:
     """Write the file of an object of listed modes and bands of noise, so much louder (dB) than the loudest possible.
 
     All modes together yield to a force as a body of the mass does at its end. Their weights stand to each other as the
-    modes do in the recording. Where no mode radiates more than it loses they are as loud as is asked for; the key
+    modes do in the recording. Where no mode radiates more than it loses they are as loud as is requested; the key
     `level` adds what is missing.
     """
     geometry = geometry_of(fit, facts, min(louder, 0.0))

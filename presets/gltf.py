@@ -114,7 +114,7 @@ def values_of(data: bytes, where: str) -> dict[str, Any] | None:
             return None
         if len(models) > 1:
             raise PresetError(f"{where}: {len(models)} modal models: expected one")
-        with np.errstate(all="ignore"):  # what is no number is said
+        with np.errstate(all="ignore"):  # what is no number is refused
             return _values(models[0], document)
     except PresetError:
         raise

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ..dsp.bodies.material import Array
+from ..dsp.mesh.polygons import Polygons, require_indices
 from ..dsp.mesh.surface import Indices
 from .gltf_arrays import MESHOPT, Document, Numbers, unpacked_draco
-from .polygons import Polygons, require_indices
 
 _POINTS, _TRIANGLES, _STRIP, _FAN = 0, 4, 5, 6
 _DRACO, _INSTANCES = "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"

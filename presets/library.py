@@ -41,13 +41,29 @@ _SETTLED = 3_000_000_000
 
 @explain_all_arguments
 class Presets:
-    """Presets by name, first from the user's folders (each with objects/, strikers/, surfaces/, materials/).
+    """Presets by name: your own, then Carom's.
 
-    Files are read when asked for, so an edited one counts from then on.
+    Files are read on each use, so that edits take effect at once.
+
+    Parameters
+    ----------
+    folders : path or list of paths, optional
+        Folders of your own presets, with objects/, strikers/, surfaces/ and materials/ in them. The first that has a
+        name counts.
+
+    Raises
+    ------
+    PresetError
+        A folder does not exist; the text names it.
+
+    Examples
+    --------
+    >>> import carom
+    >>> carom.Presets().material("steel").density
+    7850.0
     """
 
     def __init__(self, folders: Folder | Iterable[Folder] = ()) -> None:
-        """Look presets up in folders: one, or several; raise PresetError that names one that is none."""
         if not isinstance(folders, str | PathLike | Iterable):
             raise PresetError(f"presets = {folders!r}: expected a folder, or several")
         folders = [folders] if isinstance(folders, str | PathLike) else list(folders)
@@ -59,13 +75,26 @@ class Presets:
 
     @property
     def folders(self) -> tuple[Path, ...]:
-        """The folders in which presets are looked up, one after the other."""
+        """Folders in which presets are looked up, in this order."""
         return self._folders
 
     def names(self, kind: str) -> list[str]:
-        """Return all names of a kind: objects, strikers, surfaces or materials.
+        """Return the names of all presets of a kind.
 
-        ValueError for another kind.
+        Parameters
+        ----------
+        kind : {"objects", "strikers", "surfaces", "materials"}
+            Kind of presets.
+
+        Returns
+        -------
+        list of str
+            Names, sorted.
+
+        Raises
+        ------
+        ValueError
+            There is no such kind.
         """
         if kind not in KINDS:
             raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
@@ -73,23 +102,62 @@ class Presets:
         return sorted({path.stem for path in files if NAME.fullmatch(path.stem) and path.is_file()})
 
     def material(self, name: str) -> Material:
-        """Return the material of that name.
+        """Return a preset of a material.
 
-        PresetError if there is none, or its file is wrong.
+        Parameters
+        ----------
+        name : str
+            Name of the preset.
+
+        Returns
+        -------
+        Material
+            The material.
+
+        Raises
+        ------
+        PresetError
+            There is none, or its file is wrong; the text says why.
         """
         return _material(name, *self._read("materials", name))
 
     def striker(self, name: str) -> StrikerPreset:
-        """Return the striker of that name.
+        """Return a preset of a striker.
 
-        PresetError if there is none, or its file is wrong.
+        Parameters
+        ----------
+        name : str
+            Name of the preset.
+
+        Returns
+        -------
+        StrikerPreset
+            The striker.
+
+        Raises
+        ------
+        PresetError
+            There is none, or its file is wrong; the text says why.
         """
         return StrikerPreset.from_data(name, *self._read("strikers", name), self)
 
     def surface(self, name: str) -> SurfacePreset:
-        """Return the surface of that name.
+        """Return a preset of a surface.
 
-        PresetError if there is none, or its file is wrong.
+        Parameters
+        ----------
+        name : str
+            Name of the preset.
+
+        Returns
+        -------
+        SurfacePreset
+            The surface.
+
+        Raises
+        ------
+        PresetError
+            There is none, or its file is wrong; the text says why.
         """
         where, data = self._read("surfaces", name)
         if name not in self._surfaces or self._surfaces[name][0] is not data:  # another edition of the file
@@ -97,16 +165,44 @@ class Presets:
         return self._surfaces[name][1]
 
     def object(self, name: str) -> ObjectPreset:
-        """Return the object of that name.
+        """Return a preset of an object.
 
-        PresetError if there is none, or its file is wrong.
+        Parameters
+        ----------
+        name : str
+            Name of the preset.
+
+        Returns
+        -------
+        ObjectPreset
+            The object.
+
+        Raises
+        ------
+        PresetError
+            There is none, or its file is wrong; the text says why.
         """
         return self._object(name, self.path("objects", name))
 
     def changed(self, name: str, changes: Iterable[tuple[str, Any]]) -> ObjectPreset:
-        """Return the object of that name with other values of some keys, as `ObjectPreset.replace` takes them.
+        """Return a preset of an object with other values of some keys.
 
-        PresetError if there is none, or names the key that cannot be.
+        Parameters
+        ----------
+        name : str
+            Name of the preset.
+        changes : iterable of (str, value)
+            Keys of the preset, as of `/object/new`, and their values.
+
+        Returns
+        -------
+        ObjectPreset
+            The object.
+
+        Raises
+        ------
+        PresetError
+            There is no such preset, or a key is refused; the text names it.
         """
         given = dict(changes)
         if "size" in given:
@@ -115,9 +211,26 @@ class Presets:
         return self.object(name).replace(**given) if given else self.object(name)
 
     def load(self, kind: str, path: Path) -> Material | StrikerPreset | SurfacePreset | ObjectPreset:
-        """Load the preset of a kind in any file; the presets that it names are found here.
+        """Load a preset from a file; presets that it names are looked up here.
 
-        PresetError if it is wrong.
+        Parameters
+        ----------
+        kind : {"objects", "strikers", "surfaces", "materials"}
+            Kind of the preset.
+        path : Path
+            Its TOML file.
+
+        Returns
+        -------
+        Material, StrikerPreset, SurfacePreset or ObjectPreset
+            The preset.
+
+        Raises
+        ------
+        PresetError
+            The file is wrong; the text says why.
+        ValueError
+            There is no such kind.
         """
         where, data = read_file(path)
         if kind == "materials":
@@ -131,9 +244,24 @@ class Presets:
         raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
 
     def description(self, kind: str, name: str) -> str:
-        """Return the description of a preset, or its source.
+        """Return the description of a preset, or its source if it has none.
 
-        PresetError if there is none.
+        Parameters
+        ----------
+        kind : {"objects", "strikers", "surfaces", "materials"}
+            Kind of the preset.
+        name : str
+            Name of the preset.
+
+        Returns
+        -------
+        str
+            One line.
+
+        Raises
+        ------
+        PresetError
+            There is no such preset.
         """
         data = self._read(kind, name)[1]
         return str(data.get("description", data.get("source", "")))
@@ -141,7 +269,22 @@ class Presets:
     def path(self, kind: str, name: str) -> Path:
         """Return the file of a preset.
 
-        PresetError if there is none.
+        Parameters
+        ----------
+        kind : {"objects", "strikers", "surfaces", "materials"}
+            Kind of the preset.
+        name : str
+            Name of the preset.
+
+        Returns
+        -------
+        Path
+            Its TOML file.
+
+        Raises
+        ------
+        PresetError
+            There is no such preset.
         """
         singular = kind.removesuffix("s")
         if not NAME.fullmatch(name):

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..dsp.bodies.material import Array
+from ..dsp.mesh.polygons import Polygons, require_indices
 from ..dsp.mesh.surface import Indices, MeshError
-from .polygons import Polygons, require_indices
 
 _STL_HEAD, _STL_ROW = 84, 50  # bytes
 _STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
@@ -117,10 +117,10 @@ def read_stl(where: str, data: bytes) -> Polygons:
     count = there if said in _STREAMED else said
     if count > there:
         raise MeshError(
-            f"{where}: cut short: {there:,} of its triangles are there: expected the {said:,} that its head counts"
+            f"{where}: cut short: {there:,} of its triangles are there: expected the {said:,} that its header announces"
         )
     if count < there and not rest:
-        raise MeshError(f"{where}: {there:,} triangles: expected the {said:,} that its head counts")
+        raise MeshError(f"{where}: {there:,} triangles: expected the {said:,} that its header announces")
     points = np.frombuffer(data, _STL, count, _STL_HEAD)["corners"].reshape(-1, 3).astype(float)
     return _soup(points, np.full(count, 3, np.int64))
 
@@ -167,7 +167,7 @@ class _Rows:
             )
             used = count * own.itemsize
         if len(values) < count:
-            raise MeshError(f"{self.where}: cut short: its head counts more than there is")
+            raise MeshError(f"{self.where}: cut short: its header announces more data than the file holds")
         self.at += used
         return values
 
@@ -177,7 +177,7 @@ class _Rows:
             (len(self.words) - self.at, "numbers") if self.order is None else (len(self.body) - self.at, "bytes")
         )
         if left > _LEFT:
-            raise MeshError(f"{self.where}: {left:,} {what} follow the rows that its head counts: expected none")
+            raise MeshError(f"{self.where}: {left:,} {what} follow the rows that its header announces: expected none")
 
     def alike(self, kinds: list[tuple[str, str]], count: int) -> list[Array] | None:
         """Return the columns of the next rows if their lists are all as long as the first row's; else None, and
@@ -283,7 +283,7 @@ def _require_counts(where: str, head: bytes, body: bytes) -> None:
                             "expected a count from 0 on")  # fmt: skip
     rows = sum(1 for line in body.splitlines() if line.strip()) if b"format ascii" in head else sum(counts)
     if rows < sum(counts):
-        raise MeshError(f"{where}: {rows} rows: expected the {sum(counts)} that its head counts")
+        raise MeshError(f"{where}: {rows} rows: expected the {sum(counts)} that its header announces")
 
 
 READERS: dict[str, Callable[[str, bytes], Any]] = {".obj": read_obj, ".stl": read_stl, ".ply": read_ply}

@@ -16,12 +16,12 @@ from ..dsp.bodies.material import Array, Material
 from ..dsp.bodies.mesh import Table
 from ..dsp.errors import MissingLibrary, require_scipy
 from ..dsp.mesh.blocks import Block
+from ..dsp.mesh.polygons import Triangles, triangulated
 from ..dsp.mesh.surface import Indices, MeshError, Surface, faces_of, volume_of
 from ..dsp.numerics.blas import on_one_thread
 from .gltf_arrays import MAGIC
 from .gltf_scene import read_gltf
 from .mesh_files import READERS
-from .polygons import Triangles, triangulated
 from .schema import MESH, PresetError, check
 from .tables import SUFFIX, read_table, table_bytes, table_of
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "22"
+EDITION = "23"
 """Edition of the computation: tables of another one are made anew."""
 
 _POINTER = b"version https://git-lfs"
@@ -94,7 +94,7 @@ def _read(path: Path, scale: float | None) -> Triangles:
     if suffix == ".glb" and data[: len(MAGIC)] != MAGIC:
         raise MeshError(f"{path}: begins with {data[: len(MAGIC)]!r}: expected {MAGIC!r}, as all .glb files do")
     try:
-        with np.errstate(all="ignore"):  # what is no number is said
+        with np.errstate(all="ignore"):  # what is no number is refused
             read = READERS[suffix](str(path), data) if suffix in READERS else read_gltf(str(path), data, path.parent)
             found = triangulated(read)
     except MissingLibrary as error:

@@ -34,7 +34,7 @@ class PresetError(CaromError, ValueError):
 
 
 class NoPreset(PresetError):
-    """Error of a name that no preset has: its text, and which there are, looked up when it is asked for."""
+    """Error of a name that no preset has: its text, and which there are, looked up when it is requested."""
 
     def __init__(self, text: str, look_up: Callable[[], str]) -> None:
         super().__init__(text)

@@ -70,7 +70,7 @@ class Making:
         place, call = self._left[0]
         made: Made
         if place >= OBJECTS or self.bytes > _MOST_BYTES:
-            made = EngineFull("no room for all objects of this packet: expected fewer of them in one")
+            made = EngineFull("no capacity for all objects of this packet: expected fewer in one packet")
         else:
             made = _made(call, presets, top, plan)
         self.made[id(call)] = made
@@ -89,7 +89,7 @@ def _made(call: Call, presets: Presets, top: float, plan: Callable[[Modes], obje
         return made
     except (EngineFull, Refused, PresetError) as error:
         return error.with_traceback(None)  # whose frames hold those who keep the error: a circle
-    except Exception as error:  # a fault, which is told with its place
+    except Exception as error:  # a fault, which is reported with its place
         return error
 
 

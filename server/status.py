@@ -70,13 +70,13 @@ FIELDS = {
     "device": "name of the device",
     "reconnects": "times that a lost device was opened again",
     "scheduling": "scheduling of the audio thread: fifo or rr (real-time), other, or unknown",
-    "dropped": "datagrams dropped by the server, for lack of room",
-    "dropped_by_system": "datagrams dropped by the system, for lack of room",
+    "dropped": "datagrams dropped by the server, for lack of capacity",
+    "dropped_by_system": "datagrams dropped by the system, for lack of capacity",
     "outdated": "questions by datagram that were dropped after 2 s",
-    "replies_dropped": "replies that a client was too slow to read: by datagram as far as Linux says, on this machine",
+    "replies_dropped": "replies that clients were too slow to read; over UDP only those of this machine, on Linux",
     "connections": "TCP clients",
     "waiting": "clients whose messages wait for an object to be made, or for their turn",
-    "full_scale": "pressure of full scale, of objects of level 0, Pa",
+    "full_scale": "pressure of full scale for objects of level 0, Pa",
     "recording": "yes, no, or why the recording of `--record` ended",
     "logging": "yes, no, or why the log ended",
     "take": "file that `/record` writes, no, or why the last one ended",
@@ -88,8 +88,8 @@ FIELDS = {
 """The names that follow in /status.reply and their meanings; an empty one is that of the engine's statistics."""
 
 _MOST_CLIENTS = 256  # whose last question is remembered
-_RESTS = 0.2  # s without the limiter, after which what it did is told
-_SAID_EVERY = 2.0  # s after which it is told in any case
+_RESTS = 0.2  # s without the limiter, after which its work is reported
+_SAID_EVERY = 2.0  # s after which it is reported in any case
 
 
 class LowestGain:
@@ -209,7 +209,7 @@ class Status:
         count = stats.holes - self._warned["holes"]
         self._warned["holes"] = stats.holes
         more = f", and {count - 1} times before" if count > 1 else ""
-        text = f"the sound stood still for {stats.hole_last:.2f} s{more}, as the process or its device was stopped"
+        text = f"the sound was stopped for {stats.hole_last:.2f} s{more}, as the process or its device was stopped"
         return (stats.hole_at, text) if count else None
 
     def _limiter_warnings(self) -> list[str]:

@@ -9,7 +9,7 @@ from .osc.arguments import Refused
 from .osc.wire import Message
 
 _MOST = 32
-_LONGEST_TRUST = 60.0  # s of silence after which a client of another host is told no more: it may have been forged
+_LONGEST_TRUST = 60.0  # s of silence after which a client of another host gets no more: it may have been forged
 
 
 class Subscribers:

@@ -17,12 +17,12 @@ from .subscribers import Subscribers
 
 CHANGES, LEVELS = 2, 3
 """Levels of /notify from which on contacts, and levels, are reported."""
-_MOST_BLOWS = 64  # told at a look
+_MOST_BLOWS = 64  # reported at a look
 _MOST_SAMPLES = 1 << 16  # of contacts that are looked at: 70 may go on all the time; more would take too long
 _MOST_FORCES = 128  # values of a force
-_MOST_MODES = 12  # of an object that are told
+_MOST_MODES = 12  # of an object that are reported
 _MOST_LEVELS = 48  # objects
-_SOFTEST = 1e-10  # squared amplitude of a mode that is told
+_SOFTEST = 1e-10  # squared amplitude of a mode that is reported
 _PERIOD = 0.04  # s between levels
 
 
@@ -40,7 +40,7 @@ class Teller:
         """Begin with nothing to report. lowest_gain: returns the limiter's lowest gain since the last call."""
         self._engine = engine
         self._lowest_gain = lowest_gain
-        self._metered = 0  # samples up to which peaks were told
+        self._metered = 0  # samples up to which peaks were reported
         self._session = session
         self._subscribers = subscribers
         self._reply = reply

@@ -6,7 +6,7 @@ from contextlib import suppress
 from ..dsp.kept import SECONDS, forget
 
 PERIOD = SECONDS + 5.0
-"""s after which something that was made is no longer kept, if nobody asked for it."""
+"""s after which something that was made is no longer kept, if nobody requested it."""
 
 
 def tidy() -> None:

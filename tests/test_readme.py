@@ -14,7 +14,10 @@ import pytest
 import soundfile
 
 import carom
-from carom.clients.cli import main
+from carom.clients.cli import main, parsers
+from carom.clients.commands.parser import parse
+from carom.server.osc import score
+from carom.server.osc.addresses import calls
 from carom.server.osc.wire import DEFAULT_PORT
 from tests import needs
 from tests.documents.pages import PAGES, ROOT
@@ -120,6 +123,20 @@ def test_every_block_has_a_language():
     for page in PAGES:
         found = {language for language, _ in _BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))}
         assert found <= {*_RUN, "supercollider", "html", "js", "c"}, page
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_its_indented_lines_are_understood(page):
+    """A command has the options, and a message the arguments, of lines that are shown outside of blocks."""
+    text = _BLOCK.sub("", (ROOT / page).read_text(encoding="utf-8"))
+    for line in re.findall(r"^    (?=carom [a-z]|/[a-z])(?!.*[A-Z]{2})(.*)$", text, re.MULTILINE):
+        if line.startswith("carom "):
+            parse(*parsers(), shlex.split(line, comments=True)[1:])
+        else:
+            (shown,) = score.parse(f"0 {line}".encode(), page)
+            for call in calls(shown.message):
+                assert call.verb, line
+                call.verb.parse(call.message.args)
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "supercollider")])

@@ -1,7 +1,7 @@
 """carom completion: print a script with which a shell completes the command line.
 
 shtab writes it from the parser itself, for bash, zsh, fish, tcsh and PowerShell. The script is static, so that a shell
-starts no Python to complete an option; only the names of presets are asked for, as they may change.
+starts no Python to complete an option; only the names of presets are requested, as they may change.
 """
 
 import argparse

@@ -44,7 +44,7 @@ def _watch(ends: tuple[socket.socket, socket.socket], seconds: float, command: s
             told.add(number)
             _say(f"carom {command}: {_name(number)} is ignored: {', '.join(map(_name, _SIGNALS))} or /quit end it")
     if number == getattr(signal, "SIGQUIT", None):
-        _say(f"carom {command}: SIGQUIT: it ends, and its files are whole")
+        _say(f"carom {command}: SIGQUIT: it ends, with complete files")
     time.sleep(seconds)
     _say(f"carom {command}: not ended within {seconds:g} s: ended by force")
     os._exit(1)

@@ -36,10 +36,14 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--modes", type=whole, default=60, metavar="N", help="largest number of modes (%(default)s)")
     parser.add_argument(
-        "--points", type=whole, default=400, metavar="N", help="number of points of the surface, about (%(default)s)"
+        "--points",
+        type=whole,
+        default=400,
+        metavar="N",
+        help="approximate number of points of the surface (%(default)s)",
     )
     parser.add_argument("--fine", action="store_true", help="twice as many cells, which takes five times as long")
-    parser.add_argument("--errors", action="store_true", help="error of each mode, by a second resolution")
+    parser.add_argument("--errors", action="store_true", help="error of each mode, estimated from a second resolution")
     parser.add_argument("--source", metavar="TEXT", help="source of the mesh, kept in the preset")
     parser.add_argument("--no-report", action="store_true", help="preset only, no page to look at")
     add_presets(parser)

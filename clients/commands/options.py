@@ -37,13 +37,13 @@ def no_options(parser: argparse.ArgumentParser) -> None:
 
 def add_bank(parser: argparse.ArgumentParser, default: str | None, otherwise: str) -> None:
     """Add the option for what the spectral bank keeps its modes in; otherwise: what it is where none is given."""
-    text = f"numbers of freely ringing modes: float64, or float32 for speed ({otherwise})"
+    text = f"number format of freely ringing modes: float64, or float32 for speed ({otherwise})"
     parser.add_argument("--bank", default=default, metavar="FORM", help=text)
 
 
 def add_full_scale(parser: argparse.ArgumentParser, default: float | None = None, otherwise: str = "4") -> None:
     """Add the option for the pressure of full scale; otherwise: what it is where none is given."""
-    text = f"pressure of full scale, of objects of level 0, such as 2 or 2Pa ({otherwise})"
+    text = f"pressure of full scale for objects of level 0, such as 2 or 2Pa ({otherwise})"
     parser.add_argument("--full-scale", type=pascals, default=default, metavar="PA", help=text)
 
 

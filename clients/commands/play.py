@@ -26,7 +26,9 @@ def _run(arguments: argparse.Namespace) -> int:
         server.ask("/version")
         start = time.time() + 0.5
         last = lines[-1].time if lines else 0.0
-        with shown_progress(Work("play", "{desc} {bar} {n:.0f} of {total:.0f} s", "s"), arguments.score, last) as show:
+        with shown_progress(
+            Work("play", "{desc} {bar} {n:.0f} of {total:.0f} s", "s of the score"), arguments.score, last
+        ) as show:
             for line in lines:
                 # Up to a second ahead: enough for the server to be in time, little to lose if it goes.
                 while (wait := start + line.time - time.time() - 1.0) > 0:

@@ -51,7 +51,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _list(kinds: Sequence[str], presets: Presets, arguments: argparse.Namespace) -> None:
-    """Print all presets of some kinds; where none is asked for, objects with their descriptions and the other names."""
+    """Print all presets of some kinds; where none is requested, objects with their descriptions and the other names."""
     if arguments.json:
         _print({kind: list(_described(kind, presets)) for kind in kinds})
     elif arguments.bare:

@@ -32,7 +32,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
     presets = Presets(arguments.presets)
     strike = Strike(arguments.preset, arguments.velocity, arguments.position, arguments.striker)
-    strike.score(presets)  # what is wrong is told before a device is looked for
+    strike.score(presets)  # mistakes are reported before a device is opened
     rate = arguments.rate
     if rate is None:
         rate = device_rate(arguments.preset) if arguments.out is None else RATE

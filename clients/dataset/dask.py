@@ -15,7 +15,7 @@ from .plan import Made, Plan, make
 
 _PATIENCE = 30  # s for the scheduler's answer, and for the first worker to come
 _LOOK = 0.2  # s between looks at whether to go on
-_AHEAD = 2  # shards for each thread of the workers that are asked for at once
+_AHEAD = 2  # shards for each thread of the workers that are requested at once
 
 
 def by_dask(

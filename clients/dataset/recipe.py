@@ -230,7 +230,7 @@ def _factors(sections: Mapping[str, Mapping[str, Value | Spread]], gestures: tup
 
 
 def _count(where: str, values: dict[str, Any], factors: Sequence[Factor], count: int | None) -> None:
-    """Set the number of items: that which is asked for, the recipe's, or of a grid its points."""
+    """Set the number of items: that which is requested, the recipe's, or of a grid its points."""
     if count is not None:
         values.update(check("", {"count": count}, KEYS, ()))
     elif "count" not in values and values["design"] == "grid":

@@ -14,7 +14,7 @@ from ..performer import Performer
 from .truth import AMPLIFIED, Told, told_of
 
 _MOST = 32  # scenes, of 1 MB each
-_MOST_ASKED = 1_024  # keys that are remembered, of scenes that may be asked for again
+_MOST_ASKED = 1_024  # keys that are remembered, of scenes that may be requested again
 _MOST_MISSED = 512  # scenes that would have been kept, if others were not
 
 
@@ -88,7 +88,7 @@ _missed: list[Hashable] = []
 
 
 def _is_worth_it(key: Hashable) -> bool:
-    """True if a scene is asked for again, and there is room for it. Where many are not kept for others, all go."""
+    """True if a scene is requested again, and there is room for it. Where many are not kept for others, all go."""
     if len(_asked) >= _MOST_ASKED:
         _asked.clear()
     if key not in _asked:

@@ -169,10 +169,10 @@ _KINDS: Mapping[str, Mapping[str, Any]] = {
 """The keys of each kind of distribution; the first is its own name."""
 
 FORMS = {
-    "uniform = [low, high]": "evenly between two numbers; with `steps = N` one of N values, both ends among them",
-    "log_uniform = [low, high]": "evenly by ratios; with `steps` likewise",
-    "normal = [mean, deviation], low = X, high = Y": "normally, cut off at two numbers",
-    "choice = [...]": "one of some words or numbers; with `weights = [...]` as often as these say",
+    "uniform = [low, high]": "evenly between two numbers; with `steps = N` one of N values, including both ends",
+    "log_uniform = [low, high]": "evenly by ratio, from low to high; `steps` as above",
+    "normal = [mean, deviation], low = X, high = Y": "from a normal distribution, cut off at two numbers",
+    "choice = [...]": "one of the words or numbers; `weights = [...]` sets how often each is drawn",
 }
 """Forms of a distribution as recipes have them, and what each draws."""
 

@@ -65,9 +65,9 @@ def render_many(
     Raises
     ------
     PresetError
-        Names what the recipe cannot have.
+        The recipe is refused; the text says why.
     ItemError
-        Names an item that cannot be.
+        An item cannot be rendered; the text names it.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def sound_of(recipe: Recipe, clip: Clip) -> np.ndarray[Any, np.dtype[np.float32]
 def _by_processes(
     recipe: Recipe, folders: tuple[str, ...], numbers: Iterator[int], workers: int
 ) -> Iterator[dict[str, Any]]:
-    """Render items in processes, a few of them ahead of the one that is asked for."""
+    """Render items in processes, a few of them ahead of the one that is requested."""
     import multiprocessing  # slow to load
 
     context = multiprocessing.get_context("spawn")

@@ -26,7 +26,7 @@ error that names the culprit, its value and what was expected: CommandError from
 RenderError, PresetError, ItemError (an item of a recipe) or NotLinear elsewhere. All are CaromErrors. One that names an
 argument which a call does not take, or lacks, is a TypeError, too.
 
-Nothing is loaded before it is asked for. The first sound of a checkout compiles the engine.
+Nothing is loaded before it is requested. The first sound of a checkout compiles the engine.
 """
 
 from importlib import import_module

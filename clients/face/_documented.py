@@ -19,9 +19,10 @@ def documented(cls: type[Acting]) -> type[Acting]:
 
     The methods of Actions stay as they are: a Client starts without the table of addresses.
     """
-    for verb in VERBS.values():
-        if verb.keys and hasattr(Actions, verb.action):
-            setattr(cls, verb.action, _with_keys(getattr(cls, verb.action), verb.keys))
+    for address, verb in reversed(VERBS.items()):  # an object's address comes before another one of its name
+        own = address in (f"/{verb.action}", f"/object/NAME/{verb.action}")  # neither a macro's nor a simulation's
+        if own and verb.keys and hasattr(Actions, verb.action):
+            setattr(cls, verb.action, _with_keys(getattr(Actions, verb.action), verb.keys))
     return cls
 
 

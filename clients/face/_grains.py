@@ -34,7 +34,7 @@ class Grained:
         Raises
         ------
         WorldError
-            A name that is taken, or what cannot be.
+            An argument is refused, such as a name that is taken.
         """
         if not isinstance(bodies, Iterable):
             raise WorldError(f"bodies = {bodies!r}: expected names, or a pattern")

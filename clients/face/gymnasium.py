@@ -107,7 +107,7 @@ class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
     Raises
     ------
     WorldError
-        What is no SyncVectorEnv, and as for AddAudioObservation.
+        The environment is no SyncVectorEnv, or as for AddAudioObservation.
     """
 
     def __init__(
@@ -208,7 +208,7 @@ def seconds_of(env: Any, model: mujoco.MjModel) -> float:
             return float(dt)
         if isinstance(steps := getattr(each, "frame_skip", None), int):
             return steps * float(model.opt.timestep)
-    raise WorldError(f"{env}: it does not say how long an action takes: expected `frames`")
+    raise WorldError(f"{env}: the duration of an action is unknown: expected `frames`")
 
 
 class _Sound:
@@ -310,10 +310,10 @@ class _Sound:
             return
         self._settle()
         self.bridge.restart_if_set_back()  # an environment may reset its data within a step
-        tell, simulation = self.bridge.tell_or_restart, self.bridge.world.simulation
+        report, simulation = self.bridge.report_or_restart, self.bridge.world.simulation
         for _ in range(count):
             step()
-            if tell():
+            if report():
                 self._blows.append(simulation.blows)
         self._block = self.bridge.world.whole_block(self._batch)
 

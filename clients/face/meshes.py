@@ -26,7 +26,7 @@ def mesh(
     *,
     presets: Folders = (),
     report: bool = False,
-    **asked: Any,
+    **options: Any,
 ) -> MadeMesh:
     """Make an object of a mesh, as `carom mesh` does.
 
@@ -44,9 +44,14 @@ def mesh(
         Folders of your own presets.
     report : bool, default False
         Whether the page NAME.html is written.
-    **asked
-        `wall` (m, thickness of a sheet or a hollow body), `scale` (m, the mesh's unit), `modes` (at most), `points`
-        (at most), `fine` (bool), `errors` (bool), `source`.
+    **options
+        Options, by these keys:
+
+        - `wall`: thickness of a sheet or a hollow body, m. Default: a solid body.
+        - `scale`: unit of the mesh, m.
+        - `modes`, `points`: largest number of modes, and of points of the surface.
+        - `fine`, `errors`: whether to use more cells, and whether to compute the error of each mode.
+        - `source`: text, kept in the preset.
 
     Returns
     -------
@@ -57,7 +62,7 @@ def mesh(
     Raises
     ------
     MeshError, PresetError, OSError
-        Say what cannot be.
+        An argument is refused, or a file cannot be read or written; the text says why.
 
     Examples
     --------
@@ -70,10 +75,10 @@ def mesh(
     ...     scene.new("a", "block").impact(1.0)
     """
     known = (each.name for each in fields(Asked) if each.name not in ("name", "material", "parts"))
-    refuse_unknown("mesh", asked, known)
+    refuse_unknown("mesh", options, known)
     library = presets if isinstance(presets, Presets) else Presets(presets)
     main, parts = _divided(material)
-    wanted = Asked(name, main, parts=parts, **asked)
+    wanted = Asked(name, main, parts=parts, **options)
     made = make(path_of("file", file, "a mesh file"), path_of("out", out, "a folder"), wanted, library)
     if report:
         from .clients.mesh_report import write_mesh_report

@@ -59,12 +59,13 @@ def bare(given: Any, kind: type[Any]) -> Any:
 
 @explain_all_arguments
 class Bridge(Closing):
-    """Reports to a World what happens in MuJoCo's `data`. The end of a `with` closes the World, unless `world` gave it.
+    """Report to a World what happens in MuJoCo's `data`. The end of a `with` closes the World, unless `world` gave it.
 
-    Each body of the model becomes one of the World, with all its geoms that collide, shaped as the largest of them,
-    or as a solid box with their inertia if that has less than half of their volume. So does each geom of the world's
-    own body. If the largest is a mesh, all of them ring as one body of their own shape; its modes are made once, in
-    some seconds, and kept. A mesh that is open or without a volume rings as a box, with a warning. Flexes are silent.
+    Each body of the model becomes one body of the World, with all its colliding geoms; so does each geom of the
+    world's own body. It has the shape of the largest geom, or, where this has less than half of the volume, that of a
+    solid box with the same inertia. If the largest geom is a mesh, the body has the modes of all geoms together. They
+    are computed once, in some seconds, and kept. A mesh that is open or without a volume rings as a box, with a
+    warning. Flexes are silent.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ class Bridge(Closing):
     modes : int, default 64
         Largest number of modes of each body.
     restitution : {"simulator", "materials"}
-        Whose restitution blows have.
+        Source of the restitution of blows.
     settle : float, default 0
         Time at the beginning in which no blow is heard, s.
     sensors : dict, optional
@@ -101,9 +102,9 @@ class Bridge(Closing):
 
     Notes
     -----
-    Hits are by the time at which MuJoCo knows the contacts: the beginning of a step, with `RK4` its end. The sound
-    comes `latency` (s) later. The effective mass of a blow is that of the mechanism, without equality constraints and
-    friction.
+    The time of a hit is that at which MuJoCo computes the contacts: the beginning of a step, with `RK4` its end. The
+    sound comes `latency` (s) later. The effective mass of a blow is that of the mechanism, without equality constraints
+    and friction.
     """
 
     def __init__(
@@ -178,7 +179,7 @@ class Bridge(Closing):
         time, count = (data._address + memory_layout()[name] for name in ("time", "count"))
         behind = 0 if self._late else model._address + memory_layout()["step"]
         kept = self._arrays, self._number, self._room, model, data
-        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, behind, kept)
+        self.report: Callable[[], int] = self.world.reporter(self._arrays.ctypes.data, time, count, behind, kept)
         """Report a step of MuJoCo to the World, to be called after each; return the number of its blows. WorldError
         for what is not finite, or if time has not gone on."""
         self.hits: list[Hit] = []
@@ -316,7 +317,7 @@ class Bridge(Closing):
         self.restart_if_set_back()
         for _ in range(count):
             step()
-            if self.tell_or_restart():
+            if self.report_or_restart():
                 self.hits += self.world.hits
 
     def update(self) -> Blocks:
@@ -332,7 +333,7 @@ class Bridge(Closing):
         WorldError
             A number is not finite, or the time is that of the last update.
         """
-        self.hits = list(self.world.hits) if self.tell() else []
+        self.hits = list(self.world.hits) if self.report() else []
         return self.world.block()
 
     def close(self) -> None:
@@ -340,10 +341,10 @@ class Bridge(Closing):
         if not self._lent:
             self.world.close()
 
-    def tell_or_restart(self) -> int:
-        """Report a step, as `tell` does; begin anew where MuJoCo has reset, within it, what had become unstable."""
+    def report_or_restart(self) -> int:
+        """Report a step, as `report` does; restart if MuJoCo has reset an unstable simulation within it."""
         try:
-            return self.tell()
+            return self.report()
         except WorldError:
             if not self.restart_if_set_back():
                 raise

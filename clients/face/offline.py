@@ -43,11 +43,11 @@ def render(
     rate : int, default 48000
         Sampling rate in Hz, 8000 to 192000.
     limiter, gain, channels, full_scale : optional
-        As for a Scene. Default: what the score says at time 0.
+        As for a Scene. Default: as the score sets them at time 0.
     calibrated, stems, contacts, presets : optional
         As for a Scene.
     normalize : float, optional
-        Peak of the whole, dB of full scale; without a limiter unless one is asked for.
+        Peak of the sound, dB of full scale. There is then no limiter, unless `limiter` is True.
     seconds : float, optional
         Length in s. Default: until silence.
 
@@ -59,9 +59,9 @@ def render(
     Raises
     ------
     ScoreError
-        Names a line that cannot be read or was refused.
+        A line cannot be read, or is refused; the text names it.
     RenderError, PresetError, OSError
-        Say what else cannot be.
+        Another argument is refused, or a file cannot be read; the text says why.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def render(
 
 
 def _normalized(capture: Capture, options: Options) -> Sound:
-    """Normalize the sound that was captured to the peak that is asked for."""
+    """Normalize the sound that was captured to the peak that is requested."""
     gain = options.gain_of(capture.peak, capture.warnings.append)
     sound = capture.sound()
     if options.normalize is None:
@@ -104,7 +104,7 @@ def _lines(score: PathLike[str] | str | Iterable[Line | Sequence[Any]]) -> list[
             return parse(score.encode(), "score")
         except UnicodeEncodeError as error:
             line = score.count("\n", 0, error.start) + 1
-            raise ScoreError(f"score:{line}: {score[error.start]!a} is no character, but half of one") from None
+            raise ScoreError(f"score:{line}: {score[error.start]!a} is half a character") from None
     if not isinstance(score, Iterable):
         raise ScoreError(f"score = {score!r}: expected a score's text, a path of its file, or its lines")
     return [line if isinstance(line, Line) else _line(line, f"line {n}") for n, line in enumerate(score, 1)]

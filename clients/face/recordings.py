@@ -41,9 +41,15 @@ def fit(
     report : bool, default False
         Whether the page NAME.html is written.
     **known
-        `modes` (at most), `positions` (0 to 1, one for each strike), `strikers` (a preset's name or a new one; one,
-        or one for each strike), `force` (a hammer's recording), `mass` (kg), `velocity` (m/s), `full_scale` (Pa),
-        `distance` (m), `source`, `licence`.
+        What is known, by these keys:
+
+        - `modes`: largest number of modes.
+        - `positions`: position of each strike, 0 to 1.
+        - `strikers`: a preset's name or a new one; one, or one for each strike.
+        - `force`: recording of the force, by an impact hammer.
+        - `mass`, `velocity`: mass of the object, kg, and speed of the strikes, m/s.
+        - `full_scale`, `distance`: pressure of full scale, Pa, and distance of the microphone, m.
+        - `source`, `licence`: texts, kept in the preset.
 
     Returns
     -------
@@ -54,7 +60,7 @@ def fit(
     Raises
     ------
     RecordingError, FitError, PresetError, OSError
-        Say what cannot be.
+        An argument is refused, or a file cannot be read or written; the text says why.
 
     Examples
     --------
@@ -102,7 +108,7 @@ def compare(a: File, b: File) -> Distance:
     Raises
     ------
     RecordingError, OSError
-        Say what cannot be read.
+        A file cannot be read; the text says why.
 
     Examples
     --------

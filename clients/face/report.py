@@ -37,15 +37,15 @@ class Report:
     contacts : int
         Number of contacts.
     contacts_dropped : int
-        Contacts left out, for lack of room.
+        Contacts left out, for lack of capacity.
     strikers_cut : int
-        Strikers whose own sound was cut short or left out, for lack of room.
+        Strikers whose own sound was cut short or left out, for lack of capacity.
     nonlinear_dropped : int
-        Blows that left a plate linear, for lack of room.
+        Blows that left a plate linear, for lack of capacity.
     steps_held : int
         Steps of contacts in which the force was held.
     over_budget : int
-        Samples and contacts for which `/budget` left no room.
+        Samples and contacts that exceeded `/budget`.
     late : int
         Messages that came after their time.
     faults : int

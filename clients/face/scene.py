@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock
 from typing import TYPE_CHECKING, NoReturn, SupportsFloat, SupportsIndex
@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, NoReturn, SupportsFloat, SupportsIndex
 from ._capture import Capture
 from ._documented import documented
 from .clients.actions import Actions, CommandError, plain
-from .clients.gesture_methods import ObjectMethods, Value, with_methods_of
-from .clients.modes import ModeTable, Settings, gains_of, mode_table
+from .clients.gesture_methods import ObjectMethods, with_methods_of
+from .clients.modes import ModeTable, Settings, mode_table
 from .clients.performer import Folders, Performer, Placed
 from .dsp.arguments import explain_all_arguments
-from .dsp.schema import SETTINGS
 from .server.closing import Closing
 from .server.costs import CostWatch
 from .server.files.whole import RenderError
@@ -25,6 +24,8 @@ from .server.render import Options
 from .sound import Sound
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
     from typing_extensions import Unpack
 
     from .clients.gesture_methods import NewKeys, SensorKeys
@@ -35,9 +36,9 @@ if TYPE_CHECKING:
 class Scene(Actions, Closing):
     """An engine in this process: objects and gestures as methods, and `render` for the sound.
 
-    Each address of a score is a method. Calls may come in any order of time, as sound is computed once `render` asks
-    for it; nothing can happen before what is computed. Equal calls make equal sounds, bit for bit, and those of the
-    score that says the same. Scenes may work in parallel, each in one thread at a time.
+    Each address of a score is a method. Sound is computed by `render` alone, so that calls may come in any order of
+    time, but not before the time that is computed. Equal calls make equal sounds, bit for bit; a score of the same
+    messages makes them, too. Scenes may work in parallel, each in one thread at a time.
 
     Parameters
     ----------
@@ -63,9 +64,9 @@ class Scene(Actions, Closing):
     Raises
     ------
     CommandError
-        A message was refused, and changed nothing. Of several values to `steer` the others count.
+        A message was refused, and changed nothing. Of several values to `steer`, the others hold.
     RenderError
-        An option or a length that cannot be.
+        An option or a length is out of range.
 
     Notes
     -----
@@ -128,10 +129,7 @@ class Scene(Actions, Closing):
             self._busy.release()
 
     def close(self) -> None:
-        """Give its memory back.
-
-        Sounds stay; the scene and its objects can do nothing more.
-        """
+        """Free its memory. Sounds stay; the scene and its objects are of no more use."""
         self._performer = None
 
     @property
@@ -142,7 +140,7 @@ class Scene(Actions, Closing):
 
     @property
     def time(self) -> float:
-        """The earliest time (s) of what is asked for now.
+        """The earliest time (s) at which anything can still happen.
 
         The engine computes 64 frames at a time, and the limiter, on or off, looks 64 frames ahead. So after a `render`
         the time lies up to 127 frames behind the end of the sound that was given; up to 63 in a calibrated scene.
@@ -229,7 +227,8 @@ class Scene(Actions, Closing):
             The name is taken, or a key does not fit.
         """
         self.send("/object/new", name, preset, at=at, **keys)
-        return Object(self, name, self._open.placed(name), _settings(keys))
+        own = keys.get("gains", ())
+        return Object(self, name, self._open.placed(name), self._open.heard_first(name, own))
 
     def ended(self) -> list[str]:
         """Return the ids of gestures that have ended since the last call, up to the scene's time, the oldest first."""
@@ -241,15 +240,24 @@ class Scene(Actions, Closing):
 class Object(ObjectMethods):
     """An object of a scene; its methods are the scene's, without the name.
 
-    It may stand where its name is expected. name: its name; mass: of the whole body, kg.
+    It may be given wherever a name is expected.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    mass : float
+        Mass of the whole body, kg.
     """
 
-    def __init__(self, scene: Scene, name: str, placed: Placed, settings: Settings) -> None:
+    def __init__(
+        self, scene: Scene, name: str, placed: Placed, heard: tuple[Settings, NDArray[np.float64]]
+    ) -> None:  # fmt: skip
         self.scene = scene
         self.name = name
         self.mass = placed.modes.mass
         self._placed = placed
-        self._first_settings = settings
+        self._heard_first = heard
 
     def __repr__(self) -> str:
         return f"<carom.Object {self.name}>"
@@ -279,9 +287,7 @@ class Object(ObjectMethods):
         if not 0.0 <= place <= 1.0:
             raise RenderError(f"position = {_said(position)}: expected 0 to 1")
         performer = self.scene._performer
-        settings, gains = self._first_settings, gains_of(self._first_settings, self.scene.channels)
-        if performer and (heard := performer.heard(self._placed)):
-            settings, gains = heard
+        settings, gains = (performer and performer.heard(self._placed)) or self._heard_first
         return mode_table(self._placed.modes, self._placed.level, settings, gains, place, self.scene.rate)
 
     def sensor(
@@ -303,10 +309,3 @@ def _number(value: object) -> float:
 def _said(value: object) -> str:
     """Return a value as an error names it: a text in quotes, which a number is not."""
     return repr(value) if isinstance(value, str) else str(value)
-
-
-def _settings(keys: Mapping[str, Value]) -> Settings:
-    """Return the keys that an object was made with."""
-    return Settings(
-        **{name: each.in_engine(float(keys.get(name, each.default or 0.0))) for name, each in SETTINGS.items()}
-    )

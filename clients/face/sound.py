@@ -82,7 +82,7 @@ class Sound:
     stems : dict of float32 (frames, channels), or None
         Each object's part, before the limiter; the reverberation of a room is in none.
     contacts : tuple of Contact, or None
-        Every contact as it was played, by start.
+        Contacts as they were played, in order of their beginnings.
     sensors : dict of Sensed
         Signal of each sensor; a file has them as channels after those of the sound.
     scale : Scale
@@ -135,7 +135,7 @@ class Sound:
 
     @property
     def mono(self) -> "Sound":
-        """The mean of all channels, as a sound of one."""
+        """Mean of all channels, as a sound of one channel."""
         return self._other(lambda samples: samples.mean(axis=1, keepdims=True, dtype=np.float32))
 
     def __getitem__(self, frames: slice) -> "Sound":
@@ -207,7 +207,7 @@ class Sound:
         Parameters
         ----------
         path : path
-            Its ending, .wav or .flac, says which.
+            File, whose name ends in .wav or .flac.
         format : {"16", "24", "float"}, optional
             Format of the samples; "16" and "24" clip. Default: "float" for WAV, "24" for FLAC, which has no "float".
             A calibrated sound, and one with sensors, needs "float".

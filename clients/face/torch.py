@@ -1,4 +1,4 @@
-"""Items of a recipe for PyTorch, rendered as they are asked for (`pip install 'carom[torch]'`).
+"""Items of a recipe for PyTorch, rendered as they are requested (`pip install 'carom[torch]'`).
 
 import carom.torch
 from torch.utils.data import DataLoader
@@ -38,7 +38,7 @@ class Items(IterableDataset[Any]):
     Raises
     ------
     PresetError
-        Names what the recipe cannot have.
+        The recipe is refused; the text says why.
     """
 
     def __init__(

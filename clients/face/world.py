@@ -74,13 +74,13 @@ class World(Grained, Closing):
     microphones : list of Microphone or (x, y, z) in m
         A channel for each. Default: one at (0, 0, 1.5).
     hearing : Hearing, optional
-        Microphones, and settings of what is computed.
+        Microphones, and how much is computed.
     listener : Listener, optional
         In place of microphones: delay, doppler, air, direction and room.
     client : Client, optional
-        Plays on that client's server; steps return empty blocks, and are to be taken in real time.
+        Plays on that client's server. Steps then return empty blocks; take them in real time.
     keep : bool, default False
-        Whether the sound is kept for `sound`, and the messages for `score`.
+        Whether to keep the sound for `sound`, and the messages for `score`.
     stems, contacts : bool, default False
         As for a Scene; they need `keep`.
     presets : path, list of paths or Presets, optional
@@ -93,7 +93,7 @@ class World(Grained, Closing):
     Raises
     ------
     WorldError
-        Names the body and the step of what cannot be; the step has changed nothing.
+        An argument of a body or a step is refused, and changes nothing; the text names it.
 
     Examples
     --------
@@ -167,7 +167,7 @@ class World(Grained, Closing):
             self._send([Said(start, message) for message in self._listening.first()])
 
     def close(self) -> None:
-        """End it: give its memory back, or free its bodies' objects on the server.
+        """Free its memory, or its bodies' objects on the server.
 
         Sounds stay.
         """
@@ -197,12 +197,12 @@ class World(Grained, Closing):
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """The names of the bodies; their places are their numbers."""
+        """Names of the bodies, in the order of their numbers."""
         return tuple(body.name for body in self.simulation.bodies)
 
     @property
     def hits(self) -> list[Hit]:
-        """The blows of the last step, those that nobody would hear, too."""
+        """The blows of the last step, including inaudible ones."""
         return self.simulation.hits
 
     @property
@@ -229,7 +229,7 @@ class World(Grained, Closing):
         material : str
             Preset of the material.
         pose : Pose, optional
-            Where it is, if no step says so.
+            Its pose until a step reports another.
         **about
             As below, and further keys of `/object/new`, such as `most_modes`, `damp` or `gain`.
 
@@ -289,7 +289,7 @@ class World(Grained, Closing):
             self._surfaces += 1
 
     def pair(self, a: str, b: str, **keys: Unpack[PairKeys]) -> None:
-        """Set the contact of two bodies, in place of what their materials say.
+        """Set the contact of two bodies, in place of the one that follows from their materials.
 
         Parameters
         ----------
@@ -362,7 +362,7 @@ class World(Grained, Closing):
     def sensed(self) -> dict[str, NDArray[np.float32]]:
         """The signals of sensors over the last block, by name, float32 (frames,), in the unit of each.
 
-        Empty of a World with a client, whose server has them as channels.
+        Empty for a World with a client: its server has them as channels.
         """
         if self._scene is None:
             return {}
@@ -392,7 +392,7 @@ class World(Grained, Closing):
         Raises
         ------
         WorldError
-            Names what cannot be; the step has changed nothing.
+            An argument is refused, and the step changes nothing; the text names it.
         """
         before = self.simulation.time
         if self._scene and isinstance(time, float | Real) and before + _LONGEST < time < math.inf:
@@ -425,24 +425,26 @@ class World(Grained, Closing):
             commands.append(command._replace(time=sample, handle=handle))
         performer.engine.send(commands)
 
-    def tell(self, time: float, points: int) -> None:
-        """Take a step as `step` does, for bridges.
+    def reporter(self, arrays: int, time: int, points: int, behind: int = 0, kept: object = None) -> Callable[[], int]:
+        """Return a function that reports a step, for bridges.
 
-        Poses and contacts are in the columns of `memory` already; `block` has the sound.
-        """
-        before = self.time
-        self._ride()
-        told = self.simulation.advance(time, points)
-        self._move(before)
-        self._send(told)
+        Parameters
+        ----------
+        arrays : int
+            Address of a record of `carom.server.bridge.mujoco.arrays.ARRAYS`: the addresses of poses and contacts.
+        time : int
+            Address of the time (s), a float64.
+        points : int
+            Address of the number of contacts, an int32.
+        behind : int, default 0
+            Address of the time (s) by which contacts lie before `time`, a float64; 0 if they do not.
+        kept : object, optional
+            Owner of this memory.
 
-    def teller(self, arrays: int, time: int, points: int, behind: int = 0, kept: object = None) -> Callable[[], int]:
-        """Return a function that reports a step, for bridges, and returns the number of its blows.
-
-        arrays: address of a record of `carom.server.bridge.mujoco.arrays.ARRAYS`, which says where a simulator has its
-        poses and contacts. time: address of its time (s), a float64. points: address of the number of its contacts, an
-        int32. behind: address of the time (s) by which contacts lie before it, a float64; 0 if they do not.
-        kept: what holds them. Python does next to nothing then, unless something begins or ends.
+        Returns
+        -------
+        callable
+            Takes no arguments and returns the number of blows of the step.
         """
         simulation, run = self.simulation, tell.brief
         telling = simulation.telling(arrays, time, points, behind)
@@ -486,7 +488,7 @@ class World(Grained, Closing):
         return self._up_to(self.time, batch)
 
     def whole_block(self, batch: Batch | None = None) -> Blocks:
-        """Return what `block` does, with the signals of sensors as further channels."""
+        """Return the sound as `block` does, with the signals of sensors as further channels."""
         self.block(batch)
         return self._whole
 
@@ -557,7 +559,7 @@ class World(Grained, Closing):
         Parameters
         ----------
         path : path, optional
-            File to write it to, too.
+            File to which the score is also written.
 
         Returns
         -------

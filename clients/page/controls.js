@@ -70,9 +70,9 @@ export class Controls {
       });
       return row;
     });
-    const dice = el("button", { textContent: "Die", title: "Turn all knobs at random; Undo takes it back" });
+    const dice = el("button", { textContent: "Die", title: "Set all knobs at random; Undo restores them" });
     dice.onclick = () => this.scene.throwDice(object);
-    const middle = el("button", { textContent: "Middle", title: "Put all knobs back to the middle" });
+    const middle = el("button", { textContent: "Middle", title: "Set all knobs to the middle" });
     middle.onclick = () => this.scene.turnAll(object.name, Object.fromEntries(this.scene.catalogue.macros.map((each) => [each.name, each.default])));
     return el("div", { className: "macros", role: "group", "aria-label": "Macros" }, ...rows, el("div", { className: "row" }, dice, middle));
   }

@@ -143,7 +143,7 @@ function setUpHelp(sound) {
   if (sound.hasWorklet) return;
   $("missing").textContent = isSecureContext
     ? "This browser lacks sound with low latency."
-    : "Over plain http from another machine browsers withhold sound with low latency: carom page --bind 0.0.0.0 --tls has it.";
+    : "From another machine browsers allow low latency over https only: start carom page --bind 0.0.0.0 --tls.";
 }
 
 function setUpHint(hands) {

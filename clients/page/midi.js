@@ -85,5 +85,5 @@ export class Midi {
 
 function missing() {
   if (isSecureContext) return "This browser has no MIDI.";
-  return "Over plain http from another machine browsers withhold MIDI: carom page --bind 0.0.0.0 --tls has it.";
+  return "From another machine browsers allow MIDI over https only: start carom page --bind 0.0.0.0 --tls.";
 }

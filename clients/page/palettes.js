@@ -76,7 +76,7 @@ export function strikers(box, hands, onChosen) {
       const colors = look(striker.material);
       dot.style.background = `radial-gradient(circle at 35% 30%, ${colors.light}, ${colors.base} 45%, ${colors.dark})`;
     }
-    const title = striker ? `${striker.description}; ${short(striker.mass * 1000)} g` : "Each object is struck by what its preset names";
+    const title = striker ? `${striker.description}; ${short(striker.mass * 1000)} g` : "Each object is struck by its own striker";
     const chip = el("button", { className: "chip", title }, dot, el("span", { textContent: name }));
     chip.onclick = () => {
       hands.striker = striker?.name ?? null;
@@ -89,11 +89,11 @@ export function strikers(box, hands, onChosen) {
 
 const TOUCHES = {
   rain: "Rain falls while you hold; move to move it",
-  shake: "Many of the striker are shaken in it while you hold",
-  crumple: "It is crushed while you hold",
-  shatter: "It breaks, and its pieces fall on a floor: lift its damp to have it again",
-  pour: "Many of the striker are poured on it while you hold; move to move them",
-  step: "A step on it, from heel to toe",
+  shake: "Shakes many copies of the striker in it while you hold",
+  crumple: "Crushes it while you hold",
+  shatter: "Breaks it: its pieces fall on a floor; set its damp to 0 to mend it",
+  pour: "Pours many copies of the striker on it while you hold; move to move them",
+  step: "Treads on it once, from heel to toe",
 };
 
 /** What a touch of an object does: it strikes, or many small blows fall. */

@@ -8,7 +8,7 @@ rms along the path of its shape times its sound pressure. So much louder or soft
 infinitely short, at a point where that mode moves by its rms. A fit to a recording first divides the recording by the
 spectrum of its blow's force.
 
-The mass of added modes does not change the sound, only how far a contact feels them. Unless it is said, all modes of a
+The mass of added modes does not change the sound, only how far a contact feels them. Unless it is given, all modes of a
 section together yield to a force as a rigid body of LOAD times the body's mass does: contacts don't feel that.
 """
 
@@ -28,7 +28,7 @@ from .modes import MOST_MODES, Modes, columns, read_only
 
 LOAD = 100.0
 
-_WHOLE = 20_000.0  # Hz: up to which the shape's modes are that levels are told against
+_WHOLE = 20_000.0  # Hz: up to which the shape's modes are that levels refer to
 
 Values = float | tuple[float, ...]
 
@@ -54,9 +54,25 @@ class Added(Protocol):
 
 @dataclass(frozen=True)
 class Partials:
-    """Partials one by one: n of `frequency` (Hz) or `ratio` (to the shape's lowest mode), with n or one of the others.
+    """Partials that are given one by one.
 
-    t60: decay times (s). level (dB) and modal_mass (kg): see above. ValueError names what does not fit.
+    Parameters
+    ----------
+    t60 : float or tuple (n,)
+        Decay times, s.
+    level : float or tuple (n,)
+        Levels against the shape's loudest mode, dB.
+    frequency : tuple (n,)
+        Frequencies, Hz. Give these or `ratio`.
+    ratio : tuple (n,)
+        Frequencies as multiples of the shape's lowest mode.
+    modal_mass : float or tuple (n,), optional
+        Modal mass of each, kg.
+
+    Raises
+    ------
+    ValueError
+        An argument does not fit; the text names it.
     """
 
     t60: Values
@@ -77,12 +93,32 @@ class Partials:
 
 @dataclass(frozen=True)
 class Noise:
-    """Bands in which modes are too dense to be told apart: n + 1 `edges` (Hz) or `edge_ratio`, n or one of the others.
+    """Bands in which modes are too dense to be told apart.
 
-    edge_ratio: edges as multiples of the shape's lowest frequency. t60: decay times (s). level (dB): of all modes of a
-    band together, the root of the sum of their squares. modes: how many a band gets, equally loud, one at a
-    pseudo-random place in each of as many equal parts; the band's edges alone decide which. modal_mass (kg): of each.
-    ValueError names what does not fit.
+    Parameters
+    ----------
+    t60 : float or tuple (n,)
+        Decay times, s.
+    level : float or tuple (n,)
+        Level of all modes of a band together, against the shape's loudest mode, dB.
+    edges : tuple (n + 1,)
+        Edges of the bands, Hz. Give these or `edge_ratio`.
+    edge_ratio : tuple (n + 1,)
+        Edges as multiples of the shape's lowest frequency.
+    modes : float or tuple (n,), default 24
+        Number of modes in a band.
+    modal_mass : float or tuple (n,), optional
+        Modal mass of each, kg.
+
+    Raises
+    ------
+    ValueError
+        An argument does not fit; the text names it.
+
+    Notes
+    -----
+    The modes of a band are equally loud, and lie at pseudo-random places in as many equal parts. The edges alone decide
+    which.
     """
 
     t60: Values

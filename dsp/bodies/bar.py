@@ -27,9 +27,9 @@ from .unheard import FINER, Felt, completed, with_unheard
 
 _SIGN_AT = 0.03  # of the length: whose sign a mode's sound has
 UNDERCUT_SPAN = 0.6
-"""Share of the length that is carved where nothing else is said."""
+"""Share of the length that is carved by default."""
 FAN_DEPTH = 0.5
-"""Share of a tube's sound that a fan takes away at most, where nothing else is said."""
+"""Share of a tube's sound that a fan takes away at most, by default."""
 ACROSS, TILT = 0.2, 5.0
 """Place of a blow across the bar's width, and its angle (degrees): as a hand strikes unless it takes care."""
 
@@ -60,27 +60,70 @@ def bar(
     fan_depth: float = FAN_DEPTH,
     cords: float = 0.0,
 ) -> Modes:
-    """Return the modes of a Timoshenko bar, free at both ends or a cantilever (clamped at position 0).
+    """Return the modes of a Timoshenko bar, struck along its length.
 
-    Lengths in m, top in Hz. The section is either `width` by `thickness` or round, of an outer `diameter` and a `wall`
-    (solid without). The strike path is the length. ValueError names what is out of range.
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    length : float
+        Length, m, which is the strike path.
+    top : float
+        Highest frequency of a mode, Hz.
+    width, thickness : float, optional
+        Section of a rectangular bar, m. Give these or `diameter`.
+    undercut : float, default 0
+        Share of the thickness carved away at the middle, as in tuned bars, 0 to 1.
+    undercut_span : float, default 0.6
+        Share of the length that is carved.
+    across : float, default 0.2
+        Offset of the strike from the middle line, in half widths, -1 to 1; it makes the bar twist.
+    tilt : float, default 5
+        Tilt of the force towards an edge, degrees; it makes the bar bend along its width.
+    diameter : float, optional
+        Outer diameter of a round bar, m.
+    wall : float, optional
+        Thickness of a tube's wall, m. Default: a solid bar.
+    split : float, default 0
+        Difference between the frequencies of a round bar's two planes of bending, as a share.
+    imperfection : float, default 20
+        Angle between the blow and the plane of the lower one, degrees.
+    ends : {"free", "cantilever"}, default "free"
+        Ends: both free, or clamped at position 0.
+    board : str, optional
+        Sounding board in which a cantilever is clamped: "piano", "box", "cello" or "guitar".
+    tube_diameter : float, optional
+        Inner diameter of a resonator tube under the middle of a free rectangular bar, m. Default: no tube.
+    tube_length : float, optional
+        Length of the tube, m. Default: in tune with the lowest mode.
+    tube_gap : float, default 0.012
+        Gap between bar and tube, m.
+    tube_detuning : float, default 0
+        Detuning of a tube in tune, as a share of the frequency.
+    tube_flow : float, default 0
+        Speed of the air in the mouth at which vortices cost energy, m/s; 0: none.
+    fan : float, default 0
+        Turns per second of a vibraphone's disc, which closes the tube twice a turn.
+    fan_depth : float, default 0.5
+        Largest share of the tube's sound that the disc takes away, 0 to 1.
+    cords : float, default 0
+        Resistance of either cord that holds a free rectangular bar, kg/s.
 
-    A rectangular bar bends along its thickness, bends along its width, and twists. It is struck on its face, `across`
-    (-1..1, a fraction of half the width) off the middle line, by a force that is tilted by `tilt` (degrees) from the
-    face's normal towards an edge: the first lets it twist, the second bend along the width. `undercut`: the fraction of
-    the thickness carved away at the middle, in a parabola over the middle fraction `undercut_span` of the length, as in
-    tuned bars. Its axis counts as straight, so that twisting and bending stay apart: within 1.5 % of the solid body's
-    frequencies (a test holds it).
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`.
 
-    A round bar bends in two planes, whose frequencies differ by the fraction `split`; `imperfection` is the angle
-    (degrees) between the lower one's plane and the blow, see `ring.doublets`.
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or the body has no such mode; the text names it.
 
-    A cantilever may be heard through a board that it is clamped in, one of `radiation.board.BOARDS`: its force on the
-    clamp puts power into the board, and the bar loses that.
-
-    Under the middle of a rectangular bar that is free at both ends may stand a resonator tube, of an inner
-    `tube_diameter`, with the `fan` of a vibraphone: see `resonator_tube.Tube`. Such a bar may lie on `cords`, each of
-    that resistance (kg/s): see `cords`.
+    Notes
+    -----
+    A rectangular bar bends in both directions and twists. The axis of a carved bar counts as straight: its frequencies
+    are within 1.5 % of the solid body's (a test checks it). A board takes energy from the bar by the force on the
+    clamp.
     """
     require_positive(length=length, width=width, thickness=thickness, diameter=diameter, wall=wall)
     require_choice("ends", ends, ENDS)

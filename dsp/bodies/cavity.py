@@ -8,7 +8,7 @@ of section S = V/L that is closed at its other end: its waves end in the opening
     cot(k L) = k L' S/A,
 
 the lowest of which is Helmholtz's. With X the volume that has left the opening, and u = sin(k z)/(S sin(k L)) X the
-displacement in the tube, such a mode has the mass m = rho L'/A + rho S int u^2 dz, and a wall that gives way at z by a
+displacement in the tube, such a mode has the mass m = rho L'/A + rho S int u^2 dz, and a wall that yields at z by a
 volume D drives it by rho c^2 k cos(k z)/(S sin(k L)) D.
 
 What it loses it radiates, as a source much smaller than its wave, sigma = rho omega^2/(8 pi c m) (L. Kinsler et al.,
@@ -38,11 +38,32 @@ _STEPS = 60  # of bisection
 class Cavity:
     """The air in a hollow body, open through a hole or slit.
 
-    volume (m^3) behind an opening of an area (m^2) in a wall of a thickness `neck` (m). length (m) of a cavity that is
-    a tube, with the opening at its end; None: it is small beside the wave. t60 (s): of all its modes, if they lose more
-    than they radiate. level (dB): of the lowest, see added.py; or wall (kg/m^2): the mass of a wall that a blow dents.
-    A dent takes on all of the blow's momentum J, and gives way as a limp sheet does, by J/wall (m^3/s), for as long as
-    the air's modes take for a radian, or longer. ValueError names what does not fit.
+    Parameters
+    ----------
+    volume : float
+        Volume of the air, m^3.
+    area : float
+        Area of the opening, m^2.
+    neck : float
+        Thickness of the wall at the opening, m.
+    level : float, optional
+        Level of the lowest mode against the shape's loudest, dB. Give this or `wall`.
+    t60 : float, optional
+        Decay time of all modes, s. Default: as they radiate.
+    length : float, optional
+        Length of a tube with the opening at its end, m. Default: a cavity that is small beside the wave.
+    wall : float, optional
+        Mass per area of a wall that a blow dents, kg/m^2.
+
+    Raises
+    ------
+    ValueError
+        An argument does not fit; the text names it.
+
+    Notes
+    -----
+    A dent takes all of a blow's momentum J and yields as a limp sheet does, by J/wall (m^3/s), for at least as long as
+    the air's modes take for a radian.
     """
 
     volume: float

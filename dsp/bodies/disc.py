@@ -53,16 +53,50 @@ def disc(
     split_seed: int = 0,
     baffle: str = "free",
 ) -> Modes:
-    """Return the modes of a thin circular plate (Kirchhoff), its edge free, clamped or simply supported.
+    """Return the modes of a thin circular plate (Kirchhoff), struck along a diameter.
 
-    radius and thickness in m; dome (m): the rise of the centre over the edge, which is free, as of a shallow parabolic
-    cap (dome.py), on which the air acts as on the flat disc at the cap's frequencies; nonlinear_modes: how many of the
-    lowest modes are coupled by the plate's stretching (karman.py), which no edge holds in its plane; felt (m): the
-    radius of felts at the centre, 0 for none; stand (kg/s): what it stands on resists (felts.py); top in Hz; the strike
-    path is a diameter, from edge (0) over the centre (0.5) to edge (1); split, imperfection and split_seed as in
-    `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2)
-    sqrt(D/(rho h)), lambda the roots of the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration
-    of Plates, NASA SP-160, 1969), lowered by the air.
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    radius, thickness : float
+        Radius and thickness, m.
+    top : float
+        Highest frequency of a mode, Hz.
+    dome : float, default 0
+        Rise of the centre over a free edge, m, up to a quarter of the radius.
+    nonlinear_modes : int, default 0
+        Number of the lowest modes that are coupled by stretching; needs a `split`.
+    edge : {"free", "clamped", "supported"}, default "free"
+        Edge.
+    felt : float, default 0
+        Radius of felts at the centre, m; 0: none.
+    stand : float, default 0
+        Resistance of the stand, kg/s.
+    split : float, default 0
+        Difference of frequency within each pair of modes, as a share; 0: a round body, without pairs.
+    imperfection : float, default 20
+        Angle between the strike path and the lower mode of a pair, degrees.
+    split_seed : int, default 0
+        Seed of random splits, of rms `split`, and angles; 0: all pairs are alike.
+    baffle : {"free", "wall", "closed"}, default "free"
+        Surroundings: air on both sides; a wall; a wall, closed behind.
+
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or the body has no such mode; the text names it.
+
+    Notes
+    -----
+    f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lowered by the air; lambda are the roots of the edge's two conditions on
+    J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969). A dome is a shallow parabolic cap,
+    on which the air acts as on a flat disc of the same frequencies.
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
@@ -131,7 +165,9 @@ def _require_coupled(modes: int, split: float, seed: int) -> None:
     if split == 0:
         raise ValueError(f"split = {split}: expected more than 0 where nonlinear_modes = {modes}; both of a pair move")
     if seed:
-        raise ValueError(f"split_seed = {seed}: expected 0 where nonlinear_modes = {modes}; coupled pairs lie alike")
+        raise ValueError(
+            f"split_seed = {seed}: expected 0 where nonlinear_modes = {modes}; coupled pairs share one angle"
+        )
 
 
 def _domed(
@@ -175,12 +211,45 @@ def membrane(
     baffle: str = "free",
     best: Best | None = None,
 ) -> Modes:
-    """Return the modes of a circular membrane held at its edge; best: those that are kept.
+    """Return the modes of a circular membrane held at its edge, struck along a diameter.
 
-    radius and thickness in m; either tension T (N/m) or fundamental (Hz, without the air, whose mass lowers it); the
-    rest as for `disc`. f = k/(2 pi) sqrt((T + D k^2)/(rho h)), k R the zeros of J_n: the film's own stiffness D, as if
-    supported at the edge, speeds up short waves, those of a tom's head above some 2 kHz. The modes that there is no
-    room for are felt as one (residual.py).
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    radius, thickness : float
+        Radius and thickness of the film, m.
+    top : float
+        Highest frequency of a mode, Hz.
+    tension : float, optional
+        Tension T, N/m. Give this or `fundamental`.
+    fundamental : float, optional
+        Lowest frequency without the air, Hz.
+    split : float, default 0
+        Difference of frequency within each pair of modes, as a share; 0: a round body, without pairs.
+    imperfection : float, default 20
+        Angle between the strike path and the lower mode of a pair, degrees.
+    split_seed : int, default 0
+        Seed of random splits, of rms `split`, and angles; 0: all pairs are alike.
+    baffle : {"free", "wall", "closed"}, default "free"
+        Surroundings: air on both sides; a wall; a wall, closed behind.
+    best : Best, optional
+        The modes to keep. Default: all.
+
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or the body has no such mode; the text names it.
+
+    Notes
+    -----
+    f = k/(2 pi) sqrt((T + D k^2)/(rho h)), k R the zeros of J_n, lowered by the air. The film's stiffness D raises
+    short waves, those of a tom's head above some 2 kHz. Modes that are not kept count as one compliance (residual.py).
     """
     require_positive(radius=radius, thickness=thickness, tension=tension, fundamental=fundamental)
     require_choice("baffle", baffle, BAFFLES)

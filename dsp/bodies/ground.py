@@ -1,4 +1,4 @@
-"""A ground that gives way as a resistance: points of a large plate, from which no wave comes back."""
+"""A ground that yields as a resistance: points of a large plate, from which no wave comes back."""
 
 import functools
 import math

@@ -34,18 +34,47 @@ def listed(
     positions: Sequence[float] | None = None,
     gains: Sequence[Sequence[float]] | None = None,
 ) -> Modes:
-    """Return modes that are given one by one, those up to `top` (Hz).
+    """Return modes that are given one by one.
 
-    frequency (Hz), t60 (decay times, s, what is radiated included) and modal_mass (kg): (n,) each; a single one holds
-    for every mode. mass (kg) is that of the whole body. A modal mass belongs to a shape that is 1 at the striking
-    point. The position does not matter, unless `positions` (P,), 0 to 1 and ascending, and `gains` (n, P) give each
-    mode's shape there; between them shapes are interpolated (pchip), beyond they stay. ValueError names what does not
-    fit.
+    Parameters
+    ----------
+    frequency : sequence of float (n,)
+        Frequencies, Hz.
+    t60 : float or sequence (n,)
+        Decay times, including what is radiated, s.
+    modal_mass : float or sequence (n,)
+        Modal masses, for shapes that are 1 at the striking point, kg.
+    mass : float
+        Mass of the whole body, kg.
+    top : float
+        Highest frequency of a mode, Hz; modes above it are left out.
+    weight : float or sequence (n,), default 1
+        Sound pressure at 1 m per velocity of the striking point, Pa per m/s, rms over directions.
+    order : float or sequence (n,), optional
+        Nodal meridians over two (a bell), or order of the Legendre polynomial (a sphere), in place of `weight`.
+    radius : float, optional
+        Radius of the body that radiates, m; needed with `order`.
+    height : float, optional
+        Height of a bell, m. Default: a sphere.
+    positions : sequence of float (P,), optional
+        Positions at which the shapes are known, 0 to 1, ascending. Default: the position does not matter.
+    gains : sequence (n, P), optional
+        Shape of each mode there.
 
-    How loud they are is given by `weight`, sound pressure at 1 m (Pa, rms over directions) per m/s of the striking
-    point (1 unless given), or by the body: with `radius` (m) and `height` (m) that of a bell, a thin open cylinder of
-    which mode i moves as cos(order_i theta), most at its lip; with `radius` alone a sphere, moving as the Legendre
-    polynomial of that order; then no mode radiates more than it loses.
+    Returns
+    -------
+    Modes
+        The modes up to `top`.
+
+    Raises
+    ------
+    ValueError
+        An argument does not fit; the text names it.
+
+    Notes
+    -----
+    Shapes are interpolated between positions (pchip), and constant beyond. A bell is a thin open cylinder whose mode i
+    moves as cos(order_i theta), most at its lip. With a radius no mode radiates more than it loses.
     """
     frequencies = np.asarray(frequency, dtype=np.float64)
     if (order is None) != (radius is None) or (height is not None and radius is None):

@@ -32,14 +32,30 @@ contact time is 1.24 times longer or shorter at either end. A cube of 57 mm has 
 class Material:
     """An isotropic material with Rayleigh damping and a loss factor.
 
-    density (kg/m^3), youngs_modulus (Pa), poisson_ratio, alpha (1/s), beta (s), loss_factor, loss_exponent: see
-    `decay`. They hold what the material and its support take away, not what the body radiates.
-    dissipation (s/m) is the mu of Hunt and Crossley's law when a body of the material meets a rigid one at about 1 m/s:
-    what friction inside, yielding and waves take away in all. Its default gives a restitution of 0.88 at 1 m/s.
-    losses: "material" if the damping is the material's own, so that a body loses what it radiates besides; "measured"
-    if it was measured on bodies that sound, and holds that already.
-    shear (Pa): the shear modulus of what is not isotropic, as wood along its grain; bars bend and twist by it.
-    across (Pa): Young's modulus across the grain of such a material, by which it is dented from the side.
+    Parameters
+    ----------
+    name : str
+        Name.
+    density : float
+        kg/m^3.
+    youngs_modulus : float
+        Young's modulus E, Pa.
+    poisson_ratio : float
+        Poisson's ratio nu, 0 to 0.5.
+    alpha, beta : float
+        Rayleigh damping, 1/s and s: see `decay`. Losses do not include radiation.
+    loss_factor : float, default 0
+        Loss factor at 1 kHz.
+    dissipation : float, default 0.2
+        Dissipation mu of a contact with a rigid body at about 1 m/s, s/m; 0.2 gives a restitution of 0.88.
+    loss_exponent : float, default 1
+        Power of the frequency by which these losses grow.
+    losses : {"material", "measured"}, default "material"
+        "measured" losses were measured on bodies that sound, and include radiation.
+    shear : float, optional
+        Shear modulus of a material that is not isotropic, such as wood along the grain, Pa. Default: E/(2 (1 + nu)).
+    across : float, optional
+        Young's modulus across the grain, for dents from the side, Pa. Default: E.
     """
 
     name: str
@@ -75,11 +91,23 @@ class Material:
         return self.across or self.contact_modulus
 
     def decay(self, frequency: npt.ArrayLike) -> Array:
-        """Return the amplitude decay rates sigma (1/s) of modes at `frequency` (Hz), float64 of its shape.
+        """Return the amplitude decay rates sigma of modes.
 
+        Parameters
+        ----------
+        frequency : float or array
+            Frequencies f, Hz.
+
+        Returns
+        -------
+        array
+            float64 of the same shape, 1/s.
+
+        Notes
+        -----
         A mode's amplitude falls as exp(-sigma t), sigma = (alpha + loss_factor omega_1 (f/1 kHz)^loss_exponent +
-        beta omega^2)/2 with omega_1 = 2 pi 1 kHz, so that T60 = ln(1000)/sigma. An exponent of 1 is a loss factor that
-        is the same at all frequencies; else `loss_factor` is that at 1 kHz.
+        beta omega^2)/2 with omega_1 = 2 pi 1 kHz, so that T60 = ln(1000)/sigma. With an exponent of 1 the loss
+        factor is the same at all frequencies.
         """
         f = np.asarray(frequency, dtype=np.float64)
         losses = self.loss_factor * LOSS_FACTOR_AT * (f / LOSS_FACTOR_AT) ** self.loss_exponent
@@ -87,11 +115,33 @@ class Material:
 
 
 def hertz(body: Material, radius: float, other: Material | None = None, other_radius: float = math.inf) -> float:
-    """Return the stiffness k (N/m^1.5) of the contact F = k x^1.5 between two spheres.
+    """Return the stiffness k of the contact F = k x^1.5 between two spheres.
 
-    Radii in m; an infinite one is a plane. Without `other`, the second body is rigid. ValueError names radii that make
-    no contact. k = 4/3 E* sqrt(R*), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R* = 1/R1 + 1/R2: H. Hertz, "Ueber die
-    Berührung fester elastischer Körper", 1882.
+    Parameters
+    ----------
+    body : Material
+        Material of the first sphere.
+    radius : float
+        Its radius, m; inf: a plane.
+    other : Material, optional
+        Material of the second body. Default: rigid.
+    other_radius : float, default inf
+        Its radius, m.
+
+    Returns
+    -------
+    float
+        Stiffness, N/m^1.5.
+
+    Raises
+    ------
+    ValueError
+        The radii make no contact.
+
+    Notes
+    -----
+    k = 4/3 E* sqrt(R*), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R* = 1/R1 + 1/R2 (H. Hertz, "Ueber die Berührung
+    fester elastischer Körper", 1882).
     """
     if not radius > 0 or not other_radius > 0:
         raise ValueError(f"radius = {radius}, other_radius = {other_radius}: expected positive lengths in m")

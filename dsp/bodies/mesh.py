@@ -27,15 +27,46 @@ _SAME = 1e-6  # of elasticity and density
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Modes of a body at points of its surface, in the body's frame; two are equal whose digests are.
+    """Modes of a body at points of its surface, in the body's frame. Tables with equal digests are equal.
 
-    frequency (n,) in Hz, ascending; resistance (n,) in 1/s; shapes (P, 3, n) in kg^-1/2; points (P, 3) in m; normals
-    (P, 3), outward; areas (P,) in m^2; curvature (P, 2) in 1/m, the larger first; faces (F, 3), numbers of points,
-    between which shapes are linear; edges (F, 3): 1 where the side from a corner to the next is a sharp edge; error
-    (n,): of the frequencies as a share, NaN where it was not requested. mass in kg, volume in m^3; density,
-    youngs_modulus and poisson_ratio are those of its material. decay (n,) in 1/s: all that each mode loses, where it is
-    known; None: as the material has it. Of a body of several materials, the main one first: materials; energy
-    (materials, n), the share of each in the energy that bends the body; of (F,), the number of each face's.
+    Attributes
+    ----------
+    digest : str
+        Hash of what the table was made of.
+    frequency : float64 (n,)
+        Hz, ascending.
+    resistance : float64 (n,)
+        Radiation resistance, 1/s.
+    shapes : float64 (P, 3, n)
+        Mass-normalised shapes at the points, kg^-1/2.
+    points, normals : float64 (P, 3)
+        Points, m, and outward normals.
+    areas : float64 (P,)
+        Area of each point, m^2.
+    curvature : float64 (P, 2)
+        Curvatures, 1/m, the larger first.
+    faces : int (F, 3)
+        Numbers of points, between which shapes are linear.
+    edges : int (F, 3)
+        1 where the side from a corner to the next is a sharp edge.
+    error : float64 (n,)
+        Error of each frequency, as a share; NaN where it was not computed.
+    mass, volume : float
+        kg, m^3.
+    density, youngs_modulus, poisson_ratio : float
+        Of the main material: kg/m^3, Pa, 1.
+    method : str
+        How the modes were computed.
+    notes : tuple of str
+        What was repaired and assumed.
+    decay : float64 (n,) or None
+        All losses of each mode, 1/s, where they are known. None: the material's.
+    materials : tuple of Material
+        Materials of a body that has several, the main one first.
+    energy : float64 (materials, n) or None
+        Share of each material in the bending energy.
+    of : int (F,) or None
+        Number of the material of each face.
     """
 
     digest: str
@@ -160,13 +191,35 @@ def mesh(
     path_to: Sequence[float] | None = None,
     tilt: float = TILT,
 ) -> Modes:
-    """Return the modes up to `top` (Hz) of a free body of any shape.
+    """Return the modes of a free body of any shape.
 
-    table: of the same material; damping alone may be another. The strike path is the straight line from one place to
-    another (m, in the body's frame), each point of it moved to the surface; the usual one runs along the body, on top,
-    beside the middle. The blow is tilted by `tilt` (degrees) from the surface's normal, across the path: at 90 it is
-    tangential. At a point of the surface it is along the normal. Modes of the table above `top` are felt. ValueError
-    says what does not fit.
+    Parameters
+    ----------
+    material : Material
+        That of the table; only its damping may differ.
+    table : Table
+        Modes at points of the surface.
+    top : float
+        Highest frequency of a mode, Hz. Modes above it count as compliance.
+    path_from, path_to : sequence of 3 float, optional
+        Ends of the strike path in the body's frame, m. Default: along the body, on top, beside the middle.
+    tilt : float, default 5
+        Angle of the blow from the surface's normal, across the path, degrees; 90: tangential.
+
+    Returns
+    -------
+    Modes
+        The modes up to `top`.
+
+    Raises
+    ------
+    ValueError
+        An argument does not fit; the text names it.
+
+    Notes
+    -----
+    The path is a straight line whose points are moved to the surface. A blow at a point of the surface is along the
+    normal.
     """
     for name in ("density", "youngs_modulus", "poisson_ratio"):
         made, given = getattr(table, name), getattr(material, name)

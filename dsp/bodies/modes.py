@@ -63,19 +63,37 @@ class Faces(NamedTuple):
 class Modes:
     """The audible modes of a body: w(x, t) = sum_i phi_i(x) q_i(t), q'' + 2 sigma q' + omega^2 q = phi(x) F.
 
-    frequency (n,) in Hz, ascending. decay (n,) in 1/s: the sigma above. strike (P, n) in kg^-1/2: mass-normalised
-    shapes at P equally spaced positions 0..1 along the strike path; P = 1 where the position does not matter. Where it
-    has faces, rows follow with shapes at their corners.
-    pressure (2, n) in Pa per unit modal velocity (q' of 1 sqrt(kg) m/s), left and right: the sound pressure at 1 m,
-    rms over directions, G with (L^2 + R^2)/2 = G^2; both have the sign of the shape at one point of the body. mass of
-    the whole body in kg. All float64. clicks: what it radiates at once, wherever
-    it is struck: as a whole if it is free to move (acceleration.py), about that point if it is thin (near.py).
-    glide in 1/J and cone in kg: how far the tension rises with the energy that rings, Delta T/T = glide x energy, and
-    about a striker as it touches, tau (1 + tau) = glide x cone x velocity^2 (tension.py); 0 where it does not.
-    fundamental in Hz: the mode that is played, where a lower one rings along; 0: the lowest.
-    unheard: what is felt of the modes that are not among these; None where they are not known. sheet: the coupling of a
-    plate's modes by its stretching (karman.py); None where they are not coupled.
+    Attributes
+    ----------
+    frequency : float64 (n,)
+        Hz, ascending.
+    decay : float64 (n,)
+        Decay rates sigma, 1/s, radiation included.
+    strike : float64 (P, n)
+        Mass-normalised shapes at P equally spaced positions, 0 to 1 along the strike path, kg^-1/2; P = 1: the position
+        does not matter. With `faces`, rows follow with shapes at their corners.
+    pressure : float64 (2, n)
+        Sound pressure at 1 m, left and right, per unit modal velocity (q' of 1 sqrt(kg) m/s), Pa, rms over directions:
+        G with (L^2 + R^2)/2 = G^2.
+    mass : float
+        Mass of the whole body, kg.
+    clicks : tuple of Click
+        Sounds of a sudden motion: of a free body as a whole, of a thin one about the striking point.
+    glide : float
+        Rise of the tension for each joule of vibration, Delta T/T, 1/J; 0: none.
+    cone : float
+        Its rise about a striker, tau (1 + tau) = glide cone velocity^2, kg; 0: none.
+    unheard : Unheard or None
+        Compliance of inaudible modes. None: unknown.
+    sheet : Sheet or None
+        Coupling of a plate's modes by stretching. None: they are not coupled.
+    faces : Faces or None
+        Faces of the surface, for contacts off the strike path.
+    fundamental : float
+        The mode by which notes are tuned, Hz; 0: the lowest.
 
+    Notes
+    -----
     A mode that radiates the power R q'^2/2 has G = sqrt(rho c R/(4 pi)), and R/2 is in its decay.
     """
 
@@ -113,7 +131,7 @@ def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]
 
 
 def ascending(frequency: Array) -> Indices:
-    """Return indices of modes by ascending frequency; those that rounding alone tells apart stay in their order."""
+    """Return indices of modes by ascending frequency; those that differ by rounding alone stay in their order."""
     return np.argsort(np.round(np.log(np.maximum(frequency, _LEAST)), 9), kind="stable")
 
 

@@ -45,13 +45,37 @@ def plate(
     path_to: Corner = (1.0, 1.0),
     baffle: str = "free",
 ) -> Modes:
-    """Return the modes of a thin rectangular plate (Kirchhoff), each edge free, clamped or simply supported.
+    """Return the modes of a thin rectangular plate (Kirchhoff).
 
-    Lengths in m, top in Hz; edges at x = 0, x = length, y = 0, y = width; the strike path leads from a point to
-    another, fractions (x, y) of the sides; baffle as in `heard.BAFFLES`. ValueError names what is out of range.
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    length, width, thickness : float
+        Sides along x and y, and thickness, m.
+    top : float
+        Highest frequency of a mode, Hz.
+    edges : tuple of 4 str, default all "free"
+        Edges at x = 0, x = length, y = 0 and y = width: each "free", "clamped" or "supported".
+    path_from, path_to : tuple of 2 float, default (0, 0), (1, 1)
+        Ends of the strike path, x and y as shares of the sides.
+    baffle : {"free", "wall", "closed"}, default "free"
+        Surroundings: air on both sides; a wall; a wall, closed behind.
 
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or the body has no such mode; the text names it.
+
+    Notes
+    -----
     Ritz's method on D/2 int (lap w)^2 - 2 (1 - nu) (w_xx w_yy - w_xy^2) (Leissa, J. Sound Vib. 31, 1973), in products
-    of the modes of the two beams with the same edges; symmetrical edges split it by parity.
+    of the modes of the two beams with the same edges. Symmetrical edges split it by parity.
     """
     require_positive(length=length, width=width, thickness=thickness)
     for edge in edges:

@@ -44,7 +44,7 @@ from .modes import MOST_MODES, Indices, Modes, ascending, require_positive, sele
 from .radiation import line
 
 GAP = 0.012
-"""m, between the middle of the bar and the mouth, unless it is said."""
+"""m, between the middle of the bar and the mouth, by default."""
 _END = 0.6133  # of the radius: the air outside that moves along with an open end (Levine and Schwinger)
 _VISCOSITY, _RATIO, _PRANDTL = 1.51e-5, 1.4, 0.71  # of air at 20 degrees: kinematic (m^2/s), of heats, Prandtl's number
 _RADII = (np.arange(6) + 0.5) / 6  # of rings that share the mouth, as fractions of its radius

@@ -50,13 +50,39 @@ def ring(
     imperfection: float = 20.0,
     split_seed: int = 0,
 ) -> Modes:
-    """Return the modes of a free ring or tube wall in in-plane bending, its radial displacement cos n theta, n >= 2.
+    """Return the modes of a free ring or tube that bends in its plane, struck along half the circumference.
 
-    radius (of the middle line), thickness (radial) and length (axial) in m, top in Hz; the strike path is half the
-    circumference from angle 0; split, imperfection and split_seed as in `doublets`. ValueError names what is out of
-    range.
-    omega = n (n^2 - 1)/sqrt(n^2 + 1) sqrt(E h^2/(12 rho R^4)) (Hoppe 1871), lowered by shear and rotation where waves
-    are short, and by the air.
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    radius : float
+        Radius of the middle line, m.
+    thickness, length : float
+        Thickness along the radius, and length along the axis, m.
+    top : float
+        Highest frequency of a mode, Hz.
+    split : float, default 0
+        Difference of frequency within each pair of modes, as a share; 0: a round body, without pairs.
+    imperfection : float, default 20
+        Angle between the strike path and the lower mode of a pair, degrees.
+    split_seed : int, default 0
+        Seed of random splits, of rms `split`, and angles; 0: all pairs are alike.
+
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or the body has no such mode; the text names it.
+
+    Notes
+    -----
+    The radial displacement is cos n theta, n >= 2. omega = n (n^2 - 1)/sqrt(n^2 + 1) sqrt(E h^2/(12 rho R^4)) (Hoppe
+    1871), lowered by shear and rotation where waves are short, and by the air.
     """
     require_positive(radius=radius, thickness=thickness, length=length)
     order = np.arange(2.0, MOST_MODES + 2)
@@ -87,13 +113,40 @@ def glass(
     imperfection: float = 20.0,
     split_seed: int = 0,
 ) -> Modes:
-    """Return the modes of a wine glass or bowl, held at its foot: cos n theta around it, a cantilever's up its wall.
+    """Return the modes of a wine glass or bowl that is held at its foot, struck along half the rim.
 
-    Lengths in m, top in Hz; rows: the number of shapes m up the wall, 1 to 3; the strike path is half the rim from
-    angle 0; split, imperfection and split_seed as in `doublets`. ValueError names what is out of range. The air moves
-    through its open foot, too: a bowl's bottom is left out.
-    omega = omega_ring(n) sqrt(1 + b_m^4/(n^2 - 1)^2 (R/H)^4): for n = 2, m = 1 this is French's formula (Am. J. Phys.
-    51, 1983), whose factor 4/3 is 1.875^4/9 rounded. Stretching of the wall is left out, as there.
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    radius, height, thickness : float
+        Radius and height of the wall, and its thickness, m.
+    top : float
+        Highest frequency of a mode, Hz.
+    rows : int, default 1
+        Number of shapes up the wall, 1 to 3.
+    split : float, default 0
+        Difference of frequency within each pair of modes, as a share; 0: a round body, without pairs.
+    imperfection : float, default 20
+        Angle between the strike path and the lower mode of a pair, degrees.
+    split_seed : int, default 0
+        Seed of random splits, of rms `split`, and angles; 0: all pairs are alike.
+
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or the body has no such mode; the text names it.
+
+    Notes
+    -----
+    The displacement is cos n theta around it, and a cantilever's shape m up the wall. omega = omega_ring(n)
+    sqrt(1 + b_m^4/(n^2 - 1)^2 (R/H)^4): for n = 2, m = 1 this is French's formula (Am. J. Phys. 51, 1983), whose factor
+    4/3 is 1.875^4/9 rounded. Stretching of the wall is left out, as there, and so is the bottom of a bowl.
     """
     require_positive(radius=radius, height=height, thickness=thickness)
     if not 1 <= rows <= CANTILEVER.size:
@@ -131,12 +184,37 @@ def can(
     imperfection: float = 20.0,
     split_seed: int = 0,
 ) -> Modes:
-    """Return the modes of the wall of a can, a thin cylinder that its ends keep round: cos n theta around it, sines up
-    it.
+    """Return the modes of a can's wall, struck along half the circumference, at 0.38 of the height.
 
-    Lengths in m, top in Hz; the strike path is half the circumference from angle 0, at 0.38 of the height; split,
-    imperfection and split_seed as in `doublets`. ValueError names what is out of range. Its ends do not sound, nor does
-    the air in it: the air is as in a tube that is open. Frequencies: see shell.py.
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    radius, height, thickness : float
+        Radius and height of the wall, and its thickness, m.
+    top : float
+        Highest frequency of a mode, Hz.
+    split : float, default 0
+        Difference of frequency within each pair of modes, as a share; 0: a round body, without pairs.
+    imperfection : float, default 20
+        Angle between the strike path and the lower mode of a pair, degrees.
+    split_seed : int, default 0
+        Seed of random splits, of rms `split`, and angles; 0: all pairs are alike.
+
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or the body has no such mode; the text names it.
+
+    Notes
+    -----
+    The can is a thin cylinder that its ends keep round: cos n theta around it, sines up it; frequencies as in shell.py.
+    Neither its ends sound nor the air in it. The air acts as in an open tube.
     """
     require_positive(radius=radius, height=height, thickness=thickness)
     order = np.arange(2.0, MOST_MODES + 2)

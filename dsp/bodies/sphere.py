@@ -24,17 +24,37 @@ _LOOKS = 8  # at a root, whose error is then that of rounding
 
 
 def sphere(material: Material, *, radius: float, top: float) -> Modes:
-    """Return the modes of a solid elastic sphere, struck along its normal; radius in m, top in Hz. ValueError if it is
-    out of range.
+    """Return the modes of a solid elastic sphere, struck along its normal.
 
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    radius : float
+        Radius a, m.
+    top : float
+        Highest frequency of a mode, Hz.
+
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`. A small sphere has none; only its click is heard.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
+
+    Notes
+    -----
     Spheroidal modes of orders n = 0, 1, 2, ...: a blow at the pole moves those that are symmetric about it, with
     u_r = U(r) P_n. With x = omega a/c_l and y = omega a/c_t the surface is free of forces where T11 T43 = T13 T41,
 
         T11 = (n^2 - n - y^2/2) j_n(x) + 2 x j_{n+1}(x),  T13 = n (n + 1) ((n - 1) j_n(y) - y j_{n+1}(y)),
         T41 = (n - 1) j_n(x) - x j_{n+1}(x),              T43 = (n^2 - 1 - y^2/2) j_n(y) + y j_{n+1}(y)
 
-    (H. Lamb, Proc. London Math. Soc. 13, 1882; A. C. Eringen and E. S. Suhubi, Elastodynamics II, 1975, 8.14). Where it
-    is struck does not matter, and it is heard alike all around. A small one has no mode that is heard, but its click.
+    (H. Lamb, Proc. London Math. Soc. 13, 1882; A. C. Eringen and E. S. Suhubi, Elastodynamics II, 1975, 8.14). The
+    striking point does not matter, and the sphere is heard alike from all sides.
     """
     require_positive(radius=radius)
     shear = math.sqrt(material.shear_modulus / material.density)

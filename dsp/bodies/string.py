@@ -50,19 +50,51 @@ def string(
     mistuning: float = 1.0,
     best: Best | None = None,
 ) -> Modes:
-    """Return the modes of a stiff string with pinned ends: f_n = n f0 sqrt(1 + B n^2).
+    """Return the modes of a stiff string with pinned ends, heard through a board.
 
-    length and diameter in m, top in Hz; either tension (N) or fundamental f0 (Hz, that of the limp string);
-    linear_density (kg/m) if the string is wound, `diameter` then being its core's; inharmonicity B, by default the
-    core's pi^3 E d^4/(64 T L^2) (Fletcher 1964). The strike path is the length. ValueError names what is out of range.
-    bending_loss: the loss factor of the part of a mode's energy that bends the string, beside the material's losses.
+    Parameters
+    ----------
+    material : Material
+        Material of the body.
+    length : float
+        Length, m, which is the strike path.
+    diameter : float
+        Diameter, m; of a wound string, its core's.
+    top : float
+        Highest frequency of a mode, Hz.
+    tension : float, optional
+        Tension T, N. Give this or `fundamental`.
+    fundamental : float, optional
+        Lowest frequency f0 of the string without stiffness, Hz.
+    linear_density : float, optional
+        Mass of a wound string per length, kg/m. Default: that of the core.
+    inharmonicity : float, optional
+        Coefficient B. Default: the core's, pi^3 E d^4/(64 T L^2) (Fletcher 1964).
+    bending_loss : float, default 0
+        Loss factor of the energy that bends the string, beside the material's losses.
+    board : {"piano", "box", "cello", "guitar"}, default "piano"
+        Sounding board at its end.
+    wires : int, default 1
+        Number of such strings that share a hammer and a bridge, 1 to 3.
+    mistuning : float, default 1
+        Detuning from the lowest to the highest of them, cents.
+    best : Best, optional
+        The modes to keep. Default: all.
 
-    Its own sound is nothing beside that of the board at its end: the power that goes into the board is lost to the
-    string, and the share of it that radiates is heard. board: one of `radiation.board.BOARDS`. best: the modes that are
-    kept.
+    Returns
+    -------
+    Modes
+        The modes from 1 Hz up to `top`.
 
-    wires: how many such strings one hammer strikes, 1 to 3; mistuning: from the lowest to the highest (cents). How they
-    fall follows from the material's losses and the board (unison.py): measured ones hold the board's already.
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or the body has no such mode; the text names it.
+
+    Notes
+    -----
+    f_n = n f0 sqrt(1 + B n^2). The string loses the power that enters the board, and the share of it that the board
+    radiates is heard. How several strings decay follows from the losses and the board (unison.py).
     """
     require_choice("board", board, tuple(BOARDS))
     body = BOARDS[board]

@@ -107,7 +107,7 @@ Pair = tuple[Array, Array]
 def _fields(ratio: float, nu: float) -> tuple[Pair, Array, tuple[Pair, Pair]]:
     """Return the series of a section that turns (v, w), its warping u, and both ways in which it is distorted (v, w).
 
-    The first way is what both causes do together in a long wave, the second what tells one from the other.
+    The first way is what both causes do together in a long wave, the second how one differs from the other.
     """
     lame, plane = 2 * nu / (1 - 2 * nu), 1 / (1 - 2 * nu)
 

@@ -6,7 +6,7 @@ So the lowest of them stay as they are, and all others become a few modes at fix
 the two next to it, with shares of phi^2/omega_i^2 that are linear in 1/omega_i^2. This keeps two sums over the modes:
 C0 = sum phi^2/omega_i^2, how far they yield at rest, and C2 = sum phi^2/omega_i^4, by how much more at omega, as
 omega^2 C2. No mode gets less than nothing, so that no energy is made. That they lie closer than the inverse of a
-contact's duration is all that a contact can tell (D. J. Ewins, Modal Testing, 2000, for residual flexibility).
+contact's duration is all that matters to a contact (D. J. Ewins, Modal Testing, 2000, for residual flexibility).
 """
 
 import math

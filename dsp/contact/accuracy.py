@@ -1,6 +1,6 @@
-"""The accuracy of the closed form on objects that give way: the choice between it and the coupled solver.
+"""The accuracy of the closed form on objects that yield: the choice between it and the coupled solver.
 
-On an object that gives way, the wall's pulse of the effective mass m* is an approximation. Sums over the modes tell its
+On an object that yields, the wall's pulse of the effective mass m* is an approximation. Sums over the modes give its
 error. With r_i = m phi_i^2, and P_i the pulse's power spectrum at mode i over that at 0, they are the residual
 sum r_i (1 - P_i), and for an object that rings already sum |phi_i z_i|/v_in, by which its velocity may change at most
 while they touch. Errors of the object's velocity, as a share of its greatest, were measured on thousands of random

@@ -32,7 +32,7 @@ import math
 from ..native.jit import kernel, noinline_kernel, simd_kernel
 from ..native.typed import Items
 from .block_choice import landing_of, swing_of
-from .block_records import TERMS, Block, Net, Newton, motion_of, weigh_all
+from .block_records import TERMS, Block, Net, Newton, motion_of
 from .collocation import discrete_gradient, eliminate
 from .coupled_records import Coupled, Member
 from .law import elastic
@@ -106,7 +106,10 @@ def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, size: i
     a block follows, or moves by no number.
     """
     if size > 1:
-        weigh_all(net, size)
+        # Set the factors on what the forces of contacts of a net, of a size, do to each other's points.
+        for i in range(size):
+            for j in range(size):
+                net.ratio[i, j] = net.gain[j] * net.share[j] / net.gain[i] if i != j else 1.0
     for i in range(size):
         _predict(contacts, blocks, net, size, i, n)
     for i in range(size):
@@ -210,7 +213,20 @@ def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, siz
     for _ in range(2):
         for _ in range(_NEWTON_STEPS):
             for i in range(size):
-                _linearise(contacts[net.contact[i]].coupled, blocks, net, size, i)
+                # Fill the rows of Newton's equations for a contact: (1 + K W) f = found + K (free - rate).
+                contact = contacts[net.contact[i]].coupled
+                block, newton, law = blocks[net.block[i]], net.newton, (contact.k, contact.mu, contact.a)
+                project_law(newton, contact.motion[0], take(block.rate), law, contact.period)
+                away = plus(take(block.free), -1.0, take(block.rate))
+                for k in range(TERMS):
+                    row, slopes = net.linear[TERMS * i + k], take(newton.slopes[TERMS * k :])
+                    for j in range(size):
+                        within = block.tables[j].within
+                        for p in range(TERMS):
+                            taken = dot(slopes, (within[0, p], within[1, p], within[2, p], within[3, p]))
+                            row[TERMS * j + p] = net.ratio[i, j] * taken
+                    row[TERMS * i + k] += 1.0
+                    row[TERMS * size] = newton.found[k] + dot(slopes, away)
             eliminate(net.linear, count)
             for i in range(size):
                 put(blocks[net.block[i]].force, take(net.linear[TERMS * i : TERMS * i + TERMS, count]))
@@ -225,23 +241,6 @@ def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, siz
         for i in range(size):
             put(blocks[net.block[i]].rate, take(blocks[net.block[i]].free))
     return False
-
-
-@kernel
-def _linearise(contact: Coupled, blocks: Items[Block], net: Net, size: int, i: int) -> None:
-    """Fill the rows of Newton's equations for a contact: (1 + K W) f = found + K (free - rate)."""
-    block, newton, law = blocks[net.block[i]], net.newton, (contact.k, contact.mu, contact.a)
-    project_law(newton, contact.motion[0], take(block.rate), law, contact.period)
-    away = plus(take(block.free), -1.0, take(block.rate))
-    for k in range(TERMS):
-        row, slopes = net.linear[TERMS * i + k], take(newton.slopes[TERMS * k :])
-        for j in range(size):
-            within = block.tables[j].within
-            for p in range(TERMS):
-                taken = dot(slopes, (within[0, p], within[1, p], within[2, p], within[3, p]))
-                row[TERMS * j + p] = net.ratio[i, j] * taken
-        row[TERMS * i + k] += 1.0
-        row[TERMS * size] = newton.found[k] + dot(slopes, away)
 
 
 @kernel

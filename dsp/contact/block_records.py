@@ -174,11 +174,3 @@ class Lanes(Record):
 def motion_of(block: Block) -> View[float]:
     """Return the rows of the point's motion, one sample's after the other's."""
     return block.rows[line_of(block.rows) + AT_ONCE // 2 :]
-
-
-@kernel
-def weigh_all(net: Net, size: int) -> None:
-    """Set the factors on what the forces of contacts of a net, of a size, do to each other's points."""
-    for i in range(size):
-        for j in range(size):
-            net.ratio[i, j] = net.gain[j] * net.share[j] / net.gain[i] if i != j else 1.0

@@ -48,15 +48,6 @@ def settle_tables(tables: Tables, answer: View[float], eased: bool) -> None:
 
 
 @kernel
-def take_missed(tables: Tables, laid: View[float], place: float, own: float) -> None:
-    """Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the rows of their
-    motion if they are let go. own: the striker's answer in the tables, m/(N sample^2); 0 if there is none."""
-    tables.missed[0] = laid[(TERMS - 1) * AHEAD] - place + tables.within[0, 0] - 0.5 * own
-    for i in range(1, TERMS):
-        tables.missed[i] = laid[(i - 1) * AHEAD] + tables.within[i, 0] - (0.5 * own if i == 1 else 0.0)
-
-
-@kernel
 def take_rows(block: Block, laid: View[float], scale: float, samples: int, terms: int) -> None:
     """Take rows of the point's motion over so many samples that were laid one after the other, times `scale`; terms: of
     the forces, as many rows."""

@@ -285,25 +285,6 @@ _SINE = tuple((-1) ** k * math.pi ** (2 * k + 1) / math.factorial(2 * k + 1) for
 
 
 @simd_kernel
-def _phasor(x: float) -> tuple[float, float]:
-    """Return cos and sin of 2 pi x to 3e-7, without a call or a division, so that loops over it become SIMD."""
-    x -= math.floor(x + 0.5)
-    s = x * x
-    c = _COSINE[6] * s + _COSINE[5]
-    c = c * s + _COSINE[4]
-    c = c * s + _COSINE[3]
-    c = c * s + _COSINE[2]
-    c = c * s + _COSINE[1]
-    c = c * s + _COSINE[0]
-    d = _SINE[5] * s + _SINE[4]
-    d = d * s + _SINE[3]
-    d = d * s + _SINE[2]
-    d = d * s + _SINE[1]
-    d = (d * s + _SINE[0]) * x
-    return 1.0 - 2.0 * d * d, 2.0 * d * c
-
-
-@simd_kernel
 def find_power(pulse: Pulse, period: float, frequency: View[float], power: View[float]) -> None:
     """Put a pulse's power at every frequency (Hz), as a share of that at 0, into `power`.
 
@@ -318,7 +299,22 @@ def find_power(pulse: Pulse, period: float, frequency: View[float], power: View[
         turns = period * frequency[i]
         re = im = 0.0
         for j in range(2 * NODES):
-            c, s = _phasor(turns * times[j])
+            # Cos and sin of 2 pi x to 3e-7, without a call or a division, so that loops over it become SIMD.
+            x = turns * times[j]
+            x -= math.floor(x + 0.5)
+            s = x * x
+            c = _COSINE[6] * s + _COSINE[5]
+            c = c * s + _COSINE[4]
+            c = c * s + _COSINE[3]
+            c = c * s + _COSINE[2]
+            c = c * s + _COSINE[1]
+            c = c * s + _COSINE[0]
+            d = _SINE[5] * s + _SINE[4]
+            d = d * s + _SINE[3]
+            d = d * s + _SINE[2]
+            d = d * s + _SINE[1]
+            d = (d * s + _SINE[0]) * x
+            c, s = 1.0 - 2.0 * d * d, 2.0 * d * c
             re += impulses[j] * c
             im += impulses[j] * s
         re *= share

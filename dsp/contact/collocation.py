@@ -113,15 +113,6 @@ def allowance(gained: float, scale: float) -> float:
 
 
 @kernel
-def extrapolate(step: Step, ratio: float) -> None:
-    """Extrapolate the last step's force as the first guess of the next step's Newton iteration; the next step is
-    `ratio` times as long."""
-    f0, f1, f2 = step.f[0], step.f[1], step.f[2]
-    for i in range(NODES):
-        step.f[i] = force_at(f0, f1, f2, 1.0 + ratio * GAUSS[i])
-
-
-@kernel
 def force_at(f0: float, f1: float, f2: float, theta: float) -> float:
     """Return the quadratic through a step's forces at `theta`, in times of the step; never negative."""
     c0, c1, c2 = power_series_of(f0, f1, f2)
@@ -158,33 +149,29 @@ def discrete_gradient(
         # f is at least k x1^a/(a+1) where x1 > x, and takes off no more than `free`.
         change = min(change, max(compression_at((a + 1.0) * free / give, k, a) - x, 0.0))
     for _ in range(_GRADIENT_STEPS):
-        f, slope = _held(x, stored, change, h, k, mu, a)
+        # [V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change; V(x) is `stored`.
+        slack = slack_of(change / h, mu)
+        end = x + change
+        if slack <= 0.0 or (x <= 0.0 and end <= 0.0):
+            f, slope = 0.0, 0.0
+        else:
+            if min(x, end) > 0.0 and abs(change) < _NEARLY_EQUAL * x:
+                # Nearly equal energies would cancel; their difference is the mean of the force.
+                mean = slope = 0.0
+                for j in range(NODES):
+                    force, stiffness, _ = law_with_slopes(x + GAUSS[j] * change, 0.0, (k, 0.0, a))
+                    mean += WEIGHTS[j] * force
+                    slope += WEIGHTS[j] * GAUSS[j] * stiffness
+            else:
+                mean = (elastic(end, k, a) - stored) / change
+                slope = (spring_of(end, k, a) - mean) / change
+            f, slope = mean * slack, slope * slack + mean * mu / h
         residual = change - free + give * f
         step = residual / (1.0 + give * slope)
         if abs(step) <= _ROUNDED * (abs(change) + (abs(free) + give * f) / (1.0 + give * slope)):
             break  # at what rounding makes of it
         change -= step
     return change, max(free - change, 0.0) / give
-
-
-@kernel
-def _held(x: float, stored: float, change: float, h: float, k: float, mu: float, a: float) -> tuple[float, float]:
-    """Return [V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change; V(x) is `stored`."""
-    slack = slack_of(change / h, mu)
-    end = x + change
-    if slack <= 0.0 or (x <= 0.0 and end <= 0.0):
-        return 0.0, 0.0
-    if min(x, end) > 0.0 and abs(change) < _NEARLY_EQUAL * x:
-        # Nearly equal energies would cancel; their difference is the mean of the force.
-        mean = slope = 0.0
-        for j in range(NODES):
-            force, stiffness, _ = law_with_slopes(x + GAUSS[j] * change, 0.0, (k, 0.0, a))
-            mean += WEIGHTS[j] * force
-            slope += WEIGHTS[j] * GAUSS[j] * stiffness
-    else:
-        mean = (elastic(end, k, a) - stored) / change
-        slope = (spring_of(end, k, a) - mean) / change
-    return mean * slack, slope * slack + mean * mu / h
 
 
 @kernel

@@ -198,7 +198,7 @@ def look(contact: Coupled, observed: View[float]) -> None:
 
 @kernel
 def _bear(contact: Coupled) -> None:
-    """Take the weight off, which the force at rest bears, and undo how far the point gives way to it."""
+    """Take the weight off, which the force at rest bears, and undo how far the point yields to it."""
     h = contact.period
     contact.motion[2] -= 0.5 * h * h * contact.rest_force / contact.m
     lift(contact, contact.answer, contact.rest_force)
@@ -223,10 +223,10 @@ def lay_on(contact: Coupled, at: float, powers: View[float]) -> None:
 
 @kernel
 def lift(contact: Coupled, answer: View[float], force: float) -> None:
-    """Undo how far a point gives way to a constant force (N) over the sample, by its answer to one.
+    """Undo how far a point yields to a constant force (N) over the sample, by its answer to one.
 
     The answer's last power integrates to one that `motion` does not hold. The lower ones stand for it: where modes lie
-    above the Nyquist frequency it carries much of how a light object gives way.
+    above the Nyquist frequency it carries much of how a light object yields.
     """
     for n in range(1, FINE - 1):
         contact.motion[n + 1] += force * answer[n] / (n + 1)
@@ -243,7 +243,14 @@ def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     _carry(contact, eta)
     put(contact.moved, ON, contact.series)
     if _pushes(contact):
-        _push(contact, eta)
+        # Apply the force to the point: what becomes of the sample's rest.
+        f, power, series, pushed = contact.force, contact.power, contact.series, contact.pushed
+        for n in range(FINE):
+            contact.impulse[n] = _impulse(contact, n, eta, power[n])
+            contact.given[n] = contact.answer[n] * power[n]
+        put(contact.given, PUSH, pushed)
+        for k in range(FINE):
+            series[k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
         _give(contact, eta, at, powers)
     back, shorter = 1.0, 1.0 / eta
     for k in range(FINE):
@@ -286,18 +293,6 @@ def _impulse(contact: Coupled, n: int, eta: float, power: float) -> float:
     f = contact.force
     impulse: float = eta * power * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
     return impulse
-
-
-@kernel
-def _push(contact: Coupled, eta: float) -> None:
-    """Apply the force to the point: what becomes of the sample's rest."""
-    f, power, series, pushed = contact.force, contact.power, contact.series, contact.pushed
-    for n in range(FINE):
-        contact.impulse[n] = _impulse(contact, n, eta, power[n])
-        contact.given[n] = contact.answer[n] * power[n]
-    put(contact.given, PUSH, pushed)
-    for k in range(FINE):
-        series[k] -= eta * (pushed[k] * f[0] + pushed[FINE + k] * f[1] + pushed[2 * FINE + k] * f[2])
 
 
 @kernel

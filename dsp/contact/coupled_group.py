@@ -13,14 +13,16 @@ can't gain energy either.
 """
 
 from ..native.jit import kernel
-from ..native.typed import Items, View
+from ..native.typed import Items
 from ..numerics.legendre import FINE
+from .collocation import discrete_gradient
 from .coupled import lay_on, lift, look, move, move_to_end, pass_kinks, settle, until_kink
 from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_records import Coupled, CoupledGroup, Member
-from .coupled_step import FINEST, HELD, LEAST, give_of, hold, set_powers
+from .coupled_step import FINEST, HELD, LEAST, give_of, set_powers
 from .power_series import BINOMIAL, legendre_moments, value_at
+from .step_record import NODES
 from .touches import begin_touch
 
 _STRETCHED = 1.1  # times the step to try: so long may one be that comes to the sample's end, rather than leave a sliver
@@ -139,7 +141,14 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
                             group.event[j] = NOTHING
                         group.event[k] = MEETS
             taken = first
-            _fly_all(contacts, group, taken, left)
+            # Find where contacts that all fly are after `eta` samples; of one that is `left` to the sample's end, only
+            # the end of its path.
+            if group.size == 1 and taken >= left:
+                contact = contacts[group.member[0]].coupled
+                group.end_x[0], rate = value_at(contact.motion, taken)
+                group.end_v[0] = rate / contact.period
+            else:
+                _set_all(contacts, group, taken)
         elif not last and not held:
             taken = find_step(contacts, group, eta, longest)
         if taken > 0.0 and taken >= left and group.size == 1:
@@ -152,7 +161,30 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
             _answer_others(contacts, group, False)
         else:
             eta = left if last else longest if held else max(FINEST * eta, min(LEAST, eta))
-            _hold_in_turn(contacts, group, eta, at)
+            # Hold the forces for a step, one after the other, and go on by it. Two forces do the same work, each
+            # against the motion that the other gives to its point. The later one is found where the other is known, and
+            # does the work of both: so energy can't grow.
+            for b in range(group.touching):
+                j = group.touches[b]
+                contact = contacts[group.member[j]].coupled
+                given = 0.0
+                for a in range(b):
+                    i = group.touches[a]
+                    given += 2.0 * give_of(group.answer[j, i], eta) * contacts[group.member[i]].coupled.force[0]
+                # A held force can't gain energy; others take `given` (m) off the compression meanwhile.
+                h = contact.period
+                free = value_at(contact.motion, eta)[0] - contact.motion[0] - given
+                give = give_of(contact.answer, eta)
+                force = discrete_gradient(contact.motion[0], free, give, eta * h, contact.k, contact.mu, contact.a)[1]
+                contact.held += 1
+                contact.next = 2.0 * eta
+                for j in range(NODES):
+                    contact.force[j] = contact.step.f[j] = force
+                contact.motion[0] -= given
+                contact.position -= given
+            _set_all(contacts, group, eta)
+            _move_all(contacts, group, eta, at)
+            _answer_others(contacts, group, True)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
         if contact.wait >= 0.0:
@@ -162,18 +194,6 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
         elif contact.touching == 0 and contact.motion[0] > 0.0:
             group.event[i] = MEETS
     return eta
-
-
-@kernel
-def _fly_all(contacts: Items[Member], group: CoupledGroup, eta: float, left: float) -> None:
-    """Find where contacts that all fly are after `eta` samples; of one that is `left` to the sample's end, only the end
-    of its path."""
-    if group.size == 1 and eta >= left:
-        contact = contacts[group.member[0]].coupled
-        group.end_x[0], rate = value_at(contact.motion, eta)
-        group.end_v[0] = rate / contact.period
-    else:
-        _set_all(contacts, group, eta)
 
 
 @kernel
@@ -201,39 +221,13 @@ def _answer_others(contacts: Items[Member], group: CoupledGroup, kept: bool) -> 
         for b in range(group.touching):
             if group.touches[b] != i:
                 other = contacts[group.member[group.touches[b]]].coupled
-                _answer(contact, group.answer[i, group.touches[b]], other, kept and contact.touching == 1)
-
-
-@kernel
-def _answer(contact: Coupled, answer: View[float], other: Coupled, kept: bool) -> None:
-    """Move the point of a contact as it answers another's force; its compression now may be `kept`."""
-    for k in range(FINE):
-        total = 0.0
-        for n in range(k, FINE):
-            total += BINOMIAL[n, k] * (answer[n] * other.impulse[n - k])
-        if k == 0 and kept:
-            contact.position += total
-        else:
-            contact.motion[k] -= total
-
-
-@kernel
-def _hold_in_turn(contacts: Items[Member], group: CoupledGroup, eta: float, at: float) -> None:
-    """Hold the forces for a step, one after the other, and go on by it.
-
-    Two forces do the same work, each against the motion that the other gives to its point. The later one is found where
-    the other is known, and does the work of both: so energy can't grow.
-    """
-    for b in range(group.touching):
-        j = group.touches[b]
-        held = contacts[group.member[j]].coupled
-        taken = 0.0
-        for a in range(b):
-            i = group.touches[a]
-            taken += 2.0 * give_of(group.answer[j, i], eta) * contacts[group.member[i]].coupled.force[0]
-        hold(held, eta, taken)
-        held.motion[0] -= taken
-        held.position -= taken
-    _set_all(contacts, group, eta)
-    _move_all(contacts, group, eta, at)
-    _answer_others(contacts, group, True)
+                # Move the point of a contact as it answers another's force; its compression now may be `kept`.
+                stays = kept and contact.touching == 1
+                for k in range(FINE):
+                    total = 0.0
+                    for n in range(k, FINE):
+                        total += BINOMIAL[n, k] * (group.answer[i, group.touches[b]][n] * other.impulse[n - k])
+                    if k == 0 and stays:
+                        contact.position += total
+                    else:
+                        contact.motion[k] -= total

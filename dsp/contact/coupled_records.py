@@ -7,7 +7,7 @@ from ..numerics.legendre import FINE
 from .step_record import FREE_COUNT, GIVE_COUNT, NODES, PUSH_COUNT, SERIES_COUNT, Step
 
 TOUCHES = 16
-"""Touches in a sample that are told apart; those beyond count with the last of them."""
+"""Touches in a sample that are kept apart; those beyond count with the last of them."""
 KINKS = 32
 """Kinks of the surface in a sample, at most."""
 GROUP = 32

@@ -5,24 +5,21 @@ import math
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
-from .collocation import discrete_gradient, end_of, step_within
 from .coupled_records import Coupled
-from .law import elastic, law
-from .power_series import MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, value_at
-from .step_record import NODES, Step
+from .law import elastic
+from .power_series import TAKEN, TO_ENDS
+from .step_record import NODES
 
 HELD = math.inf
 """Tolerance of one held step a sample: the cheapest, for when there is no time."""
 
 TRIALS = 40
 FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
-_LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
-_LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
 _LEAST_SWING = 1e-5  # of the compression at which a striker rests: an amplitude that counts as heard in any case
 LEAST = 1e-12  # samples: the force is held no shorter, or steps that fail one after the other come to nothing
 RETRY = 0.25  # of a step whose equations are not solved
 REFINE = 0.5  # of a step whose energy is not right
-ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
+ROUNDING = 1e-14  # share of the momentum at hand that needs no force
 
 
 @kernel
@@ -35,36 +32,6 @@ def set_powers(contact: Coupled, eta: float) -> None:
         odd *= square
     for n in range(FINE):
         contact.moved[n] = contact.motion[n] * contact.power[n]
-
-
-@kernel
-def take_free(contact: Coupled, eta: float) -> None:
-    """Set compression and rate at the nodes of a step of `eta` samples as they are without a force."""
-    step, free, rate = contact.step, contact.free, 1.0 / (eta * contact.period)
-    step.free_x[0], step.free_x[1], step.free_x[2] = free[0], free[1], free[2]
-    for i in range(NODES):
-        step.free_v[i] = rate * free[NODE_RATES + i]
-
-
-@kernel
-def keep_at_rest(step: Step, give: View[float], impulse: float) -> None:
-    """Correct the nodes so that a force that lasts moves none beyond its answer: the Gauss method's integral of the
-    answer differs from it, and steps would be refined for that alone.
-
-    impulse: that force (N) times the step (samples).
-    """
-    if impulse > 0.0:
-        for i in range(NODES):
-            step.free_x[i] += impulse * give[MISSED + i]
-
-
-@kernel
-def lasting_force(contact: Coupled) -> float:
-    """Return the force (N) that is taken to last over a step: that of the striker at rest, or the end of the last
-    step's."""
-    if contact.rest_force > 0.0:
-        return contact.rest_force
-    return max(end_of(contact.force), 0.0) if contact.last > 0.0 else 0.0
 
 
 @kernel
@@ -90,20 +57,6 @@ def speed_of(contact: Coupled, x: float, v: float) -> float:
 
 
 @kernel
-def ratio_to_longest(contact: Coupled, eta: float, x: float, v: float) -> float:
-    """Return the factor by which to change the step to meet the tolerance."""
-    speed = speed_of(contact, x, v)
-    rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
-    return step_within(rest, contact.tolerance * contact.mass * speed)
-
-
-@kernel
-def work_of(f: View[float], free: View[float]) -> float:
-    """Return a step's work (J) of the nodes' forces (N) along a motion, exactly."""
-    return free[WORK] * f[0] + free[WORK + 1] * f[1] + free[WORK + 2] * f[2]
-
-
-@kernel
 def work_against(f: View[float], other: View[float], give: View[float], eta: float) -> float:
     """Return the work (J) of the nodes' forces against what another's forces take off in a step of `eta` samples,
     exactly."""
@@ -115,14 +68,8 @@ def work_against(f: View[float], other: View[float], give: View[float], eta: flo
 
 
 @kernel
-def may_lose(contact: Coupled) -> float:
-    """Return the energy (J) that a step may lose beyond what the law takes."""
-    return max(_LOSS * contact.tolerance, _LEAST_LOSS) * contact.scale
-
-
-@kernel
 def give_of(answer: View[float], eta: float) -> float:
-    """Return the distance (m) by which a point gives way to 1 N held for a step, by its answer (FINE, m/(N sample)) to
+    """Return the distance (m) by which a point yields to 1 N held for a step, by its answer (FINE, m/(N sample)) to
     it."""
     give = 0.0
     power = eta
@@ -130,16 +77,3 @@ def give_of(answer: View[float], eta: float) -> float:
         power *= eta
         give += answer[n] * power / (n + 1)
     return give
-
-
-@kernel
-def hold(contact: Coupled, eta: float, taken: float) -> None:
-    """Hold the force for a step, which can't gain energy. taken (m): what others take off the compression meanwhile."""
-    h = contact.period
-    free = value_at(contact.motion, eta)[0] - contact.motion[0] - taken
-    give = give_of(contact.answer, eta)
-    force = discrete_gradient(contact.motion[0], free, give, eta * h, contact.k, contact.mu, contact.a)[1]
-    contact.held += 1
-    contact.next = 2.0 * eta
-    for j in range(NODES):
-        contact.force[j] = contact.step.f[j] = force

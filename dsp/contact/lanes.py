@@ -132,7 +132,19 @@ def _step(lanes: Lanes, s: int, width: int) -> int:
     for _ in range(_NEWTON_STEPS):
         if _approach(lanes, width) == 0:
             break
-    return _go_on(lanes, width)
+    # Go on to the sample's end where the step is as most are.
+    waits = 0
+    for i in range(width):
+        f0, f1, f2 = lanes.force[0, i], lanes.force[1, i], lanes.force[2, i]
+        rate, landing = (lanes.rate[0, i], lanes.rate[1, i], lanes.rate[2, i]), lanes.landing[i]
+        left, most, grown = _account(lanes, i, (f0, f1, f2), rate)
+        sound = (abs(f0 + f1 + f2) < math.inf) & (grown > -math.inf) & (grown <= ALLOWED * most)
+        bound = landing if landing > AS_HARD * lanes.scale[i] else AS_HARD * lanes.scale[i]
+        gentle = (f0 <= 0.0) | (_energy_of(lanes, i, rate) <= bound)
+        goes = sound & gentle & (lanes.done[i] > 0.0)
+        _move(lanes, i, (left, most, grown), goes)
+        waits += 0 if goes | (lanes.idle[i] > 0.0) else 1
+    return waits
 
 
 @kernel
@@ -227,23 +239,6 @@ def _power(lanes: Lanes, i: int, x: float) -> float:
     """Return x^(a - 1) for x >= 0."""
     root, single, double = lanes.root[i] > 0.0, lanes.single[i] > 0.0, lanes.double[i] > 0.0
     return (math.sqrt(x) if root else 1.0) * (x if single else 1.0) * (x * x if double else 1.0)
-
-
-@kernel
-def _go_on(lanes: Lanes, width: int) -> int:
-    """Go on to the sample's end where the step is as most are; return in how many lanes it is not."""
-    waits = 0
-    for i in range(width):
-        f0, f1, f2 = lanes.force[0, i], lanes.force[1, i], lanes.force[2, i]
-        rate, landing = (lanes.rate[0, i], lanes.rate[1, i], lanes.rate[2, i]), lanes.landing[i]
-        left, most, grown = _account(lanes, i, (f0, f1, f2), rate)
-        sound = (abs(f0 + f1 + f2) < math.inf) & (grown > -math.inf) & (grown <= ALLOWED * most)
-        bound = landing if landing > AS_HARD * lanes.scale[i] else AS_HARD * lanes.scale[i]
-        gentle = (f0 <= 0.0) | (_energy_of(lanes, i, rate) <= bound)
-        goes = sound & gentle & (lanes.done[i] > 0.0)
-        _move(lanes, i, (left, most, grown), goes)
-        waits += 0 if goes | (lanes.idle[i] > 0.0) else 1
-    return waits
 
 
 @kernel

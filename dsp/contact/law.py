@@ -30,7 +30,7 @@ _SQUARE_OVERFLOWS = 1e150
 # Outside of these a product may have lost digits to underflow, or have overflowed: logarithms take its place.
 _LEAST, _GREATEST = 1e-290, 1e290
 
-# Below this, squares of w underflow, and nothing tells it from 0.
+# Below this, squares of w underflow, and it cannot be distinguished from 0.
 _NO_DISSIPATION = 1e-100
 
 # Below this s four terms of s/(1 - exp(-s)) - 1 are exact to 2e-15; above it the plain form loses 6 bits at most.

@@ -8,16 +8,14 @@ rings freely about that. Strikers that sound ring on where they are, and fade li
 import math
 
 from ..native.jit import kernel
-from ..native.typed import View2D
 from ..resonator.bank import RESPONSES, Modes, ring
 from ..resonator.simd import LANES
 from .bank.spectral import let_bank_fade
 from .bodies.objects import shape_at
 from .bodies.sheets import uncouple
-from .bodies.strikers import fade_voices, let_voice_go
 from .contacts.contact_list import end_contacts
 from .memory.records import Contact, ContactPoint
-from .memory.state import QUANTUM, Object, State
+from .memory.state import QUANTUM, ROLLING, Object, State
 from .output.fade import RATES, fade_length, going_on, left_of, pace_of, tilt_of
 from .output.mix import is_finite, sides_of
 from .output.space import let_space_fade
@@ -30,41 +28,48 @@ def let_fade(state: State) -> None:
     let_bank_fade(state)
     let_space_fade(state)
     for i in range(state.active):
-        _set_aside(state, state.objects[state.order[i]])
+        # Put what an object's modes ring aside, together with what may be fading there already, and its modes to rest.
+        obj = state.objects[state.order[i]]
+        if obj.live != 0:
+            bank = state.bank
+            left = left_of(state.rate, obj.faded) if obj.fading > 0 else 0.0
+            for mode in range(obj.first, obj.first + max(obj.live, obj.fading)):
+                fades = mode < obj.first + obj.fading  # else what stands there is of an object that has gone
+                bank.fading_y1[mode] = (left * bank.fading_y1[mode] if fades else 0.0) + bank.y1[mode]
+                bank.fading_y2[mode] = (left * bank.fading_y2[mode] if fades else 0.0) + bank.y2[mode]
+                bank.fading_a1[mode], bank.fading_a2[mode] = bank.a1[mode], bank.a2[mode]
+                bank.y1[mode] = bank.y2[mode] = 0.0
+            _age(state, obj, left)
+            for side in range(2):
+                obj.driven[0, side, 0] -= obj.static[side]  # of that, a force that goes on for ever, nothing is heard
+                obj.static[side] = obj.static_before[side] = 0.0
+            uncouple(state, obj)
+            obj.fading = max(obj.live, obj.fading)
+            obj.faded = obj.live = 0
     for i in range(state.active):
         index = state.objects[state.order[i]].contact
         while index >= 0:
             contact = state.contacts[index]
-            let_voice_go(state, contact)
+            # Make the force on a contact's voice die away in a panic, so that its end makes no sound.
+            if contact.voice >= 0:
+                voice = state.voices[contact.voice]
+                gain = 1.0 if contact.solver == ROLLING else contact.now.gain  # a roll's share holds it
+                q, u, v, w = going_on(contact.forces, pace_of(contact.forces, state.rate), state.rate)
+                voice.held_ratio, voice.held[0], voice.held[1], voice.held[2] = q, gain * u, gain * v, gain * w
             if contact.touching == 1 and (contact.forces[0] != 0.0 or contact.forces[1] != 0.0):
                 for side in range(2):
                     _let_go(state, contact, contact.point[side])
             index = contact.next
     for i in range(state.active):
-        fade_voices(state, state.objects[state.order[i]])
+        # Fade all strikers that sound on an object, in a panic; drop their second pulses.
+        index = state.objects[state.order[i]].voice
+        while index >= 0:
+            voice = state.voices[index]
+            voice.snap = 0.0
+            voice.roll = -1
+            voice.fades = 1
+            index = voice.next
         end_contacts(state, state.objects[state.order[i]])
-
-
-@kernel
-def _set_aside(state: State, obj: Object) -> None:
-    """Put what an object's modes ring aside, together with what may be fading there already, and its modes to rest."""
-    if obj.live == 0:
-        return
-    bank = state.bank
-    left = left_of(state.rate, obj.faded) if obj.fading > 0 else 0.0
-    for i in range(obj.first, obj.first + max(obj.live, obj.fading)):
-        fades = i < obj.first + obj.fading  # else what stands there is of an object that has gone
-        bank.fading_y1[i] = (left * bank.fading_y1[i] if fades else 0.0) + bank.y1[i]
-        bank.fading_y2[i] = (left * bank.fading_y2[i] if fades else 0.0) + bank.y2[i]
-        bank.fading_a1[i], bank.fading_a2[i] = bank.a1[i], bank.a2[i]
-        bank.y1[i] = bank.y2[i] = 0.0
-    _age(state, obj, left)
-    for side in range(2):
-        obj.driven[0, side, 0] -= obj.static[side]  # of that, a force that goes on for ever, nothing is heard
-        obj.static[side] = obj.static_before[side] = 0.0
-    uncouple(state, obj)
-    obj.fading = max(obj.live, obj.fading)
-    obj.faded = obj.live = 0
 
 
 @kernel
@@ -140,40 +145,33 @@ def mix_fading(state: State) -> None:
     for i in range(state.active):
         obj = state.objects[state.order[i]]
         if obj.fading > 0:
-            _mix(state, state.order[i])
-
-
-@kernel
-def _add_driven(state: State, obj: Object, k: int, side: int, voice: View2D[float]) -> None:
-    """Add the output of the forces that die away at one of the rates."""
-    value, slope, bend = obj.driven[k, side, 0], obj.driven[k, side, 1], obj.driven[k, side, 2]
-    if value == 0.0 and slope == 0.0 and bend == 0.0:
-        return
-    for n in range(QUANTUM):
-        seconds = (obj.faded + n + 1) / state.rate
-        voice[side, n] += math.exp(-RATES[k] * seconds) * (value + (slope + bend * seconds) * seconds)
-
-
-@kernel
-def _mix(state: State, slot: int) -> None:
-    """Add what fades of one object to the mix."""
-    bank, obj, voice = state.bank, state.objects[slot], state.scratch.voices[0]
-    first, last = obj.first, obj.first + obj.fading
-    modes = Modes(
-        bank.fading_y1[first:last], bank.fading_y2[first:last], bank.fading_a1[first:last], bank.fading_a2[first:last],
-        bank.balance[first:last], bank.response[first // LANES * RESPONSES : last // LANES * RESPONSES],
-    )  # fmt: skip
-    ring(modes, voice, 0, QUANTUM)
-    for side in range(sides_of(state)):
-        for k in range(len(RATES)):
-            _add_driven(state, obj, k, side, voice)
-        for n in range(QUANTUM):
-            voice[side, n] *= left_of(state.rate, obj.faded + n + 1)
-    state.stats.sounding += obj.energy == 0.0  # else it was counted
-    state.stats.live_modes += obj.fading
-    if is_finite(state, voice):
-        add_voice(state, slot, voice)
-    obj.faded += QUANTUM
-    if obj.faded >= fade_length(state.rate):
-        obj.fading = 0
-        _age(state, obj, 0.0)
+            # Add what fades of one object to the mix.
+            slot = state.order[i]
+            bank, obj, voice = state.bank, state.objects[slot], state.scratch.voices[0]
+            first, last = obj.first, obj.first + obj.fading
+            modes = Modes(
+                bank.fading_y1[first:last], bank.fading_y2[first:last],
+                bank.fading_a1[first:last], bank.fading_a2[first:last],
+                bank.balance[first:last], bank.response[first // LANES * RESPONSES : last // LANES * RESPONSES],
+            )  # fmt: skip
+            ring(modes, voice, 0, QUANTUM)
+            for side in range(sides_of(state)):
+                for k in range(len(RATES)):
+                    # Add the output of the forces that die away at one of the rates.
+                    value, slope, bend = obj.driven[k, side, 0], obj.driven[k, side, 1], obj.driven[k, side, 2]
+                    if value != 0.0 or slope != 0.0 or bend != 0.0:
+                        for n in range(QUANTUM):
+                            seconds = (obj.faded + n + 1) / state.rate
+                            voice[side, n] += math.exp(-RATES[k] * seconds) * (
+                                value + (slope + bend * seconds) * seconds
+                            )
+                for n in range(QUANTUM):
+                    voice[side, n] *= left_of(state.rate, obj.faded + n + 1)
+            state.stats.sounding += obj.energy == 0.0  # else it was counted
+            state.stats.live_modes += obj.fading
+            if is_finite(state, voice):
+                add_voice(state, slot, voice)
+            obj.faded += QUANTUM
+            if obj.faded >= fade_length(state.rate):
+                obj.fading = 0
+                _age(state, obj, 0.0)

@@ -30,21 +30,17 @@ def process(state: State, out: View2D[float], frames: int) -> None:
             render_quantum(state)
             output.consumed = 0
         count = min(frames - done, QUANTUM - output.consumed)
-        _hand_out(output.ready, output.consumed, out, done, count, channels)
+        # Write `count` frames, of those that are ready from `first` on, to `out` from `begin` on.
+        first = output.consumed
+        if channels == 1:  # one row after another, which is copied several frames at a time
+            for n in range(count):
+                out[done + n, 0] = output.ready[0, first + n]
+        else:
+            for n in range(count):
+                for channel in range(channels):
+                    out[done + n, channel] = output.ready[channel, first + n]
         done += count
         output.consumed += count
-
-
-@kernel
-def _hand_out(ready: View2D[float], first: int, out: View2D[float], begin: int, count: int, channels: int) -> None:
-    """Write `count` frames, of those that are ready from `first` on, to `out` from `begin` on."""
-    if channels == 1:  # one row after another, which is copied several frames at a time
-        for n in range(count):
-            out[begin + n, 0] = ready[0, first + n]
-        return
-    for n in range(count):
-        for channel in range(channels):
-            out[begin + n, channel] = ready[channel, first + n]
 
 
 @kernel
@@ -74,13 +70,7 @@ def render_quantum(state: State) -> None:
     finish_sensing(state)
     measure(state)
     forget_quiet(state)
-    _make_ready(state)
-    _tap(state)
-
-
-@kernel
-def _make_ready(state: State) -> None:
-    """Hand the mix over to whoever asks for frames, and move on in time."""
+    # Hand the mix over to whoever asks for frames, and move on in time.
     output = state.output
     for channel in range(output.channels):
         for n in range(QUANTUM):
@@ -92,6 +82,7 @@ def _make_ready(state: State) -> None:
     state.steps_taken = 0
     if state.stats.sounding > 0:
         state.stats.sounded = state.position
+    _tap(state)
 
 
 @kernel

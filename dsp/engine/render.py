@@ -7,14 +7,14 @@ from ..native.atomics import fence
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View2D
 from ..resonator.simd import LANES
-from .bank.spectral import mix_bank, recall_struck
+from .bank.spectral import mix_bank
+from .bank.spectral_modes import come_back
 from .bodies.glide import follow_tension, step_of
 from .bodies.objects import is_heard, least_heard
 from .bodies.retuning import retune
-from .bodies.sensing import begin_sensing, clear_sensed, sense
+from .bodies.sensing import begin_sensing, sense
 from .bodies.sheets import follow_sheets, is_coupled, uncouple
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
-from .contacts.abreast import roll_abreast
 from .contacts.blocks import solve_blocks
 from .contacts.contact_groups import solve_groups
 from .contacts.contact_list import end_contacts
@@ -26,7 +26,7 @@ from .contacts.rolls import add_through, is_fed, ring_on
 from .memory.filling import fill_object
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
 from .memory.state import QUANTUM, Object, State
-from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
+from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, sides_of
 from .output.space import hear_space
 from .output.space_lines import add_voice, travels
 from .panic import mix_fading
@@ -41,7 +41,13 @@ def update_objects(state: State) -> None:
     follows = state.position % step_of(state) == 0
     for i in range(state.active):
         obj = state.objects[state.order[i]]
-        recall_struck(state, obj)
+        # Bring an object's modes back if one of its own contacts may touch it in this quantum.
+        index = obj.contact
+        while index >= 0 and obj.spectral > 0:
+            contact = state.contacts[index]
+            if contact.touching == 1 or contact.start < state.position + QUANTUM:
+                come_back(state, obj)
+            index = contact.next
         if follows:
             follow_tension(state, obj)
         if follows or obj.glide == 0.0:
@@ -59,7 +65,6 @@ def update_objects(state: State) -> None:
     state.resting = 0
     for i in range(state.active):
         update_contacts(state, state.objects[state.order[i]])
-    roll_abreast(state)
     settle_rests(state)
 
 
@@ -67,31 +72,30 @@ def update_objects(state: State) -> None:
 def mix_objects(state: State) -> None:
     """Add all objects to the mix: first those that share contacts, together, then each other one by itself."""
     clear_mix(state)
-    clear_sensed(state)
+    # Begin a quantum in which no sensor senses anything.
+    for k in range(state.output.sensors):
+        sensor = state.sensors[k]
+        for n in range(QUANTUM):
+            sensor.sensed[n] = 0.0
     follow_sheets(state)
     state.stats.live_modes = 0
     state.stats.sounding = 0
     solve_in_lanes(state)
     # One loop for both, so that the compiler has one _render_group to inline: turn -1 are all that share contacts.
     for turn in range(-1, state.active):
-        _choose_group(state, turn)
+        # Put the slots that are rendered together into `group`: all that share contacts, or object `turn` if not.
+        scratch = state.scratch
+        scratch.group_size = 0
+        for i in range(0 if turn < 0 else turn, state.active if turn < 0 else turn + 1):
+            slot = state.order[i]
+            if state.objects[slot].spectral == 0 and (state.objects[slot].shares_contact == 1) == (turn < 0):
+                scratch.group[scratch.group_size] = slot
+                scratch.group_size += 1
         _render_group(state)
     mix_fading(state)
     hear_space(state)
     mix_bank(state)
     glide_gain(state)
-
-
-@kernel
-def _choose_group(state: State, turn: int) -> None:
-    """Put the slots that are rendered together into `group`: all that share contacts, or object `turn` if not."""
-    scratch = state.scratch
-    scratch.group_size = 0
-    for i in range(0 if turn < 0 else turn, state.active if turn < 0 else turn + 1):
-        slot = state.order[i]
-        if state.objects[slot].spectral == 0 and (state.objects[slot].shares_contact == 1) == (turn < 0):
-            scratch.group[scratch.group_size] = slot
-            scratch.group_size += 1
 
 
 @noinline_kernel
@@ -120,7 +124,14 @@ def _render_group(state: State) -> None:
                 solve_blocks(state, scratch.group[g], frame)
         # The modes answer a force in the first frame that they ring after it.
         stop = QUANTUM
-        _begin_and_solve(state, frame)
+        # Begin contacts that are due, and solve those that are coupled to the modes.
+        began = False
+        for g in range(scratch.group_size):
+            began |= begin_contacts(state, state.objects[scratch.group[g]], frame)
+        if began and keeps_strikers(state):
+            for g in range(scratch.group_size):
+                call_back(state, state.objects[scratch.group[g]], frame)
+        solve_groups(state, frame)
         for g in range(scratch.group_size):
             obj = state.objects[scratch.group[g]]
             if obj.contact >= 0:
@@ -145,19 +156,6 @@ def _render_group(state: State) -> None:
 
 
 @kernel
-def _begin_and_solve(state: State, frame: int) -> None:
-    """Begin contacts that are due, and solve those that are coupled to the modes."""
-    scratch = state.scratch
-    began = False
-    for g in range(scratch.group_size):
-        began |= begin_contacts(state, state.objects[scratch.group[g]], frame)
-    if began and keeps_strikers(state):
-        for g in range(scratch.group_size):
-            call_back(state, state.objects[scratch.group[g]], frame)
-    solve_groups(state, frame)
-
-
-@kernel
 def _mix(state: State, slot: int, voice: View2D[float]) -> None:
     """Add an object's voice to the mix; one that is not finite is silenced."""
     obj = state.objects[slot]
@@ -167,7 +165,13 @@ def _mix(state: State, slot: int, voice: View2D[float]) -> None:
         _rest_all(state, obj)
         end_contacts(state, obj)
         return
-    remove_static(state, obj, voice)
+    # Take the output of an object's static deflection out of its voice.
+    for side in range(sides_of(state)):
+        before = obj.static_before[side]
+        more = (obj.static[side] - before) / QUANTUM
+        if before != 0.0 or more != 0.0:
+            for n in range(QUANTUM):
+                voice[side, n] = voice[side, n] - before - (n + 1) * more
     add_voice(state, slot, voice)
     state.stats.live_modes += obj.live
     state.stats.sounding += 1

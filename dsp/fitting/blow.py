@@ -38,7 +38,7 @@ _NOISE_S_PEAKS, _MEDIAN_OF_NOISE = (
     0.6745,
 )  # rms of noise that its samples hardly reach; its median size over its rms
 _LOWEST_LIKENESS, _HIGHEST_LIKENESS = 50.0, 20_000.0  # Hz
-LEAST_DRIVE = 0.02  # of the impulse: where a blow moves a mode less, it is said to move it as much
+LEAST_DRIVE = 0.02  # of the impulse: where a blow moves a mode less, it counts as moving it as much
 _ATTACK = 0.02  # s, since the onset
 _IN_BAND = 9  # frequencies by which a band is looked at
 

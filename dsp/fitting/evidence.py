@@ -80,7 +80,7 @@ def energies(takes: Sequence[Array], s: Complex, amplitude: Sequence[Complex]) -
 
 
 def slowest_known(takes: Sequence[Array]) -> float:
-    """Return the least decay per sample that takes can tell: what decays more slowly may ring on for any time."""
+    """Return the least decay per sample that takes can show: what decays more slowly may ring on for any time."""
     return float(np.log(10) / 20 * _FALL / max(map(len, takes)))
 
 
@@ -102,7 +102,7 @@ def standing(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) -> 
 
 
 def unknown(doubt: Array, energy: Array) -> npt.NDArray[np.bool_]:
-    """True for decays that the recording does not tell, given their standard deviations as shares (k,) and the modes'
+    """True for decays that the recording leaves open, given their standard deviations as shares (k,) and the modes'
     energies (k,)."""
     found: npt.NDArray[np.bool_] = doubt > np.where(energy < _BARELY * energy.sum(), 0.5, 1.0)
     return found

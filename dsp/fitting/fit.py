@@ -40,7 +40,7 @@ _RINGING, _CLICK = 0.4, 1000.0  # of its angular frequency, and 1/s: a mode that
 _STEADY = 0.12  # nepers, by which a mode falls over the whole recording: less is a tone that stands
 _FILTERED, _FILTER_DAMPED = 40.0, 0.3  # Hz, of its angular frequency: the answer of the filter that takes rumble away
 _BRIEFEST, _RINGS = 460.0, 0.1  # 1/s, and a share of the energy: so much has to decay no faster
-_TELLS = 0.5  # s: in less, nobody can tell
+_TELLS = 0.5  # s: less shows nothing
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Fit:
     in time from its onset.
     residual (R,) in dB: what the modes leave of each take's energy. takes: the samples from 5 ms before the onset on,
     without tones that stand. modes: their part of each take. spread (k,): standard deviations of the decays, as shares
-    of them. at_least (k,): whether a mode rings on for longer than the takes tell. tones: Hz, of what stands.
+    of them. at_least (k,): whether a mode rings for longer than the takes show. tones: Hz, of what stands.
     """
 
     rate: float

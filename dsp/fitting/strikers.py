@@ -44,7 +44,7 @@ def durations(amplitude: Sequence[Complex], poles: Complex, blows: Sequence[Blow
 
     amplitude: of the modes (k,) after each blow. poles (k,) in 1/s. The body's part is common to all amplitudes and
     drops out of their ratios. The shortest blow is taken as it was found in its attack; of the others their attacks say
-    somewhat, as spectra alone can't tell a longer blow from a stronger one.
+    somewhat, as spectra alone can't distinguish a longer blow from a stronger one.
     """
     first = int(np.argmin([blow.duration for blow in blows]))
     drives = np.array([_spectrum(each, poles) for each in _DURATIONS])

@@ -1,4 +1,4 @@
-"""An elastic contact: it gives way along the surface before it slips, and so squeaks and creaks.
+"""An elastic contact: it yields along the surface before it slips, and so squeaks and creaks.
 
 It is a row of springs, each of which slips at its share of the limit (Iwan, J. Appl. Mech. 33, 1966). Their shares are
 such that the contact follows the law of two spheres (Mindlin, J. Appl. Mech. 16, 1949) by straight pieces:
@@ -75,23 +75,9 @@ def step_elastic(friction: Friction, mean: float) -> None:
     path = 0.5 * (friction.drive[0] + friction.drive[1]) * period
     free, give = path - mean * period, friction.whole_mean * period
     sign = 1.0 if free >= give * held else -1.0
-    stretch = _stretch_of(friction, sign, sign * free, give, most)
-    friction.start, friction.slope = sign * _take(friction, sign, stretch, most), 0.0
-    friction.driven += friction.start * path
-    # Update the limit to the slip, and predict it for the middle of the next sample, should that slip as fast.
-    length = _MEMORY * friction.static * load / friction.tangential
-    mu = coefficient(stretch / friction.period, friction.static, friction.dynamic, friction.stribeck)[0]
-    kept = math.exp(-0.5 * stretch / length) if length > 0.0 else 0.0
-    friction.limit = mu + (friction.limit - mu) * kept * kept
-    friction.limit_ahead = mu + (friction.limit - mu) * kept
-
-
-@kernel
-def _stretch_of(friction: Friction, sign: float, free: float, give: float, most: float) -> float:
-    """Return the stretch x >= 0 (m) over the sample, along `sign`, with x = free - give f(x), f being the mean force.
-
-    f is concave, so that Newton's method comes from 0 and never goes beyond the solution.
-    """
+    # The stretch x >= 0 (m) over the sample, along `sign`, with x = free - give f(x), f being the mean force. f
+    # is concave, so that Newton's method comes from 0 and never goes beyond the solution.
+    way = sign * free
     stretch = 0.0
     for _ in range(_STEPS):
         force = rise = 0.0
@@ -104,16 +90,11 @@ def _stretch_of(friction: Friction, sign: float, free: float, give: float, most:
             else:
                 force += bound - 0.5 * k * left * left / stretch
                 rise += 0.5 * k * left * left / (stretch * stretch)
-        step = (free - give * force - stretch) / (1.0 + give * rise)
+        step = (way - give * force - stretch) / (1.0 + give * rise)
         if step <= _EXACT * stretch:
             break
         stretch += step
-    return stretch
-
-
-@kernel
-def _take(friction: Friction, sign: float, stretch: float, most: float) -> float:
-    """Stretch the springs, and count what they store and lose (J); their mean force (N) along `sign`."""
+    # Stretch the springs, and count what they store and lose (J); their mean force (N) along `sign`.
     force = stored = 0.0
     slipping = True
     for i in range(SPRINGS):
@@ -133,4 +114,11 @@ def _take(friction: Friction, sign: float, stretch: float, most: float) -> float
     branch = sign if slipping else 0.0
     friction.events += branch != friction.branch
     friction.branch = branch
-    return force
+    friction.start, friction.slope = sign * force, 0.0
+    friction.driven += friction.start * path
+    # Update the limit to the slip, and predict it for the middle of the next sample, should that slip as fast.
+    length = _MEMORY * friction.static * load / friction.tangential
+    mu = coefficient(stretch / friction.period, friction.static, friction.dynamic, friction.stribeck)[0]
+    kept = math.exp(-0.5 * stretch / length) if length > 0.0 else 0.0
+    friction.limit = mu + (friction.limit - mu) * kept * kept
+    friction.limit_ahead = mu + (friction.limit - mu) * kept

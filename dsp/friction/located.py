@@ -65,7 +65,19 @@ def step_located(friction: Friction, observed: View[float], moments: View[float]
                 slip = drive[0] + (drive[1] - drive[0]) * middle - mean
                 hold_mean(friction, slip, give, normal[0] + (normal[1] - normal[0]) * middle)
                 after = friction.branch
-            work, driven = _work(friction, at, eta)
+            # The work on the object over a piece from now, and the driver's, in J per sample.
+            f0, f1, drive = friction.start, friction.slope, friction.drive
+            free = own = 0.0
+            for n in range(FINE - 1, -1, -1):
+                free = free * eta + friction.motion[n] * (f0 / (n + 1) + f1 * eta / (n + 2))
+                term = f0 * f0 * friction.held[n] / (n + 2)
+                term += f0 * f1 * eta * (friction.held[n] + friction.rising[n]) / (n + 3)
+                term += f1 * f1 * eta * eta * friction.rising[n] / (n + 4)
+                own = own * eta + term
+            rise = drive[1] - drive[0]
+            here = drive[0] + rise * at
+            driven = f0 * (here + 0.5 * rise * eta) + f1 * eta * (0.5 * here + rise * eta / 3.0)
+            work, driven = eta * (free + own * eta), eta * driven
             if held:
                 work = min(work, driven)  # equal up to rounding where they stick
             held = not book(friction, driven, work)
@@ -143,20 +155,3 @@ def _longest(friction: Friction, at: float, left: float) -> tuple[float, float]:
     if low == 0.0 or (low < left and bounded):
         after = direction if after == 0.0 else 0.0
     return low, after
-
-
-@kernel
-def _work(friction: Friction, at: float, eta: float) -> tuple[float, float]:
-    """Return the work on the object over a piece from now, and the driver's, in J per sample."""
-    f0, f1, drive = friction.start, friction.slope, friction.drive
-    free = own = 0.0
-    for n in range(FINE - 1, -1, -1):
-        free = free * eta + friction.motion[n] * (f0 / (n + 1) + f1 * eta / (n + 2))
-        term = f0 * f0 * friction.held[n] / (n + 2)
-        term += f0 * f1 * eta * (friction.held[n] + friction.rising[n]) / (n + 3)
-        term += f1 * f1 * eta * eta * friction.rising[n] / (n + 4)
-        own = own * eta + term
-    rise = drive[1] - drive[0]
-    here = drive[0] + rise * at
-    driven = f0 * (here + 0.5 * rise * eta) + f1 * eta * (0.5 * here + rise * eta / 3.0)
-    return eta * (free + own * eta), eta * driven

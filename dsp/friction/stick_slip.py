@@ -102,44 +102,39 @@ def solve_piece(friction: Friction, eta: float) -> tuple[bool, float]:
             margin = friction.static * friction.load[0] - abs(f[0])
             margin = min(margin, friction.static * friction.load[1] - abs(f[1]))
     else:
-        found, margin = _slip(friction)
+        # Solve for the slip at both nodes: Newton's method on the branch that goes on from fast slips.
+        sign, g = friction.branch, friction.give
+        ms, md, vs = friction.static, friction.dynamic, friction.stribeck
+        n1, n2 = friction.load[0], friction.load[1]
+        d1, d2 = sign * friction.gap[0], sign * friction.gap[1]
+        w1 = max(slip_of(d1, friction.guess[0], n1, ms, md, vs), 0.0)
+        w2 = max(slip_of(d2, friction.guess[1], n2, ms, md, vs), 0.0)
+        scale = abs(d1) + abs(d2) + 1e-3 * vs
+        found = False
+        f1 = f2 = det = 0.0
+        for _ in range(_NEWTON_STEPS):
+            mu1, slope1 = coefficient(w1, ms, md, vs)
+            mu2, slope2 = coefficient(w2, ms, md, vs)
+            f1, f2 = n1 * mu1, n2 * mu2
+            rest1 = d1 - g[0, 0] * f1 - g[0, 1] * f2 - w1
+            rest2 = d2 - g[1, 0] * f1 - g[1, 1] * f2 - w2
+            a11, a12 = 1.0 + g[0, 0] * n1 * slope1, g[0, 1] * n2 * slope2
+            a21, a22 = g[1, 0] * n1 * slope1, 1.0 + g[1, 1] * n2 * slope2
+            det = a11 * a22 - a12 * a21
+            if abs(rest1) + abs(rest2) < _SOLVED * scale:
+                found = det > 0.0  # else it is the other side of the fold
+                break
+            if det == 0.0:
+                break
+            w1 += (rest1 * a22 - a12 * rest2) / det
+            w2 += (a11 * rest2 - a21 * rest1) / det
+            if not abs(w1) + abs(w2) < _FASTEST:
+                break
+        friction.force[0], friction.force[1] = sign * f1, sign * f2
+        margin = w2
     friction.slope = 1.5 * (f[1] - f[0]) / eta
     friction.start = f[1] - friction.slope * eta
     return found, margin
-
-
-@kernel
-def _slip(friction: Friction) -> tuple[bool, float]:
-    """Solve for the slip at both nodes: Newton's method on the branch that goes on from fast slips."""
-    sign, g = friction.branch, friction.give
-    ms, md, vs = friction.static, friction.dynamic, friction.stribeck
-    n1, n2 = friction.load[0], friction.load[1]
-    d1, d2 = sign * friction.gap[0], sign * friction.gap[1]
-    w1 = max(slip_of(d1, friction.guess[0], n1, ms, md, vs), 0.0)
-    w2 = max(slip_of(d2, friction.guess[1], n2, ms, md, vs), 0.0)
-    scale = abs(d1) + abs(d2) + 1e-3 * vs
-    found = False
-    f1 = f2 = det = 0.0
-    for _ in range(_NEWTON_STEPS):
-        mu1, slope1 = coefficient(w1, ms, md, vs)
-        mu2, slope2 = coefficient(w2, ms, md, vs)
-        f1, f2 = n1 * mu1, n2 * mu2
-        rest1 = d1 - g[0, 0] * f1 - g[0, 1] * f2 - w1
-        rest2 = d2 - g[1, 0] * f1 - g[1, 1] * f2 - w2
-        a11, a12 = 1.0 + g[0, 0] * n1 * slope1, g[0, 1] * n2 * slope2
-        a21, a22 = g[1, 0] * n1 * slope1, 1.0 + g[1, 1] * n2 * slope2
-        det = a11 * a22 - a12 * a21
-        if abs(rest1) + abs(rest2) < _SOLVED * scale:
-            found = det > 0.0  # else it is the other side of the fold
-            break
-        if det == 0.0:
-            break
-        w1 += (rest1 * a22 - a12 * rest2) / det
-        w2 += (a11 * rest2 - a21 * rest1) / det
-        if not abs(w1) + abs(w2) < _FASTEST:
-            break
-    friction.force[0], friction.force[1] = sign * f1, sign * f2
-    return found, w2
 
 
 @kernel

@@ -42,16 +42,12 @@ def scatter(sheet: Sheet, space: Space, y1: View[float], y2: View[float], second
         square += _read(sheet, space, y1, y2, begin, 2 * size)
         count += 2 * size
         half = 0.5 if _draw(sheet) < 0.5 else -0.5
-        angle = math.sqrt(seconds * _rate(sheet, square / count, sheet.below + begin + size)) / size
+        # 4 n^2 D (1/s) for modes of an energy (J) with so many below them.
+        energy = square / count
+        flat = sheet.mixing[0] * energy * (sheet.below + begin + size) / sheet.tension
+        angle = math.sqrt(seconds * (energy * (flat + sheet.mixing[1]) / math.sqrt(sheet.tension))) / size
         _turn(sheet, space, y2, begin, size, half * min(angle, _MOST))
         begin += 2 * size
-
-
-@kernel
-def _rate(sheet: Sheet, energy: float, below: float) -> float:
-    """Return 4 n^2 D (1/s) for modes of an energy (J) with so many below them."""
-    flat = sheet.mixing[0] * energy * below / sheet.tension
-    return energy * (flat + sheet.mixing[1]) / math.sqrt(sheet.tension)
 
 
 @simd_kernel

@@ -106,7 +106,15 @@ def put_products(
         arrays = _Arrays(context, builder, signature, args)
         _, first, stride, _, factor, down, along, _, begin, step, depth, rows, width = args
         vectors = builder.sdiv(width, _int64(LANES))
-        counts = _widths(builder, vectors)
+        # How many tiles of each width so many vectors are cut into: threes, but four of them into twos.
+        rest = builder.srem(vectors, _int64(_WIDE))
+        uneven = builder.and_(
+            builder.icmp_signed("==", rest, _int64(1)), builder.icmp_signed(">", vectors, _int64(_WIDE))
+        )
+        kept = builder.select(uneven, builder.sub(vectors, _int64(4)), vectors)
+        threes = builder.sdiv(kept, _int64(_WIDE))
+        left = builder.sub(vectors, builder.mul(threes, _int64(_WIDE)))
+        counts = [(_WIDE, threes), (2, builder.sdiv(left, _int64(2))), (1, builder.srem(left, _int64(2)))]
         row = cgutils.alloca_once_value(builder, _int64(0))
         for high in range(ROWS, 0, -1):
             groups = builder.sdiv(builder.sub(rows, builder.load(row)), _int64(high))
@@ -129,16 +137,6 @@ def put_products(
     return types.void(
         out, index, index, factors, index, index, index, table, index, index, index, index, index
     ), codegen
-
-
-def _widths(builder: Any, vectors: Any) -> list[tuple[int, Any]]:
-    """Return how many tiles of each width so many vectors are cut into: threes, but four of them into twos."""
-    rest = builder.srem(vectors, _int64(_WIDE))
-    uneven = builder.and_(builder.icmp_signed("==", rest, _int64(1)), builder.icmp_signed(">", vectors, _int64(_WIDE)))
-    kept = builder.select(uneven, builder.sub(vectors, _int64(4)), vectors)
-    threes = builder.sdiv(kept, _int64(_WIDE))
-    left = builder.sub(vectors, builder.mul(threes, _int64(_WIDE)))
-    return [(_WIDE, threes), (2, builder.sdiv(left, _int64(2))), (1, builder.srem(left, _int64(2)))]
 
 
 class _Tile:

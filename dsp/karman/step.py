@@ -264,7 +264,7 @@ def drawn_in(sheet: Sheet, y1: View[float], ringing: float) -> float:
     """Return the share s of their displacements to which modes with an energy (J) `ringing` are to be drawn in, all
     alike, for V to be what psi says, and give psi what they lose.
 
-    V is a s^4 + b s^3, of which it and its slope at 1 tell both, and the modes' energy goes as s^2.
+    V is a s^4 + b s^3, which it and its slope at 1 determine, and the modes' energy goes as s^2.
     """
     n = 2 * sheet.functions - sheet.plain
     g, moved = sheet.gradient[0], sheet.moved

@@ -41,11 +41,41 @@ NOT_KEPT = np.empty((0, 5))
 
 @dataclass(frozen=True)
 class Case:
-    """A striker that meets modes `fraction` of a sample after the start.
+    """A striker that meets modes.
 
-    frequency (Hz), sigma (1/s), phi (kg^-1/2, the mass-normalised shapes at the point): one number for each mode, (n,).
-    ringing: the modes' state z at the start as in bank.py, complex, (n,) or one for all. The striker has v_in (m/s),
-    m (kg), k (N/m^a), mu (s/m), a, and a constant push (N). rate in Hz. ValueError names what is out of range.
+    Parameters
+    ----------
+    frequency : float64 (n,)
+        Frequencies of the modes, Hz.
+    sigma : float64 (n,)
+        Decay rates, 1/s.
+    phi : float64 (n,)
+        Mass-normalised shapes at the point, kg^-1/2.
+    v_in : float
+        Speed of the striker, m/s.
+    m : float
+        Its mass, kg.
+    k : float
+        Stiffness, N/m^a.
+    mu : float
+        Dissipation, s/m.
+    a : float
+        Exponent.
+    rate : float, default 48000
+        Sampling rate, Hz.
+    samples : int, default 1000
+        Number of samples.
+    push : float, default 0
+        Constant force on the striker, N.
+    fraction : float, default 0
+        Beginning of the contact, in samples after the start.
+    ringing : complex128 (n,) or complex, default 0
+        State of the modes at the start, as z in bank.py.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
     """
 
     frequency: Array
@@ -244,10 +274,24 @@ def _simulation(case: Case, tolerance: float, contacts: NDArray[np.void]) -> Cal
 
 
 def simulate(case: Case, tolerance: float = 1e-5) -> Run:
-    """Simulate a case by the coupled solver (contact/coupled.py) and the engine's bank of modes.
+    """Simulate a case by the coupled solver and the engine's bank of modes.
 
-    tolerance: share of the momentum at hand by which a step may err, above 0. Return a Run: velocities (m/s),
-    compression (m), energy (J) and contacts begun, float64 (samples,) each. ValueError for another tolerance.
+    Parameters
+    ----------
+    case : Case
+        Striker and modes.
+    tolerance : float, default 1e-5
+        Largest error of a step, as a share of the momentum, above 0.
+
+    Returns
+    -------
+    Run
+        Velocities (m/s), compression (m), energy (J) and contacts begun, float64 (samples,) each.
+
+    Raises
+    ------
+    ValueError
+        The tolerance is out of range.
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance = {tolerance:g}: expected above 0")

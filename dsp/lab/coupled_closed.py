@@ -1,6 +1,6 @@
 """Contacts with objects at rest, in the closed form of the effective mass, by the engine's own kernels.
 
-They also tell whether the engine would couple a contact to the modes instead.
+They also show whether the engine would couple a contact to the modes instead.
 """
 
 from collections.abc import Callable
@@ -85,7 +85,7 @@ def strike(case: Case) -> Run:
     """Simulate a case in closed form, of an object at rest and a striker without a push.
 
     The striker's velocity follows from the momentum that it has given. While they touch the energy is that before: the
-    closed form does not tell how it divides.
+    closed form does not give how it divides.
     """
     out: Array = np.empty((case.samples, 5))
     _strike(*_striking(case, DEFAULT), case.samples, 1, out)

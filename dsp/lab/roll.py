@@ -87,7 +87,7 @@ def _follow(roll, seconds, rows):
     while roll.t < seconds and roll.ended == 0 and count < len(rows):
         impacts = roll.impacts
         touching = roll.touching
-        next_event(roll, math.inf)
+        next_event(roll)
         if touching == 1 and inside:
             for i in range(NODES):
                 # The force over the weight is heard, and fades with the roll.
@@ -121,13 +121,48 @@ def make_roll(
     coarseness: float = 1.0,
     place: int = 0,
 ) -> np.void:
-    """Return a body that rests on a surface of `make_surface` and begins to roll: a ROLL record.
+    """Return a body that rests on a surface and begins to roll.
 
-    radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a in [1, 4], speed (m/s) >= 0. friction: the
-    share of the body's weight that slows it. asymmetry in [0, 1]: distance of the centre of mass from the middle over
-    the radius. corners in [0, 1000]: 0 for a round body. roughness >= 0: factor on the surface's heights. coarseness in
-    [1, 64]: factor on the shortest wavelength that the body feels. place: where the body begins, in units of the
-    surface. ValueError names what is out of range.
+    Parameters
+    ----------
+    surface : SURFACE record
+        As `make_surface` returns it.
+    radius : float
+        Radius, m, above 0.
+    m : float
+        Mass, kg, above 0.
+    k : float
+        Stiffness, N/m^a, above 0.
+    mu : float
+        Dissipation, s/m, at least 0.
+    a : float
+        Exponent, 1 to 4.
+    speed : float
+        Speed, m/s, at least 0.
+    gravity : float, default 9.80665
+        Gravity, m/s^2, above 0.
+    friction : float, default 0
+        Share of the weight that slows the body.
+    asymmetry : float, default 0
+        Offset of the centre of mass, in radii, 0 to 1.
+    corners : int, default 0
+        Number of corners, 0 to 1000; 0: round.
+    roughness : float, default 1
+        Factor of the surface's heights, at least 0.
+    coarseness : float, default 1
+        Factor of the shortest wavelength that is followed, 1 to 64.
+    place : int, default 0
+        Beginning, in units of the surface.
+
+    Returns
+    -------
+    ROLL record
+        The body.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
     """
     limits: dict[str, tuple[float, float, float, bool]] = {
         "radius": (radius, 0.0, math.inf, True),
@@ -156,10 +191,28 @@ def make_roll(
 
 
 def roll_moments(roll: np.void, origin: float, seconds: float, rate: float) -> Array:
-    """Return Legendre moments (N s) of the force f - m g over samples, (round(seconds rate), KEPT) float64.
+    """Continue a roll, and return the Legendre moments of the force f - m g over samples.
 
-    The first sample begins at `origin` (s since the roll began), where the call before ended. rate is at least 1 kHz.
-    The roll goes on by that time. A body at rest gives zeros. ValueError names what is out of range.
+    Parameters
+    ----------
+    roll : ROLL record
+        As `make_roll` returns it; it rolls on.
+    origin : float
+        Beginning of the first sample, s since it began to roll: where the last call ended.
+    seconds : float
+        Time to roll, s.
+    rate : float
+        Sampling rate, Hz, at least 1000.
+
+    Returns
+    -------
+    array (round(seconds * rate), KEPT)
+        float64, N s; zeros for a body at rest.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
     """
     rate = checked_scalar("rate", rate, _SLOWEST, strict=False)
     moments = np.zeros((round(checked_scalar("seconds", seconds, 0.0, strict=False) * rate), KEPT))
@@ -168,29 +221,76 @@ def roll_moments(roll: np.void, origin: float, seconds: float, rate: float) -> A
 
 
 def roll_force(surface: np.void, seconds: float, rate: float, **body: Any) -> Array:
-    """Return the force f - m g (N) of a roll as its mean over each sample: (round(seconds rate),) float64.
+    """Return the force f - m g of a roll as its mean over each sample.
 
-    `body`: the arguments of `make_roll` but the surface. rate (Hz) is at least 1 kHz. ValueError names what is out of
-    range.
+    Parameters
+    ----------
+    surface : SURFACE record
+        As `make_surface` returns it.
+    seconds : float
+        Time to roll, s.
+    rate : float
+        Sampling rate, Hz, at least 1000.
+    **body
+        Arguments of `make_roll` except the surface.
+
+    Returns
+    -------
+    array (round(seconds * rate),)
+        float64, N.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
     """
     return roll_moments(make_roll(surface, **body), 0.0, seconds, rate)[:, 0] * rate
 
 
 def micro_impacts(surface: np.void, seconds: float, most: int = 1_000_000, **body: Any) -> Array:
-    """Return the contacts after flights that a roll ends within some seconds, one per row: (contacts, 4) float64.
+    """Return the contacts that follow a flight of a rolling body.
 
-    The columns: begin (s since the roll began), length until the release (s), impulse (N s), and the speed at which
-    body and path meet (m/s). There are `most` rows at most. `body`: the arguments of `make_roll` but the surface.
-    Lengths are within 0.1 % of those of the exact motion on the same path. ValueError names what is out of range.
+    Parameters
+    ----------
+    surface : SURFACE record
+        As `make_surface` returns it.
+    seconds : float
+        Time to roll, s.
+    most : int, default 1000000
+        Largest number of rows.
+    **body
+        Arguments of `make_roll` except the surface.
+
+    Returns
+    -------
+    array (contacts, 4)
+        float64: beginning (s), duration (s, within 0.1 % of the exact motion's), impulse (N s), and the speed at which
+        body and path meet (m/s).
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
     """
     return roll_contacts(make_roll(surface, **body), seconds, most)
 
 
 def roll_contacts(roll: np.void, seconds: float, most: int = 1_000_000) -> Array:
-    """Run a roll of `make_roll` until `seconds` after its beginning, and return the contacts on the way.
+    """Continue a roll, and return the contacts on the way.
 
-    Rows as `micro_impacts` has them, float64 (contacts, 4), `most` at most. A contact that began before the call is
-    left out.
+    Parameters
+    ----------
+    roll : ROLL record
+        As `make_roll` returns it; it rolls on.
+    seconds : float
+        End, s since it began to roll.
+    most : int, default 1000000
+        Largest number of rows.
+
+    Returns
+    -------
+    array (contacts, 4)
+        float64, as of `micro_impacts`. A contact that began before the call is left out.
     """
     rows = np.zeros((most, 4))
     return rows[: _follow(roll, checked_scalar("seconds", seconds, 0.0), rows)].copy()

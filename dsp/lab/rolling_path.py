@@ -47,11 +47,35 @@ def path_pieces(
     place: int = 0,
     most: int = 1_000_000,
 ) -> NDArray[np.float64]:
-    """Return the path of a body of a radius (m) over `length` (m) of a surface, piece by piece.
+    """Return the path of a body over a surface, piece by piece.
 
-    It is as detailed as it is heard at a speed (m/s). Rows of where the piece begins (m from the first, which is at or
-    just before `place`), and the path's height (m), slope and curvature (1/m) there; float64 (pieces, 4), `most` at
-    most. corners: the body's, 0 if it is round. ValueError names what is out of range.
+    Parameters
+    ----------
+    surface : SURFACE record
+        As `make_surface` returns it.
+    radius : float
+        Radius of the body, m.
+    speed : float
+        Speed, m/s, at which the path is as detailed as is audible.
+    length : float
+        Length of the path, m.
+    corners : int, default 0
+        Number of the body's corners; 0: round.
+    place : int, default 0
+        Beginning, in units of the surface.
+    most : int, default 1000000
+        Largest number of rows.
+
+    Returns
+    -------
+    array (pieces, 4)
+        float64: beginning of the piece (m from the first, which is at or just before `place`), and the path's height
+        (m), slope and curvature (1/m) there.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
     """
     radius, speed, length = (
         float(checked(name, value, 0.0)) for name, value in (("radius", radius), ("speed", speed), ("length", length))

@@ -65,7 +65,7 @@ def _inside(turned: list[Surface], grid: Grid, degree: int, coarse: list[Quadrat
 
 
 def _in_pieces(turned: list[Surface], grid: Grid, inside: list[Quadrature]) -> tuple[Pieces, list[Quadrature]]:
-    """Return the pieces of the parts, and the points inside of them, which have the volume that the triangles tell."""
+    """Return the pieces of the parts, and the points inside of them, with the volume that the triangles enclose."""
     weighed = []
     for own, found in zip(turned, inside, strict=True):
         true, weight = volume_of(own), float(found.weights.sum())

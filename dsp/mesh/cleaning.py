@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..bodies.material import Array
+from .folds import unfolded
 from .surface import Flags, Indices, MeshError, Surface, faces_of, size_of, volume_of
 from .winding import sides_of
 
@@ -59,6 +60,8 @@ def _welded(points: Array, faces: Indices, wall: bool, notes: list[str]) -> Surf
     faces = faces[keep]
     if not len(faces):
         raise MeshError("no triangle has an area: expected a surface")
+    faces, folded = unfolded(Surface(points, faces), edges_of(faces)[1])
+    _said(notes, folded, "folded triangle", "laid flat")
     _, once, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     between = np.zeros(len(once), bool) if wall else _between_parts(faces[once], count > 1)
     _said(notes, int(count[between].sum()), "triangle", "between parts that touch left out")

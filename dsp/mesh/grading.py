@@ -2,7 +2,7 @@
 
 At an inner edge stress has no bound, and walls that meet there bend apart: polynomials over a cell can't follow. There
 cells are halved, and halved again. What is left of the error falls by the same share with each halving (of an edge of
-90 degrees as the side of the cells to the power of 1.09), so that two such grids tell the rest of it.
+90 degrees as the side of the cells to the power of 1.09), so that two such grids give the rest of it.
 """
 
 import numpy as np
@@ -87,7 +87,7 @@ def _of_all_sides(at: Array, look: Array) -> tuple[Array, Array]:
 
 def extrapolated(before: Array, after: Array, shares: Array) -> Array:
     """Return the frequencies (n,) on the finer of two grids, `after`, less the error that their change from the coarser
-    one, `before` (m,), tells. shares (m, n): how much each mode there has of each one here, by their mass."""
+    one, `before` (m,), gives. shares (m, n): how much each mode there has of each one here, by their mass."""
     return np.asarray(after - _LEFT * np.maximum(changes(before, after, shares), 0))
 
 

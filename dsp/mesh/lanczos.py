@@ -17,7 +17,7 @@ RESIDUAL = 1e-4
 
 _BLOCK = 16
 _MOST_STEPS = 60
-_UNSETTLED = f"modes did not settle in {_MOST_STEPS} steps: expected a body without slivers"
+_UNSETTLED = f"modes did not converge in {_MOST_STEPS} steps: expected a body without slivers"
 _CHANGE = 2e-3  # of an eigenvalue by a step from vectors that are near: then they are near enough
 _ROOM = 10  # blocks of vectors beyond those wanted, at first
 

@@ -288,7 +288,7 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
 
 
 def _has_volume(body: _Body, volume: float) -> bool:
-    """True if parts that overlap may have a volume (m^3) together, as places that they go round tell it."""
+    """True if parts that overlap may have a volume (m^3) together, as places that they go round show it."""
     if body.surface is body.parts.surfaces[0]:
         return False
     whole = together(*body.parts.surfaces)

@@ -20,7 +20,7 @@ _THIN = 2.0  # rays' distances: a piece that reaches less far may be cut by chan
 _FACING = -0.95  # cosine of two normals: faces that look at each other
 _RAYS = 4  # that meet a gap at least
 _MOST = 0.9  # of a piece's points: at edges rays are short
-_FLAKE = 0.01  # of a cell's volume: a thin piece that holds less does not tell that the cell's walls are thin
+_FLAKE = 0.01  # of a cell's volume: a thin piece that holds less does not show that the cell's walls are thin
 
 
 class Marks(NamedTuple):
@@ -130,8 +130,8 @@ def _held_gaps(found: _Found, grid: Grid) -> tuple[Gap, ...]:
 
 
 def _thin(found: _Found, grid: Grid, inside: list[Quadrature], used: Indices) -> Indices:
-    """Return the cells in which walls are too thin for the rays to tell whether they hang together: of those in which
-    voxels tell of none, or of several pieces."""
+    """Return the cells in which walls are too thin for the rays to show whether they hang together: of those in which
+    voxels show none, or several pieces."""
     pieces = np.bincount(found.cells, found.volumes > 0, grid.size)
     several = used[(pieces[used] != 1) | (np.bincount(found.cells, minlength=grid.size)[used] > 1)]
     marked = np.isin(found.marks.cells, several)
@@ -173,7 +173,7 @@ def _joined(found: _Found, cells: Indices) -> _Found:
 
 
 def _held(grid: Grid, links: Indices, volumes: Array, thin: Indices) -> Indices:
-    """Return further links (n, 2): between cells side by side where walls are too thin for the rays to tell whether
+    """Return further links (n, 2): between cells side by side where walls are too thin for the rays to show whether
     they go on, and between bodies that hang together nowhere: they hold each other where they share a cell."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -265,7 +265,7 @@ def _gaps(grid: Grid, level: _Level, rays: Segments, axis: int, normals: Array) 
 
 
 def _with_slivers(grid: Grid, levels: list[tuple[_Level, list[Segments]]], cells: Indices, volumes: Array) -> _Found:
-    """Return what hangs together, by what voxels tell of it (n,), and with what is too short for a voxel beyond a face:
+    """Return what hangs together, by the voxels in it (n,), and with what is too short for a voxel beyond a face:
     that is one piece with what it touches before the face."""
     marks = _marks(grid, levels)
     crossed = np.concatenate([_crossed(grid, [each for each, _ in levels], *own) for own in levels])
@@ -378,7 +378,7 @@ def _marks(grid: Grid, levels: list[tuple[_Level, list[Segments]]]) -> Marks:
 
 def _crossed(grid: Grid, levels: list[_Level], level: _Level, rays: list[Segments]) -> Indices:
     """Return where rays pass faces of cells of a size inside of the body (n, 4): what hangs together before and behind
-    the face (-1: no voxel tells), and the cells (-1: a smaller one)."""
+    the face (-1: no voxel shows it), and the cells (-1: a smaller one)."""
     most, side, found = grid.levels[level.cells[0]], level.rays, []
     for axis, own in enumerate(rays):
         low = np.ceil((own.begin - grid.corner[axis]) / (level.step * side)).astype(np.int64)

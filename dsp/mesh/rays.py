@@ -175,7 +175,7 @@ def _of_level(surface: Surface, others: Surface, grid: Grid, cells: Indices, deg
 
 def _set_right(weights: Array, cells: Indices, looks: Array, plain: Array) -> Array:
     """Return weights (n,) of points, of which each cell has the volume that rays along x, y and z (`plain`, 3 by cells)
-    tell, each as much as the surface looks along it (`looks`)."""
+    show, each as much as the surface looks along it (`looks`)."""
     volume = (looks * plain).sum(axis=0) / np.maximum(looks.sum(axis=0), 1e-300)
     got = np.bincount(cells, weights, len(volume))
     right: Array = weights * np.clip(volume / np.maximum(got, 1e-300), 1 / _MOST_CHANGE, _MOST_CHANGE)[cells]

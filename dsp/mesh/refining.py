@@ -30,7 +30,7 @@ def refined(surface: Surface, count: int, most: int | None = None) -> Surface:
 
 def divided(surface: Surface, longest: float, most: int, middles: Callable[[Surface], Array] | None = None) -> Surface:
     """Return a surface whose sides are at most `longest` (m), or to split which all once more makes over `most`
-    triangles. middles: tells those of a surface's edges; None: they are straight."""
+    triangles. middles: function of those of a surface's edges; None: they are straight."""
     points, faces = surface
     for _ in range(_ROUNDS):
         edges, number, _ = edges_of(faces)

@@ -17,7 +17,7 @@ CREASE = 0.77
 _WAY = 0.5  # to the corners' planes
 _GROWS = 1.15
 """Times its area that a triangle has at most when it is round: one of a ball whose faces turn by a crease from each
-other, the most that is rounded, has 1.09. More is of a strip that twists, whose normals tell of no round thing."""
+other, the most that is rounded, has 1.09. More is of a strip that twists, whose normals show nothing round."""
 
 
 def corner_normals(surface: Surface) -> Array:
@@ -52,7 +52,7 @@ def rounded(corners: Array, normals: Array, at: Array) -> tuple[Array, Array]:
 
 
 def middles_of(surface: Surface) -> Array:
-    """Return the middles (e, 3) of the edges, in the order of `edges_of`. On a crease each of the two faces tells how
+    """Return the middles (e, 3) of the edges, in the order of `edges_of`. On a crease each of the two faces gives how
     far its surface lies off the chord; the middle is on both. The edges of a triangle that would grow too much stay
     straight."""
     _, number, _ = edges_of(surface.faces)

@@ -84,7 +84,7 @@ class _System(NamedTuple):
 
 def solve_twice(surface: Surface, wall: float, material: Material, count: int) -> Solution:
     """Return the `count` lowest modes of a shell of a wall (m), rigid motions among them, by its triangles and by their
-    quarters: errors go with the square of the sides, so that the two tell the rest. The triangles' modes lead to those
+    quarters: errors go with the square of the sides, so that the two give the rest. The triangles' modes lead to those
     of the quarters."""
     system, finer = (_system(each, wall, material) for each in (surface, quartered(surface)))
     values, vectors = system.lowest(count + _SPARE, _LEADS)

@@ -21,7 +21,7 @@ _THROUGH = 4  # rays through a wall
 
 class Sizes(NamedTuple):
     """The side of cells (m), rays through each, and the body's thickness (m): twice its volume over its area. How often
-    cells at inner edges are halved, and whether the last halving tells the error that is left; whether walls yield
+    cells at inner edges are halved, and whether the last halving gives the error that is left; whether walls yield
     across at inner edges alone."""
 
     side: float

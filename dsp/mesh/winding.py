@@ -17,8 +17,8 @@ _FAR = 2.5  # of their radius: beyond, they do
 _CHUNK = 500_000  # pairs of triangles and places at a time
 _STEP = 1e-5  # of the size: how far from a face its sides are looked at
 _OFF = 0.2  # of the radius of a triangle's inner circle: no farther than that
-_FLAT = 1e-10  # of the size squared: a face of less area has no sides to tell apart
-_FEW = 6_000  # faces that are all looked at; of more it is samples that tell first whether any is wrong
+_FLAT = 1e-10  # of the size squared: a face of less area has no distinct sides
+_FEW = 6_000  # faces that are all looked at; of more, samples show first whether any is wrong
 _SAMPLES = 4_000
 
 

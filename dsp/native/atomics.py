@@ -101,8 +101,8 @@ def observe(counter: Any) -> int:
 
 
 def confirm(counter: Any) -> int:
-    """Load counter[0] (int64) as `observe` does, but not before what this thread has read and written so far: it tells
-    whether what was read is still right, or whether anything came while this thread said that it would wait."""
+    """Load counter[0] (int64) as `observe` does, but not before what this thread has read and written so far: it shows
+    whether what was read is still right, or whether anything came while this thread announced that it would wait."""
     return int(_confirm(address_of(counter)))
 
 

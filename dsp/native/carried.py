@@ -92,6 +92,6 @@ def _read(file: Path) -> tuple[dict[str, Any], bytes]:
     try:
         content = lzma.decompress(file.read_bytes())
     except (OSError, EOFError, lzma.LZMAError) as error:
-        raise NoCodeError(f"{file}: this file is damaged ({error}); to install Carom again mends it") from error
+        raise NoCodeError(f"{file}: this file is damaged ({error}); install Carom again") from error
     (length,) = struct.unpack_from("<I", content)
     return json.loads(content[4 : 4 + length]), content[4 + length :]

@@ -264,7 +264,7 @@ def _lanes(builder: Any, value: Any) -> list[Any]:
 
 
 def _tell_if(builder: Any, bad: Any, what: str, *values: Any) -> None:
-    """Write a branch that tells of a fault and ends the process. what: as `printf` has it, of integers, or of a
+    """Write a branch that reports a fault and ends the process. what: as `printf` has it, of integers, or of a
     float."""
     writer = _translated[-1]
     module, line = writer.func_ir.func_id.modname, writer.loc.line

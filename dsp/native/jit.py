@@ -117,7 +117,7 @@ Lowered: TypeAlias = tuple[Signature[R], Callable[..., Any]]
 
 
 def intrinsic(function: Callable[Concatenate[object, P], Lowered[R]]) -> Callable[P, R]:
-    """Mark an intrinsic as numba's `intrinsic` does: a decorator. Its hints tell what kernels give, and get."""
+    """Mark an intrinsic as numba's `intrinsic` does: a decorator. Its hints are the types that kernels see."""
     made: Callable[P, R] = cast(Any, Intrinsic(function))
     return made
 

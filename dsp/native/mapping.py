@@ -91,7 +91,7 @@ def _on_windows(image: Image, table: list[int]) -> int:
     length = ctypes.c_size_t(len(content))
     at = kernel.VirtualAlloc(None, length, _COMMIT, _WRITABLE)
     if not at:
-        raise OSError("the system gives no memory for code")
+        raise OSError("the system refuses memory for code")
     ctypes.memmove(at, content, len(content))
     place, done = ctypes.c_void_p(at), kernel.VirtualProtect
     if not done(place, ctypes.c_size_t(size), _EXECUTABLE, ctypes.byref(old)):

@@ -24,7 +24,7 @@ def own_zeros(size: int) -> mmap.mmap:
 
 def written_pages(first: int, size: int) -> list[tuple[int, int]]:
     """Return the spans of whole pages that were written, begin and end, of a file's own map of so many bytes at an
-    address. OSError where there are too many, or the system does not tell."""
+    address. OSError where there are too many, or the system does not report it."""
     import fcntl  # not on Windows
 
     spans, arguments = array("Q", bytes(24 * _MOST_SPANS)), bytearray(_ARGUMENTS.size)

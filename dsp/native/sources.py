@@ -71,7 +71,7 @@ def source_of(file: str) -> bytes:
 
 def compiler_digest() -> str:
     """Return a hash of the sources of the compiler, and of the versions of what it is made of."""
-    from importlib.metadata import version  # slow to load, and asked for by what compiles alone
+    from importlib.metadata import version  # slow to load, and requested by what compiles alone
 
     versions = [f"{name} {version(name)}" for name in ("llvmlite", "numba", "numpy")]
     return f"{hash_of([f'{__package__}.{name}' for name in _COMPILER])}-{digest(f'{sys.version} {versions}')}"

@@ -107,8 +107,10 @@ def expm1(x: float) -> float:
 
 
 @simd_kernel
-def _log_near_1(m: float) -> float:
-    """Return ln(m) = 2 artanh(s), s = (m - 1)/(m + 1)."""
+def log(x: float) -> float:
+    """Return ln(x)."""
+    # Ln(m) = 2 artanh(s), s = (m - 1)/(m + 1).
+    m = _mantissa_of(x)
     s = (m - 1.0) / (m + 1.0)
     z = s * s
     e = _LOG[10]
@@ -122,10 +124,4 @@ def _log_near_1(m: float) -> float:
     e = e * z + _LOG[2]
     e = e * z + _LOG[1]
     e = e * z + _LOG[0]
-    return e * s
-
-
-@simd_kernel
-def log(x: float) -> float:
-    """Return ln(x)."""
-    return _exponent_of(x) * _LN2 + _log_near_1(_mantissa_of(x))
+    return _exponent_of(x) * _LN2 + (e * s)

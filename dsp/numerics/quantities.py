@@ -63,8 +63,8 @@ class Ranged:
     """What has a range of numbers of a unit, ends included. ValueError where it is not finite, or beyond its unit's
     bounds.
 
-    In a range that reaches to 0 or across it, a number that is less than the least of its unit is 0: too little to
-    tell.
+    In a range that reaches to 0 or across it, a number that is less than the least of its unit is 0: too
+    little to matter.
     """
 
     low: float

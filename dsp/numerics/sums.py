@@ -11,7 +11,7 @@ AT_ONCE = 8
 _LINES = 4  # that are added between two jumps: their number then changes seldom, and is foretold
 
 BEYOND = _LINES * AT_ONCE
-"""Values, at most, that `add_tables` reads and writes beyond those that are asked for."""
+"""Values, at most, that `add_tables` reads and writes beyond those that are requested."""
 
 _REASSOCIATE = ("contract", "reassoc", "nsz")
 _CONTRACT = ("contract",)

@@ -3,7 +3,6 @@
 import math
 
 from ..native.jit import kernel
-from ..native.typed import View
 from ..numerics.legendre import FINE
 from .bank import FED, MOBILITY, PACE, RESPONSES, Modes
 from .fed import feed_tap
@@ -58,29 +57,18 @@ def set_mode(modes: Modes, i: int, frequency: float, decay: float, rate: float, 
             g = -g
         response[b] = g.imag
         response[b + LANES] = (g * before).imag
-    _set_mobility(response, base, 2.0 * math.pi * frequency, r * math.sin(theta), weight)
+    # Set what `observe` and `receptance` need of a mode: nothing where its output has a phase.
+    omega = 2.0 * math.pi * frequency
+    sine = r * math.sin(theta)
+    real, is_felt = weight.real, weight.real != 0.0 and weight.imag == 0.0
+    response[base + MOBILITY] = 1.0 / (omega * real * real * sine) if is_felt else 0.0
+    response[base + MOBILITY + LANES] = 1.0 / (omega * real) if is_felt else 0.0
     response[base + MOBILITY + 2 * LANES] = loss / theta
     response[base + PACE] = theta + 2.0 * loss if loss < _LOSSY else math.inf
     felt = weight.real if weight.imag == 0.0 else 0.0
     response[base + FED] = felt * r * math.sin(theta)
     for k in range(REACH + 1):
         response[base + FED + (k + 1) * LANES] = felt * feed_tap(theta, k)
-
-
-@kernel
-def _set_mobility(response: View[float], base: int, omega: float, sine: float, weight: complex) -> None:
-    """Set what `observe` and `receptance` need of a mode: nothing where its output has a phase."""
-    real, felt = weight.real, weight.real != 0.0 and weight.imag == 0.0
-    response[base + MOBILITY] = 1.0 / (omega * real * real * sine) if felt else 0.0
-    response[base + MOBILITY + LANES] = 1.0 / (omega * real) if felt else 0.0
-
-
-@kernel
-def set_unfelt(modes: Modes, i: int, frequency: float, decay: float, rate: float, weight: float) -> None:
-    """Give mode i coefficients as `set_mode` does, but no contact feels it."""
-    set_mode(modes, i, frequency, decay, rate, complex(weight, 0.0))
-    base = (i // LANES) * RESPONSES + i % LANES
-    modes.response[base + MOBILITY] = modes.response[base + MOBILITY + LANES] = 0.0
 
 
 @kernel

@@ -133,7 +133,16 @@ def ring_fed(
     """
     t = start
     while t + STRETCH <= stop:
-        l0, l1, l2, l3, r0, r1, r2, r3 = _ring_stretch(modes, blows, forces, count, moves, t, float(t - start))
+        # Ring STRETCH frames of `ring_fed`.
+        since = float(t - start)
+        if moves:
+            l0, l1, l2, l3, r0, r1, r2, r3 = ring_blown(
+                modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since
+            )
+        else:
+            l0, l1, l2, l3, r0, r1, r2, r3 = ring_blown_still(
+                modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since
+            )
         out[0, t] += l0
         out[0, t + 1] += l1
         out[0, t + 2] += l2
@@ -146,16 +155,6 @@ def ring_fed(
     while t < stop:
         _ring_blown_once(modes, blows, forces, count, moves, out, t, float(t - start))
         t += 1
-
-
-@kernel
-def _ring_stretch(
-    modes: Modes, blows: View[float], forces: View2D[float], count: int, moves: bool, t: int, since: float
-) -> tuple[float, ...]:
-    """Ring STRETCH frames of `ring_fed`; return the sums of all modes, left and right."""
-    if moves:
-        return ring_blown(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since)
-    return ring_blown_still(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since)
 
 
 @simd_kernel

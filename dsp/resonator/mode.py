@@ -52,7 +52,7 @@ def settle_under(modes: Modes) -> None:
 
 @kernel
 def recurring(frequency: float, nyquist: float) -> float:
-    """Return the frequency (Hz) nearest to one at which two samples tell how a mode rings, and what it answers to a
+    """Return the frequency (Hz) nearest to one at which two samples show how a mode rings, and what it answers to a
     force.
 
     That is at no multiple of the Nyquist frequency, and not so high that FINE moments of a force over a sample would

@@ -16,25 +16,13 @@ def run_pole(values: View[float], before: float, more: float, last: float) -> fl
         p = before + (n + 1) * more
         q, r, s = p + more, p + 2.0 * more, p + 3.0 * more
         two, three = p * q, p * q * r
-        y = _next(values, n, y, (q, r, s), (p, two, three, three * s))
+        first = values[n]
+        second = values[n + 1] + q * first
+        third = values[n + 2] + r * second
+        fourth = values[n + 3] + s * third + three * s * y
+        values[n] = first + p * y
+        values[n + 1] = second + two * y
+        values[n + 2] = third + three * y
+        values[n + 3] = fourth
+        y = fourth
     return y
-
-
-@kernel
-def _next(
-    values: View[float], n: int, last: float, poles: tuple[float, float, float],
-    products: tuple[float, float, float, float],
-) -> float:  # fmt: skip
-    """Find four values from number n on by the last one, and return the last of them.
-
-    poles: of the last three; products: of the first poles, up to each.
-    """
-    first = values[n]
-    second = values[n + 1] + poles[0] * first
-    third = values[n + 2] + poles[1] * second
-    fourth = values[n + 3] + poles[2] * third + products[3] * last
-    values[n] = first + products[0] * last
-    values[n + 1] = second + products[1] * last
-    values[n + 2] = third + products[2] * last
-    values[n + 3] = fourth
-    return fourth

@@ -2,7 +2,7 @@
 sample, or over it.
 
 All modes that turn by less than a bound in a sample are one motion whose band ends there. So rows need no sum over
-modes of their own: the displacement at the ends of samples, or at a few times in each, tells it between them, by
+modes of their own: the displacement at the ends of samples, or at a few times in each, gives it between them, by
 filters of some 20 taps, found by least squares over the band. Slow modes are summed once a sample, others twice or four
 times. The samples before now and behind the last that filters take are those of a motion that always was free.
 
@@ -213,7 +213,16 @@ def _lay(
             if work.known and keeps:
                 _copy(work.kept, place, room, begin, len(rows))
             else:
-                _put(modes, point, rows, weights, room, first, begin)
+                # Write the factors of LANES modes from `first` on into `room` from a place on.
+                row = first // LANES * RESPONSES
+                w = point.weights[0], point.weights[1], point.weights[2], point.weights[3]
+                phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
+                put_product(room, _ASIDE, phi, dot(modes.response, row + MOBILITY, 0, (1.0,)))
+                scale = dot(room, _ASIDE, 0, (1.0,))
+                put_product(room, _ASIDE, scale, dot(modes.a2, first, 0, (1.0,)))
+                # As `observe` does: by the state a sample later and the one before that.
+                put_factors(room, begin, (scale, dot(room, _ASIDE, 0, (1.0,))), modes.response, row, rows, weights)
+                _put_on_ends(room, begin, len(rows), modes, first)
                 if keeps:
                     _copy(room, begin, work.kept, place, len(rows))
             if waits < 0:
@@ -232,22 +241,6 @@ def _copy(old: View[float], at: int, new: View[float], begin: int, rows: int) ->
     """Copy the factors of LANES modes in so many rows."""
     for i in range(0, 2 * rows * LANES, LANES):
         put_product(new, begin + i, dot(old, at + i, 0, (1.0,)), _ONES)
-
-
-@simd_kernel
-def _put(
-    modes: Modes, point: Point, rows: tuple[int, ...], weights: View[float], room: View[float], first: int, begin: int
-) -> None:
-    """Write the factors of LANES modes from `first` on into `room` from a place on."""
-    group = first // LANES * RESPONSES
-    w = point.weights[0], point.weights[1], point.weights[2], point.weights[3]
-    phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
-    put_product(room, _ASIDE, phi, dot(modes.response, group + MOBILITY, 0, (1.0,)))
-    scale = dot(room, _ASIDE, 0, (1.0,))
-    put_product(room, _ASIDE, scale, dot(modes.a2, first, 0, (1.0,)))
-    # As `observe` does: by the state a sample later and the one before that.
-    put_factors(room, begin, (scale, dot(room, _ASIDE, 0, (1.0,))), modes.response, group, rows, weights)
-    _put_on_ends(room, begin, len(rows), modes, first)
 
 
 @noinline_kernel

@@ -109,15 +109,6 @@ def _sum_of(builder: Any, total: Any, answers: list[Any], moments: list[Any]) ->
     return total
 
 
-def _answer(builder: Any, pushed: list[Any], answers: list[list[Any]], known: list[list[Any]]) -> None:
-    """Add what a force's moments do in each sample of a stretch, and to the last one as modes keep it."""
-    for t in range(STRETCH):
-        total = _sum_of(builder, builder.load(pushed[t]), answers[0], known[t])
-        total = _sum_of(builder, total, answers[1], known[t - 1]) if t > 0 else total
-        builder.store(total, pushed[t])
-    builder.store(_sum_of(builder, builder.load(pushed[-1]), answers[2], known[-1]), pushed[-1])
-
-
 def _go_on(builder: Any, groups: list[Any], pushes: list[Any], left: Any, right: Any, both: Any) -> None:
     """Bring groups of modes to the next sample, and add its sums where they are heard, if that is anywhere."""
     heard = []
@@ -187,7 +178,13 @@ def ring_answering(
                 for g, pushed in enumerate(pushes):
                     rows = [[g * ANSWERS + (s * KEPT + k) * LANES for k in range(counted)] for s in range(3)]
                     places = [[at_work(builder.add(begin, int64(i))) for i in row] for row in rows]
-                    _answer(builder, pushed, [[builder.load(each, align=8) for each in row] for row in places], known)
+                    # Add what a force's moments do in each sample of a stretch, and to the last one as modes keep it.
+                    answers = [[builder.load(each, align=8) for each in row] for row in places]
+                    for t in range(STRETCH):
+                        total = _sum_of(builder, builder.load(pushed[t]), answers[0], known[t])
+                        total = _sum_of(builder, total, answers[1], known[t - 1]) if t > 0 else total
+                        builder.store(total, pushed[t])
+                    builder.store(_sum_of(builder, builder.load(pushed[-1]), answers[2], known[-1]), pushed[-1])
             for t in range(STRETCH):
                 at = builder.mul(builder.mul(builder.add(n, int64(t)), sides), int64(LANES))
                 left = at_work(builder.add(heard_from, at)) if len(signature.args[7]) > 0 else None

@@ -151,7 +151,22 @@ def add_courses(
             )
             begin = MOST_POINTS * WIDE * LANES + 2 * count * g * LANES
             factors = [builder.load(place(int64(begin + i * LANES)), align=8) for i in range(2 * count)]
-            motion = _begin(builder, (y1, y2), (p, q), factors[-2:], args[5])
+            motion = [cgutils.alloca_once_value(builder, each) for each in (y1, y2)]
+            # Back to the first sample, but for modes of which nothing is left after one.
+            rings = builder.fcmp_ordered("<", q, vector_of(builder, [ir.Constant(ir.DoubleType(), -_GONE)] * LANES))
+            ones = vector_of(builder, [ir.Constant(ir.DoubleType(), 1.0)] * LANES)
+            inverse = builder.fdiv(ones, builder.select(rings, q, ones))
+            inverse = builder.select(rings, inverse, ir.Constant(inverse.type, None))
+            with cgutils.for_range(builder, builder.sub(args[5], int64(1))):
+                last, before = (builder.load(each) for each in motion)
+                older = _times(builder, inverse, builder.fsub(last, _times(builder, p, before), flags=REASSOCIATE))
+                builder.store(before, motion[0])
+                builder.store(older, motion[1])
+            begun, last = (builder.load(each) for each in motion)
+            # A sample's motion is that of the state at its end and of the one before.
+            coming = _plus(builder, _times(builder, p, begun), _times(builder, q, last))
+            for each, (x, y) in zip(motion, ((coming, begun), (begun, last)), strict=True):
+                builder.store(_plus(builder, _times(builder, factors[-2], x), _times(builder, factors[-1], y)), each)
             groups.append((p, q, factors, motion))
         stop = builder.mul(args[4], int64(count * LANES))
         with cgutils.for_range_slice(builder, int64(0), stop, int64(count * LANES)) as (n, _):
@@ -172,35 +187,6 @@ def add_courses(
         return context.get_dummy_value()
 
     return types.void(room, modes, firsts, rows, types.intp, types.intp), codegen
-
-
-def _begin(builder: Any, state: tuple[Any, Any], turns: tuple[Any, Any], factors: list[Any], behind: Any) -> list[Any]:
-    """Return where a group's motion is kept: its displacements at both ends of a sample, the first of which lies so
-    many behind now. factors: of the displacement at its end."""
-    p, q = turns
-    motion = [cgutils.alloca_once_value(builder, each) for each in state]
-    _turn_back(builder, motion, turns, builder.sub(behind, int64(1)))
-    begun, last = (builder.load(each) for each in motion)
-    # A sample's motion is that of the state at its end and of the one before.
-    coming = _plus(builder, _times(builder, p, begun), _times(builder, q, last))
-    a, b = factors
-    for each, (x, y) in zip(motion, ((coming, begun), (begun, last)), strict=True):
-        builder.store(_plus(builder, _times(builder, a, x), _times(builder, b, y)), each)
-    return motion
-
-
-def _turn_back(builder: Any, motion: list[Any], turns: tuple[Any, Any], samples: Any) -> None:
-    """Bring a motion so many samples back, but for modes of which nothing is left after one."""
-    p, q = turns
-    rings = builder.fcmp_ordered("<", q, vector_of(builder, [ir.Constant(ir.DoubleType(), -_GONE)] * LANES))
-    ones = vector_of(builder, [ir.Constant(ir.DoubleType(), 1.0)] * LANES)
-    inverse = builder.fdiv(ones, builder.select(rings, q, ones))
-    inverse = builder.select(rings, inverse, ir.Constant(inverse.type, None))
-    with cgutils.for_range(builder, samples):
-        last, before = (builder.load(each) for each in motion)
-        older = _times(builder, inverse, builder.fsub(last, _times(builder, p, before), flags=REASSOCIATE))
-        builder.store(before, motion[0])
-        builder.store(older, motion[1])
 
 
 @intrinsic

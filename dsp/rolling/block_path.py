@@ -70,7 +70,30 @@ def _lay_evenly(roll: Roll, block: Block, period: float, left: int) -> None:
     for i in range(samples + 1):
         block.steeper[i] = block.rounder[i] = 0.0
     block.steeper[0], block.rounder[0] = slope_at(roll, block.pace)
-    block.laid = _pass_kinks(roll, block, samples)
+    # Add what the path's kinks in so many samples change, each to the sample that it is in and to the next one's
+    # beginning.
+    path, pace, per = roll.path, block.pace, block.per_pace
+    piece, end = roll.piece, -roll.along * per  # in samples
+    while True:
+        i = piece & (PIECES - 1)
+        end = max(end + path.length[i] * per, 0.0)
+        if not end < samples:
+            break
+        if piece - block.piece >= _BACK:
+            samples = max(int(end), 1)
+            break
+        piece += 1
+        extend_path(path, piece + 1)
+        j = piece & (PIECES - 1)
+        b = pace * (path.incline[j] - (path.incline[i] + path.curvature[i] * path.length[i]))
+        c = 0.5 * pace * pace * (path.curvature[j] - path.curvature[i])
+        n = int(end)
+        d = n + 1.0 - end
+        _add_kink(block, TERMS * n, d, b, c)
+        block.steeper[n + 1] += b + 2.0 * c * d
+        block.rounder[n + 1] += c
+    block.last_piece = piece
+    block.laid = samples
     _go_on(roll, block, period, block.laid)
     rise = bend = 0.0
     for n in range(block.laid):
@@ -99,31 +122,3 @@ def _go_on(roll: Roll, block: Block, period: float, samples: int) -> None:
     for _ in range(samples):
         roll.t += period
         roll.s += roll.modulated_speed * period
-
-
-@kernel
-def _pass_kinks(roll: Roll, block: Block, samples: int) -> int:
-    """Add what the path's kinks in so many samples change, each to the sample that it is in and to the next one's
-    beginning; return how many samples the pieces reach over."""
-    path, pace, per = roll.path, block.pace, block.per_pace
-    piece, end = roll.piece, -roll.along * per  # in samples
-    while True:
-        i = piece & (PIECES - 1)
-        end = max(end + path.length[i] * per, 0.0)
-        if not end < samples:
-            break
-        if piece - block.piece >= _BACK:
-            samples = max(int(end), 1)
-            break
-        piece += 1
-        extend_path(path, piece + 1)
-        j = piece & (PIECES - 1)
-        b = pace * (path.incline[j] - (path.incline[i] + path.curvature[i] * path.length[i]))
-        c = 0.5 * pace * pace * (path.curvature[j] - path.curvature[i])
-        n = int(end)
-        d = n + 1.0 - end
-        _add_kink(block, TERMS * n, d, b, c)
-        block.steeper[n + 1] += b + 2.0 * c * d
-        block.rounder[n + 1] += c
-    block.last_piece = piece
-    return samples

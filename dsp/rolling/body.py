@@ -9,10 +9,6 @@ path gives its weight, which nobody hears: the force that is handed on is f - m 
 A flight ends by a quadratic, piece of the path by piece. Contacts go by the collocation step of collocation.py, with
 steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
 A roll that asks for more than EVENTS steps a second gets coarser ones, whose energy can't grow.
-
-One kind of body is an exception: up to `-60`, at sampling rates of 40 to 64 kHz, one that swings slowly, under a law of
-exponent 3/2, on a path of many pieces goes by steps of a sample (sample_step.py), in contact and in flight, abreast of
-others (abreast.py): from the end of the stretch in which it is seen to be one.
 """
 
 import math
@@ -27,7 +23,6 @@ from .contact_step import path_at, step_contact
 from .moments import add_quadratic
 from .path import AHEAD, PIECES, extend_path, renew_path, restart_path
 from .roll_record import Roll
-from .sample_step import Body, follows, pass_on
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -48,9 +43,6 @@ _STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
-_BUSY = 3.0  # samples a piece of the path: where they are shorter, a body begins to go by samples
-_IDLE = 16.0  # and where they are longer, it ends: few steps of contact_step.py do, but each change is a small jump
-_SAME = 2.0**-16  # samples: times that are nearer count as one
 
 
 @kernel
@@ -81,7 +73,7 @@ def begin_roll(roll: Roll, place: int, k: float, mu: float, a: float, corners: f
     roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
     roll.fade = 1.0
     roll.mobility = roll.brief = 0.0
-    roll.ended = roll.impacts = roll.events = roll.holds = roll.samples = 0
+    roll.ended = roll.impacts = roll.events = roll.holds = 0
     roll.along = 0.0
     roll.piece = -1
     roll.path.begin = place
@@ -122,15 +114,6 @@ def weigh(roll: Roll) -> None:
     roll.rest_compression = compression_at(roll.m * roll.g, roll.stiffness, roll.a)
     roll.swing = roll.a * roll.g / roll.rest_compression
     roll.lightness = 1.0 / roll.m
-
-
-@kernel
-def change_law(roll: Roll, k: float, mu: float, a: float) -> None:
-    """Give a body that rolls another contact law."""
-    roll.k, roll.mu, roll.a = k, mu, a
-    roll.energy_share = 1.0 / (a + 1.0)
-    if roll.stiffness > 0.0:
-        weigh(roll)
 
 
 @kernel
@@ -179,12 +162,23 @@ def look_ahead(roll: Roll, seconds: float) -> float:
         else:
             restart_path(path, path.begin)
         extend_path(path, 1)
-        roll.piece, roll.along, _ = pass_on(path, 0, roll.along)
+        # The body is on the piece on which the way along the path ends.
+        roll.piece = 0
+        while roll.along > path.length[roll.piece & (PIECES - 1)]:
+            roll.along -= path.length[roll.piece & (PIECES - 1)]
+            roll.piece += 1
+            extend_path(path, roll.piece + 1)
     extend_path(path, roll.piece + AHEAD)
     if anew:
         # On another path the body keeps its distance and its rate, or begins at rest.
         if not begun:
-            _rest(roll)
+            # Put the body where its contact carries its weight.
+            roll.y = -roll.rest_compression
+            roll.w = 0.0
+            roll.touching = 1
+            roll.next = _FIRST
+            for i in range(NODES):
+                roll.step.f[i] = roll.m * roll.g
         new_level, new_incline = path_at(roll)
         roll.y += new_level - level
         roll.w += roll.modulated_speed * (new_incline - incline)
@@ -197,30 +191,19 @@ def look_ahead(roll: Roll, seconds: float) -> float:
 
 
 @kernel
-def _rest(roll: Roll) -> None:
-    """Put the body where its contact carries its weight."""
-    roll.y = -roll.rest_compression
-    roll.w = 0.0
-    roll.touching = 1
-    roll.next = _FIRST
-    for i in range(NODES):
-        roll.step.f[i] = roll.m * roll.g
-
-
-@kernel
 def share_of(roll: Roll) -> float:
     """Return the share of a roll's force that drives the object: what is left of one that has stopped."""
     return roll.fade
 
 
 @kernel
-def next_event(roll: Roll, most: float) -> None:
-    """Advance the body by one event, of some seconds at most: a flight or a part of one, or a step in contact."""
+def next_event(roll: Roll) -> None:
+    """Advance the body by one event: a flight or a part of one, or a step in contact."""
     steer(roll)
     modulate(roll)
     least = roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0
     wanted = min(max(roll.next, least), _LONGEST) if roll.touching == 1 else _LONGEST
-    longest = min(0.999 * look_ahead(roll, _ROOM * wanted), _LONGEST, most)
+    longest = min(0.999 * look_ahead(roll, _ROOM * wanted), _LONGEST)
     roll.since = roll.t
     if roll.touching == 1:
         step_contact(roll, longest, least)
@@ -249,10 +232,27 @@ def _fly(roll: Roll, longest: float) -> None:
         left = longest - roll.span
         time = min(end, left)
         met = False
-        if not _is_clear(roll, v, rises, time):
-            level, incline = path_at(roll)
-            gap, fall = max(roll.y - level, 0.0), g + v * v * path.curvature[piece]
-            meeting = _meeting(gap, roll.w - rises - v * incline, fall)
+        # A flight stays above the line between a piece's ends, the path below `swell` above its own: it is enough that
+        # the gaps at both ends are larger.
+        level, incline = path_at(roll)
+        gap, bend, passed = roll.y - level, path.curvature[piece], v * time
+        swell = 0.125 * max(-bend, 0.0) * passed * passed
+        rise = time * (roll.w - rises - 0.5 * g * time)
+        if not (gap > swell and gap + rise - passed * (incline + 0.5 * bend * passed) > swell):
+            gap, fall = max(gap, 0.0), g + v * v * bend
+            # The time until gap + rate t - fall t^2/2 is 0, infinite if never.
+            rate = roll.w - rises - v * incline
+            square = rate * rate + 2.0 * fall * gap
+            if square < 0.0 or (fall <= 0.0 and rate >= 0.0):
+                meeting = math.inf
+            else:
+                root = math.sqrt(square)
+                if rate > 0.0:
+                    meeting = (rate + root) / fall
+                elif root - rate == 0.0:
+                    meeting = 0.0
+                else:
+                    meeting = 2.0 * gap / (root - rate)
             met = meeting <= time
             time = meeting if met else time
         roll.y += time * (roll.w - rises - 0.5 * g * time)
@@ -261,7 +261,17 @@ def _fly(roll: Roll, longest: float) -> None:
         roll.span += time
         if met:
             roll.y, incline = path_at(roll)
-            _land(roll, v * incline + rises - roll.w)
+            # Begin a contact.
+            v_in = v * incline + rises - roll.w
+            roll.touching = 1
+            roll.v_in = v_in
+            roll.impacts += 1
+            speed = math.sqrt(v_in * v_in + roll.g * roll.rest_compression)
+            time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
+            time *= _BEGIN_BRIEF if roll.brief > 0.0 else _BEGIN
+            roll.next = time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
+            for i in range(NODES):
+                roll.step.f[i] = 0.0
             return
         if left <= end:
             return
@@ -270,80 +280,24 @@ def _fly(roll: Roll, longest: float) -> None:
 
 
 @kernel
-def _is_clear(roll: Roll, v: float, rises: float, time: float) -> bool:
-    """True if a flight surely stays above the piece of the path for a time. It stays above the line between its ends,
-    the path below `swell` above its own: so it is enough that the gaps at both ends are larger."""
-    path, piece = roll.path, roll.piece & (PIECES - 1)
-    level, incline = path_at(roll)
-    gap, bend, passed = roll.y - level, path.curvature[piece], v * time
-    swell = 0.125 * max(-bend, 0.0) * passed * passed
-    rise = time * (roll.w - rises - 0.5 * roll.modulated_gravity * time)
-    return gap > swell and gap + rise - passed * (incline + 0.5 * bend * passed) > swell
-
-
-@kernel
-def _meeting(gap: float, rate: float, fall: float) -> float:
-    """Return the time until gap + rate t - fall t^2/2 is 0, infinite if never."""
-    square = rate * rate + 2.0 * fall * gap
-    if square < 0.0 or (fall <= 0.0 and rate >= 0.0):
-        return math.inf
-    root = math.sqrt(square)
-    if rate > 0.0:
-        return (rate + root) / fall
-    if root - rate == 0.0:
-        return 0.0
-    return 2.0 * gap / (root - rate)
-
-
-@kernel
-def _land(roll: Roll, v_in: float) -> None:
-    """Begin a contact."""
-    roll.touching = 1
-    roll.v_in = v_in
-    roll.impacts += 1
-    speed = math.sqrt(v_in * v_in + roll.g * roll.rest_compression)
-    time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
-    time *= _BEGIN_BRIEF if roll.brief > 0.0 else _BEGIN
-    roll.next = time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
-    for i in range(NODES):
-        roll.step.f[i] = 0.0
-
-
-@kernel
 def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) -> None:
     """Fill in the moments (N s) of the force over each frame.
 
     moments: (frames, KEPT) float64. Frame n is the sample from origin + n/rate to
-    origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other. A body that is to go by
-    samples stops at the end.
+    origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other.
     """
     frames = len(moments)
     for n in range(frames):
         for i in range(KEPT):
             moments[n, i] = 0.0
-    end, near, waits = origin + frames / rate, _SAME / rate, False
+    end = origin + frames / rate
     for _ in range(_MOST_EVENTS):
         stop = roll.since + roll.span
-        roll.samples = 1 if waits and abs(end - stop) < near else 0
         add_quadratic(roll.force, roll.since, roll.span, roll.given, min(stop, end), origin, rate, moments)
         roll.given = max(roll.given, min(stop, end))
-        if stop >= end or roll.samples == 1 or roll.ended == 1:
+        if stop >= end or roll.ended == 1:
             break
-        waits = _goes_by_samples(roll, 1.0 / rate, _BUSY)
-        next_event(roll, end - stop if waits else math.inf)
-
-
-@kernel
-def _goes_by_samples(roll: Roll, period: float, bound: float) -> bool:
-    """True if a step a sample, of a period (s), does, and the next pieces of the path are short: so many samples."""
-    if not follows(roll, period):
-        return False
-    path, first, way = roll.path, roll.piece, -roll.along
-    extend_path(path, first + AHEAD)
-    for n in range(first, first + AHEAD, 4):  # four that do not wait for one another
-        a, b, c, d = n & (PIECES - 1), n + 1 & (PIECES - 1), n + 2 & (PIECES - 1), n + 3 & (PIECES - 1)
-        way += (path.length[a] + path.length[b]) + (path.length[c] + path.length[d])
-    return way < bound * AHEAD * period * roll.modulated_speed
+        next_event(roll)
 
 
 @kernel
@@ -354,22 +308,3 @@ def is_even(roll: Roll) -> bool:
     loads = roll.m == target.mass and roll.g == target.gravity == roll.modulated_gravity and roll.stiffness > 0.0
     ways = path.radius == target.radius and path.roughness == target.roughness and path.patch == target.patch
     return speeds and loads and ways and target.friction == target.asymmetry == 0.0 and roll.fade == 1.0
-
-
-@kernel
-def goes_abreast(roll: Roll, origin: float, rate: float) -> bool:
-    """True if a body goes by samples from an origin (s) on, abreast of others (abreast.py)."""
-    return roll.samples == 1 and abs(roll.t - origin) * rate < _SAME and _goes_by_samples(roll, 1.0 / rate, _IDLE)
-
-
-@kernel
-def stand(roll: Roll, body: Body, t: float, period: float) -> None:
-    """Say where a body is at a time t (s) after steps of a sample, of a period (s)."""
-    roll.y, roll.w, force = body
-    roll.touching = 1 if force > 0.0 else 0
-    for i in range(NODES):
-        roll.step.f[i] = force
-    roll.next = period
-    roll.t = t
-    roll.since = roll.t - roll.span
-    roll.given = roll.since + roll.span

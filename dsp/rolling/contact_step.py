@@ -1,6 +1,6 @@
 """A rolling body's contact, step by step: compression x = path - body, under the contact law and weight.
 
-An object that gives way is a dashpot between path and ground, as a large plate is (Cremer): its surface sinks at the
+An object that yields is a dashpot between path and ground, as a large plate is (Cremer): its surface sinks at the
 mobility 1/Z times f - m g. Height, rate and compression are the body's against that surface.
 
 The path enters a collocation step (collocation.py) at its nodes: what the compression would be without the force is
@@ -17,7 +17,7 @@ from ..contact.collocation import (
     better_step,
     discrete_gradient,
     end_of,
-    extrapolate,
+    force_at,
 )
 from ..contact.law import slack_of, spring_and_energy
 from ..contact.step_record import NODES
@@ -60,63 +60,6 @@ def path_at(roll: Roll) -> tuple[float, float]:
 
 
 @kernel
-def _to_kink(roll: Roll, h: float, least: float) -> float:
-    """Return the length of a step of at most h s that ends before the path kinks, by a jump of its rate of `least`
-    m/s."""
-    path = roll.path
-    passed = -roll.along
-    for piece in range(roll.piece, path.made - 1):
-        i = piece & (PIECES - 1)
-        passed += path.length[i]
-        if passed >= roll.modulated_speed * h:
-            break
-        jump = path.incline[(piece + 1) & (PIECES - 1)] - path.incline[i] - path.curvature[i] * path.length[i]
-        if roll.modulated_speed * jump > least:
-            return (passed - 0.5 * _NEAR * path.length[i]) / roll.modulated_speed
-    return h
-
-
-@kernel
-def _walk(roll: Roll, h: float) -> tuple[int, float]:
-    """Put the path's heights and their rates at a step's nodes and end; return the piece and place of the end."""
-    path = roll.path
-    piece = roll.piece
-    passed = -roll.along
-    for n in range(NODES + 1):
-        travelled = roll.modulated_speed * (h if n == NODES else h * GAUSS[n])
-        while travelled - passed > path.length[piece & (PIECES - 1)] and piece < path.made - 1:
-            passed += path.length[piece & (PIECES - 1)]
-            piece += 1
-        i = piece & (PIECES - 1)
-        q = travelled - passed
-        roll.level[n] = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
-        roll.path_rate[n] = roll.modulated_speed * (path.incline[i] + path.curvature[i] * q)
-    return piece, q
-
-
-@kernel
-def _collocate(roll: Roll, h: float, pace: float, k: float, speed: float) -> tuple[bool, float, float]:
-    """Try a step in contact, pace = 1/h: whether it is solved, and the body's height and rate at its end."""
-    step = roll.step
-    y, w, g = roll.y, roll.w, roll.modulated_gravity
-    lightness = h * roll.lightness
-    rises = roll.mobility * roll.m * roll.g
-    for i in range(NODES):
-        t = h * GAUSS[i]
-        step.free_x[i] = roll.level[i] - (y + t * (w - rises - 0.5 * g * t))
-        step.free_v[i] = roll.path_rate[i] - (w - rises - g * t)
-    bend = abs(roll.path_rate[0] - roll.path_rate[1]) + abs(roll.path_rate[1] - roll.path_rate[NODES])
-    error = _SOLVED * speed + min(_SOLVED_BENT * bend, _SOLVED_WITHIN * TOLERANCE * speed)
-    solved = solve_free_mass(step, h, lightness, roll.mobility, (k, roll.mu, roll.a), error * roll.m * pace)
-    y += h * (w - rises - 0.5 * g * h)
-    w -= g * h
-    for j in range(NODES):
-        w += lightness * WEIGHTS[j] * step.f[j]
-        y += h * WEIGHTS[j] * (lightness * (1.0 - GAUSS[j]) + roll.mobility) * step.f[j]
-    return solved, y, w
-
-
-@kernel
 def _judge(
     roll: Roll, h: float, pace: float, k: float, begin: tuple[float, float, float], y: float, w: float
 ) -> tuple[float, bool]:
@@ -126,7 +69,12 @@ def _judge(
     x, v, stored = begin
     x_end = roll.level[NODES] - y
     spring, kept = spring_and_energy(x_end, k, roll.a, roll.energy_share)
-    v_end = _rate_under(roll, spring, roll.path_rate[NODES] - w)
+    # The rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not sink.
+    rate = roll.path_rate[NODES] - w
+    if roll.mobility == 0.0:
+        v_end = rate
+    else:
+        v_end = (rate + roll.mobility * (roll.m * roll.g - spring)) / (1.0 + spring * roll.mu * roll.mobility)
     rest = abs(end_of(f) - spring * slack_of(v_end, roll.mu)) * h
     # The work of path and dashpot, and how uncertain it is where the path bends.
     work = spread = sunk = 0.0
@@ -142,25 +90,11 @@ def _judge(
     room = spread + _GROWTH * m * (square + roll.modulated_gravity * max(x, x_end, 0.0))
     ripple = max(_ripple(roll, x, v), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * _LEAST_RIPPLE * square)
     # Squares: one rough eighth root stands for the square root of the ripple and the fourth root of the quotient.
-    wanted, rest = (_tolerance(roll, pace) * m) ** 2 * ripple, rest * rest
+    # The share of the momentum at hand by which a step of 1/pace s may err.
+    shorter = max(roll.brief * pace, 1.0)
+    wanted, rest = ((min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness) * m) ** 2 * ripple, rest * rest
     good = rest <= _TAKEN * _TAKEN * wanted and gained <= room
     return better_step(rough_eighth_root(wanted / max(rest, LEAST_REST))), good
-
-
-@kernel
-def _tolerance(roll: Roll, pace: float) -> float:
-    """Return the share of the momentum at hand by which a step of 1/pace s may err."""
-    shorter = max(roll.brief * pace, 1.0)
-    return min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness
-
-
-@kernel
-def _rate_under(roll: Roll, spring: float, rate: float) -> float:
-    """Return the rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not
-    sink."""
-    if roll.mobility == 0.0:
-        return rate
-    return (rate + roll.mobility * (roll.m * roll.g - spring)) / (1.0 + spring * roll.mu * roll.mobility)
 
 
 @kernel
@@ -192,7 +126,17 @@ def step_contact(roll: Roll, longest: float, least: float) -> None:
     speed = math.sqrt(_speed_squared(roll, v, stored))
     h = min(max(roll.next, least), longest)
     if least == 0.0:
-        h = _to_kink(roll, h, _KINK * speed)
+        # End before the path kinks.
+        passed = -roll.along
+        for n in range(roll.piece, roll.path.made - 1):
+            i, after = n & (PIECES - 1), (n + 1) & (PIECES - 1)
+            passed += roll.path.length[i]
+            if passed >= roll.modulated_speed * h:
+                break
+            jump = roll.path.incline[after] - roll.path.incline[i] - roll.path.curvature[i] * roll.path.length[i]
+            if roll.modulated_speed * jump > _KINK * speed:
+                h = (passed - 0.5 * _NEAR * roll.path.length[i]) / roll.modulated_speed
+                break
     cut = h < roll.next
     y = w = ratio = 0.0
     good = False
@@ -200,8 +144,37 @@ def step_contact(roll: Roll, longest: float, least: float) -> None:
     along = roll.along
     for _ in range(_TRIALS):
         pace = 1.0 / h
-        piece, along = _walk(roll, h)
-        solved, y, w = _collocate(roll, h, pace, k, speed)
+        # Put the path's heights and their rates at a step's nodes and end.
+        path = roll.path
+        piece = roll.piece
+        passed = -roll.along
+        for n in range(NODES + 1):
+            travelled = roll.modulated_speed * (h if n == NODES else h * GAUSS[n])
+            while travelled - passed > path.length[piece & (PIECES - 1)] and piece < path.made - 1:
+                passed += path.length[piece & (PIECES - 1)]
+                piece += 1
+            i = piece & (PIECES - 1)
+            q = travelled - passed
+            roll.level[n] = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
+            roll.path_rate[n] = roll.modulated_speed * (path.incline[i] + path.curvature[i] * q)
+        along = q
+        # Try a step in contact.
+        step = roll.step
+        y, w, g = roll.y, roll.w, roll.modulated_gravity
+        lightness = h * roll.lightness
+        rises = roll.mobility * roll.m * roll.g
+        for i in range(NODES):
+            t = h * GAUSS[i]
+            step.free_x[i] = roll.level[i] - (y + t * (w - rises - 0.5 * g * t))
+            step.free_v[i] = roll.path_rate[i] - (w - rises - g * t)
+        bend = abs(roll.path_rate[0] - roll.path_rate[1]) + abs(roll.path_rate[1] - roll.path_rate[NODES])
+        error = _SOLVED * speed + min(_SOLVED_BENT * bend, _SOLVED_WITHIN * TOLERANCE * speed)
+        solved = solve_free_mass(step, h, lightness, roll.mobility, (k, roll.mu, roll.a), error * roll.m * pace)
+        y += h * (w - rises - 0.5 * g * h)
+        w -= g * h
+        for j in range(NODES):
+            w += lightness * WEIGHTS[j] * step.f[j]
+            y += h * WEIGHTS[j] * (lightness * (1.0 - GAUSS[j]) + roll.mobility) * step.f[j]
         ratio = 0.25
         if solved:
             ratio, good = _judge(roll, h, pace, k, (x, v, stored), y, w)
@@ -226,7 +199,11 @@ def step_contact(roll: Roll, longest: float, least: float) -> None:
     roll.next = ratio * h
     for i in range(NODES):
         roll.force[i] = roll.step.f[i]
-    extrapolate(roll.step, ratio)
+    # Extrapolate the last step's force as the first guess of the next step's Newton iteration; the next step is
+    # `ratio` times as long.
+    f0, f1, f2 = roll.step.f[0], roll.step.f[1], roll.step.f[2]
+    for i in range(NODES):
+        roll.step.f[i] = force_at(f0, f1, f2, 1.0 + ratio * GAUSS[i])
     roll.y = y
     roll.w = w
     roll.piece = piece

@@ -58,15 +58,7 @@ def lead_coupled_roll(roll: Roll, contact: Coupled, begin: float) -> bool:
     look_ahead(roll, 0.0)  # on another path the body keeps its rate against it
     contact.v = -roll.w
     contact.kinks = contact.kink = 0
-    _lay_path(roll, contact, begin)
-    roll.t += roll.span
-    roll.s += roll.modulated_speed * roll.span
-    return _weigh(roll, contact)
-
-
-@kernel
-def _lay_path(roll: Roll, contact: Coupled, begin: float) -> None:
-    """Lay the path from `begin` to the sample's end under a contact, and a line before it. The body ends there."""
+    # Lay the path from `begin` to the sample's end under a contact, and a line before it. The body ends there.
     path = roll.path
     pace = roll.modulated_speed * contact.period
     rise, bend = slope_at(roll, pace)
@@ -88,6 +80,9 @@ def _lay_path(roll: Roll, contact: Coupled, begin: float) -> None:
         rise, bend = slope_at(roll, pace)
         _lay_kink(contact, at, rise - old_rise, bend - old_bend)
     roll.along += (1.0 - at) * pace
+    roll.t += roll.span
+    roll.s += roll.modulated_speed * roll.span
+    return _weigh(roll, contact)
 
 
 @kernel

@@ -36,24 +36,6 @@ def _times(matrix: tuple[Three, ...], f: Three) -> Three:
 
 
 @kernel
-def _compressions(step: Step, f: Three, h: float, lightness: float, mobility: float) -> tuple[Three, Three]:
-    """Return the compressions and their rates under forces at the nodes."""
-    p, pp = _times(_P, f), _times(_PP, f)
-    heavy, light = h * lightness, h * mobility
-    x = (
-        step.free_x[0] - (heavy * pp[0] + light * p[0]),
-        step.free_x[1] - (heavy * pp[1] + light * p[1]),
-        step.free_x[2] - (heavy * pp[2] + light * p[2]),
-    )
-    v = (
-        step.free_v[0] - (lightness * p[0] + mobility * f[0]),
-        step.free_v[1] - (lightness * p[1] + mobility * f[1]),
-        step.free_v[2] - (lightness * p[2] + mobility * f[2]),
-    )
-    return x, v
-
-
-@kernel
 def _row(p: Three, pp: Three, once: float, twice: float) -> Three:
     """Return the sum of two rows by their weights."""
     return once * p[0] + twice * pp[0], once * p[1] + twice * pp[1], once * p[2] + twice * pp[2]
@@ -99,7 +81,19 @@ def solve_free_mass(
     for _ in range(2):
         before = 0.0
         for n in range(_ITERATIONS):
-            x, v = _compressions(step, f, h, lightness, mobility)
+            # The compressions and their rates under forces at the nodes.
+            p, pp = _times(_P, f), _times(_PP, f)
+            heavy, light = h * lightness, h * mobility
+            x = (
+                step.free_x[0] - (heavy * pp[0] + light * p[0]),
+                step.free_x[1] - (heavy * pp[1] + light * p[1]),
+                step.free_x[2] - (heavy * pp[2] + light * p[2]),
+            )
+            v = (
+                step.free_v[0] - (lightness * p[0] + mobility * f[0]),
+                step.free_v[1] - (lightness * p[1] + mobility * f[1]),
+                step.free_v[2] - (lightness * p[2] + mobility * f[2]),
+            )
             r0, s0, d0 = law_with_slopes(x[0], v[0], law)
             r1, s1, d1 = law_with_slopes(x[1], v[1], law)
             r2, s2, d2 = law_with_slopes(x[2], v[2], law)

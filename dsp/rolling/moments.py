@@ -33,16 +33,7 @@ def add_quadratic(
     curve = early, step, c0, c1, c2, 1.0 / rate
     if begin < first:
         _add_part(curve, begin, min(first, end), moments[first - 1])
-    _add_whole(curve, first, last, moments)
-    if first <= last < end:
-        _add_part(curve, last, end, moments[last])
-
-
-@kernel
-def _add_whole(
-    curve: tuple[float, float, float, float, float, float], first: int, last: int, moments: View2D[float]
-) -> None:
-    """Add the quadratic to whole samples, over which it has three moments."""
+    # Add the quadratic to whole samples, over which it has three moments.
     early, step, c0, c1, c2, sample = curve
     reach = 0.5 * step
     bent = (1.0 / 3.0) * sample * reach * reach * c2
@@ -53,6 +44,8 @@ def _add_whole(
         moments[n, 0] += c0 + theta * (c1 + theta * c2)
         moments[n, 1] += rise + theta * bend
         moments[n, 2] += 0.4 * bent
+    if first <= last < end:
+        _add_part(curve, last, end, moments[last])
 
 
 @kernel

@@ -64,7 +64,7 @@ class Path(Record):
     bend: float  # 1/m: curvature of the body's lowest arc, -1/radius
     corners: float  # of the body, 0: it is round
     side: float  # m between them, 0: it is round
-    # As asked for.
+    # As requested.
     begin: int  # place at which a body begins
     speed: float  # m/s
     roughness: float  # factor on the surface's heights
@@ -134,42 +134,6 @@ def _nearer(gain: float, wanted: float) -> float:
     return wanted if abs(missing) < _SMALL else gain + _GLIDE * missing
 
 
-@kernel
-def _is_settled(path: Path) -> bool:
-    """True if the gains that are read are those wanted."""
-    now = path.read_for
-    same = now[0] == path.speed and now[1] == path.roughness and now[2] == path.coarseness and now[3] == path.patch
-    return same and path.settled == 1
-
-
-@kernel
-def _read_block(path: Path) -> None:
-    """Take the profile's next points into the hull, and those out that they hide."""
-    surface = path.surface
-    ripple_gain = path.roughness
-    if not _is_settled(path):
-        _refresh(path)
-        ripple_gain = _nearer(surface.ripple_gain, path.roughness)
-        # Bring the gains a block nearer to those that are wanted, and see whether they are there.
-        path.read_for[0], path.read_for[1] = path.speed, path.roughness
-        path.read_for[2], path.read_for[3] = path.coarseness, path.patch
-        settled = ripple_gain == path.roughness
-        for j in range(OCTAVES):
-            nearer = _nearer(path.surface.gain[j], path.wanted[j])
-            settled &= nearer == path.wanted[j] == path.surface.gain[j]
-            path.wanted[j] = nearer
-        path.settled = 1 if settled else 0
-    read_heights(surface, path.front + path.stride, path.stride, path.wanted, ripple_gain, path.ahead)
-    if path.side > 0.0:
-        # Lower the points between a body's corners.
-        for i in range(BLOCK):
-            s = (path.front + (i + 1) * path.stride) * path.surface.unit
-            s -= path.side * math.floor(s / path.side + 0.5)
-            path.ahead[i] -= s * s / (2.0 * EDGE * path.radius)
-    _look_around(path)
-    _push(path)
-
-
 @noinline_kernel
 def _look_around(path: Path) -> None:
     """Find points of a block that can't touch: two others, so many points to either side, hide them."""
@@ -236,7 +200,32 @@ def _settle(path: Path) -> None:
     for _ in range(4 * POINTS):
         if path.count >= 3 and (_is_settled_at(path, path.first) or path.count >= POINTS - BLOCK):
             return
-        _read_block(path)
+        # Take the profile's next points into the hull, and those out that they hide.
+        surface = path.surface
+        ripple_gain = path.roughness
+        now = path.read_for
+        same = now[0] == path.speed and now[1] == path.roughness and now[2] == path.coarseness and now[3] == path.patch
+        if not (same and path.settled == 1):
+            _refresh(path)
+            ripple_gain = _nearer(surface.ripple_gain, path.roughness)
+            # Bring the gains a block nearer to those that are wanted, and see whether they are there.
+            path.read_for[0], path.read_for[1] = path.speed, path.roughness
+            path.read_for[2], path.read_for[3] = path.coarseness, path.patch
+            settled = ripple_gain == path.roughness
+            for j in range(OCTAVES):
+                nearer = _nearer(path.surface.gain[j], path.wanted[j])
+                settled &= nearer == path.wanted[j] == path.surface.gain[j]
+                path.wanted[j] = nearer
+            path.settled = 1 if settled else 0
+        read_heights(surface, path.front + path.stride, path.stride, path.wanted, ripple_gain, path.ahead)
+        if path.side > 0.0:
+            # Lower the points between a body's corners.
+            for i in range(BLOCK):
+                s = (path.front + (i + 1) * path.stride) * path.surface.unit
+                s -= path.side * math.floor(s / path.side + 0.5)
+                path.ahead[i] -= s * s / (2.0 * EDGE * path.radius)
+        _look_around(path)
+        _push(path)
 
 
 @kernel

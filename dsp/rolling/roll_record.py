@@ -27,7 +27,7 @@ class Roll(Record):
     g: float
     mobility: float  # m/(N s): of the object, where that yields as a dashpot; 0: it is rigid
     v: float  # m/s along the surface
-    top_speed: float  # the speed last asked for
+    top_speed: float  # the speed last requested
     modulated_speed: float  # v as asymmetry modulates it
     modulated_gravity: float  # g as asymmetry modulates it
     angle: float
@@ -43,7 +43,6 @@ class Roll(Record):
     debt: float  # events beyond what is granted
     fade: float  # 1, falling to 0 when the roll has stopped
     ended: int
-    samples: int  # 1: it goes by samples (sample_step.py); 0: by flights and steps
     # The last event: what is heard from `since` on for `span` s is the quadratic through `force` (N) at GAUSS.
     since: float
     span: float

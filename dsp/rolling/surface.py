@@ -148,7 +148,27 @@ def read_heights(
     where it does not, `made_for` is to be 0.
     """
     if surface.made_for != stride:
-        _make_weights(surface, place, stride)
+        # Make the weights of the lattices' heights at points from a place on.
+        surface.made_for = stride
+        for j in range(OCTAVES):
+            level = OCTAVES - 1 - j
+            points = (1 << level) // stride
+            if not 1 < points < BLOCK:
+                continue
+            table = _table_of(points)
+            shifted = place + surface.offset[j]
+            for i in range(max(points, LANES)):
+                row = (table + i // LANES) * TAPS * LANES + i % LANES
+                if i % LANES == 0:
+                    first = (shifted + i * stride) >> level
+                for tap in range(TAPS):
+                    surface.weights[row + tap * LANES] = 0.0
+                cell = (shifted + i * stride) >> level
+                t = (shifted + i * stride - (cell << level)) / (1 << level)
+                row += (cell - first) * LANES
+                w0, w1, w2, w3 = cubic_weights(t)
+                surface.weights[row], surface.weights[row + LANES] = w0, w1
+                surface.weights[row + 2 * LANES], surface.weights[row + 3 * LANES] = w2, w3
     for i in range(BLOCK):
         z[i] = 0.0
     c0 = c1 = c2 = c3 = c4 = 0.0
@@ -157,20 +177,42 @@ def read_heights(
         surface.gain[j] = gains[j]
         if gain == 0.0 and rise == 0.0:
             continue
-        if _is_in_one_cell(surface, j, place, stride):
+        level = OCTAVES - 1 - j
+        shifted = place + surface.offset[j]
+        cell, last = shifted >> level, (shifted + (BLOCK - 1) * stride) >> level
+        if cell == last:
             b0, b1, b2, b3, b4 = _in_one_cell(surface, j, place, stride, gain, rise)
             c0, c1, c2, c3, c4 = c0 + b0, c1 + b1, c2 + b2, c3 + b3, c4 + b4
             continue
-        points = (1 << (OCTAVES - 1 - j)) // stride
+        points = (1 << level) // stride
         if points >= BLOCK:
-            _add_wide(surface, j, place, stride, gain, rise, z)
+            # Add octave j, of whose cells a block meets two at most.
+            step = stride / (1 << level)
+            since = (shifted - (cell << level)) / (1 << level)
+            _enter(surface, j, cell, 5)
+            a0, a1, a2, a3 = _cubic(surface.corner, 0)
+            b0, b1, b2, b3 = _cubic(surface.corner, 1)
+            for i in range(BLOCK):
+                t = since + i * step
+                here = a0 + t * (a1 + t * (a2 + t * a3))
+                u = t - 1.0
+                there = b0 + u * (b1 + u * (b2 + u * b3))
+                z[i] += (gain + (i + 1) * rise) * (here if t < 1.0 else there)
         elif points > 1:
-            _add_narrow(surface, j, place, stride, gain, rise, z)
+            # Add octave j, of whose cells a block meets many, by weights: its points lie alike in each block.
+            _enter(surface, j, cell, last - cell + 4)
+            table, repeats = _table_of(points), max(points // LANES, 1) - 1
+            for g in range(BLOCK // LANES):
+                c = ((shifted + g * LANES * stride) >> level) - cell
+                at = (table + (g & repeats)) * TAPS * LANES
+                b = dot(surface.corner, c, 0, (1.0,))
+                if points >= LANES:
+                    heights = dot(surface.weights, at, LANES, (b[0], b[1], b[2], b[3], b[4]))
+                else:
+                    heights = dot(surface.weights, at, LANES, b)
+                add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
         elif points == 1:
             # Add octave j, of whose cells each holds one point of a block, all at one place in their cells.
-            level = OCTAVES - 1 - j
-            shifted = place + surface.offset[j]
-            cell = shifted >> level
             _enter(surface, j, cell, BLOCK + 3)
             weights = cubic_weights((shifted - (cell << level)) / (1 << level))
             for g in range(BLOCK // LANES):
@@ -200,14 +242,6 @@ def _vary(surface: Surface, place: int, stride: int, z: View[float]) -> None:
 
 
 @kernel
-def _is_in_one_cell(surface: Surface, j: int, place: int, stride: int) -> bool:
-    """True if a block's points lie in one cell of octave j's lattice."""
-    level = OCTAVES - 1 - j
-    shifted = place + surface.offset[j]
-    return shifted >> level == (shifted + (BLOCK - 1) * stride) >> level
-
-
-@kernel
 def _in_one_cell(
     surface: Surface, j: int, place: int, stride: int, gain: float, rise: float
 ) -> tuple[float, float, float, float, float]:
@@ -222,45 +256,6 @@ def _in_one_cell(
     a2, a3 = step * step * (c2 + 3.0 * t * c3), step * step * step * c3
     gain += rise
     return gain * a0, gain * a1 + rise * a0, gain * a2 + rise * a1, gain * a3 + rise * a2, rise * a3
-
-
-@kernel
-def _add_wide(surface: Surface, j: int, place: int, stride: int, gain: float, rise: float, z: View[float]) -> None:
-    """Add octave j, of whose cells a block meets two at most."""
-    level = OCTAVES - 1 - j
-    shifted = place + surface.offset[j]
-    cell = shifted >> level
-    step = stride / (1 << level)
-    since = (shifted - (cell << level)) / (1 << level)
-    _enter(surface, j, cell, 5)
-    a0, a1, a2, a3 = _cubic(surface.corner, 0)
-    b0, b1, b2, b3 = _cubic(surface.corner, 1)
-    for i in range(BLOCK):
-        t = since + i * step
-        here = a0 + t * (a1 + t * (a2 + t * a3))
-        u = t - 1.0
-        there = b0 + u * (b1 + u * (b2 + u * b3))
-        z[i] += (gain + (i + 1) * rise) * (here if t < 1.0 else there)
-
-
-@kernel
-def _add_narrow(surface: Surface, j: int, place: int, stride: int, gain: float, rise: float, z: View[float]) -> None:
-    """Add octave j, of whose cells a block meets many, by weights: its points lie alike in each block."""
-    level = OCTAVES - 1 - j
-    shifted = place + surface.offset[j]
-    cell = shifted >> level
-    _enter(surface, j, cell, ((shifted + (BLOCK - 1) * stride) >> level) - cell + 4)
-    points = (1 << level) // stride
-    table, repeats = _table_of(points), max(points // LANES, 1) - 1
-    for g in range(BLOCK // LANES):
-        c = ((shifted + g * LANES * stride) >> level) - cell
-        at = (table + (g & repeats)) * TAPS * LANES
-        b = dot(surface.corner, c, 0, (1.0,))
-        if points >= LANES:
-            heights = dot(surface.weights, at, LANES, (b[0], b[1], b[2], b[3], b[4]))
-        else:
-            heights = dot(surface.weights, at, LANES, b)
-        add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
 
 
 @kernel
@@ -284,31 +279,6 @@ def _table_of(points: int) -> int:
             return table
         table += max(_CELLS[n] // LANES, 1)
     return table
-
-
-@kernel
-def _make_weights(surface: Surface, place: int, stride: int) -> None:
-    """Make the weights of the lattices' heights at points from a place on."""
-    surface.made_for = stride
-    for j in range(OCTAVES):
-        level = OCTAVES - 1 - j
-        points = (1 << level) // stride
-        if not 1 < points < BLOCK:
-            continue
-        table = _table_of(points)
-        shifted = place + surface.offset[j]
-        for i in range(max(points, LANES)):
-            row = (table + i // LANES) * TAPS * LANES + i % LANES
-            if i % LANES == 0:
-                first = (shifted + i * stride) >> level
-            for tap in range(TAPS):
-                surface.weights[row + tap * LANES] = 0.0
-            cell = (shifted + i * stride) >> level
-            t = (shifted + i * stride - (cell << level)) / (1 << level)
-            row += (cell - first) * LANES
-            w0, w1, w2, w3 = cubic_weights(t)
-            surface.weights[row], surface.weights[row + LANES] = w0, w1
-            surface.weights[row + 2 * LANES], surface.weights[row + 3 * LANES] = w2, w3
 
 
 @c_function(None, c_void_p, c_void_p, c_int64)
@@ -343,12 +313,34 @@ def make_surface(
     variation_length: float = 0.05,
     seed: int = 0,
 ) -> np.void:
-    """Make a rough surface that never ends nor repeats, as a SURFACE record.
+    """Make a rough surface that neither ends nor repeats.
 
-    roughness: rms height in m, >= 0; correlation: length l in m, > 0; slope: beta of the power spectrum above 1/l, in
-    (1, 5]; ripple, wavelength: amplitude (m, >= 0) and wavelength (m, > 0) of a corrugation; variation: standard
-    deviation of the local rms height, 0 to MOST_VARIATION dB, which changes over variation_length (m, > 0). ValueError
-    names what is out of range.
+    Parameters
+    ----------
+    roughness : float
+        Rms height, m, at least 0.
+    correlation : float
+        Correlation length l, m, above 0.
+    slope : float, default 2
+        Slope beta of the power spectrum above 1/l, 1 to 5.
+    ripple, wavelength : float, default 0, 1
+        Amplitude and wavelength of a corrugation, m.
+    variation : float, default 0
+        Standard deviation of the local roughness, 0 to 12 dB.
+    variation_length : float, default 0.05
+        Length over which it changes, m.
+    seed : int, default 0
+        Seed of the heights.
+
+    Returns
+    -------
+    SURFACE record
+        The surface.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of range; the text names it.
     """
     surface = np.zeros(1, SURFACE)
     profile = np.zeros(1, PROFILE)
@@ -368,9 +360,19 @@ def make_surface(
 
 
 def heights(surface: np.void, places: ArrayLike) -> NDArray[np.float64]:
-    """Return the heights in m at places, float64 of their shape.
+    """Return the heights of a surface.
 
-    places: whole numbers of surface["unit"] metres.
+    Parameters
+    ----------
+    surface : SURFACE record
+        As `make_surface` returns it.
+    places : int or array
+        Places, in units of `surface["unit"]` metres.
+
+    Returns
+    -------
+    array
+        float64 of the same shape, m.
     """
     where = np.ascontiguousarray(places, np.int64)
     z = np.empty(np.shape(places))

@@ -32,7 +32,7 @@ class Arena:
                 self._left -= size
                 self.reached = max(self.reached, first + size)
                 return first
-        raise EngineFull(f"no room for {size} {self.what}: {self._left} of {self.size} are free")
+        raise EngineFull(f"no capacity for {size} {self.what}: {self._left} of {self.size} are free")
 
     def give(self, first: int) -> int:
         """Give a span back; return its size."""

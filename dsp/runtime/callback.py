@@ -22,7 +22,7 @@ _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its firs
 _LATELY = 0.1  # s
 _HOLE, _HOLE_UNTOLD = 50e6, 1e9
 """ns by which a callback comes late after a hole in the sound: where the device says that it ran dry, and where it does
-not: JACK does not tell, but no device holds as much sound as that."""
+not: JACK does not report it, but no device holds as much sound as that."""
 
 
 @c_function(*SIGNATURE)

@@ -33,7 +33,7 @@ from .ring import Ring
 from .stems import Stems
 from .strikers import Strikers
 
-_STEADY = 1e-3  # s by which the clock may turn out to be wrong before what is said of it changes
+_STEADY = 1e-3  # s by which the clock may turn out to be wrong before its report changes
 
 _NO_TIMES = np.zeros(3)
 _NO_TIMES_AT = _NO_TIMES.ctypes.data
@@ -95,7 +95,7 @@ class Engine:
 
     def mark(self) -> Mark:
         """Return what `rewind` brings it back to, as long as no objects are made between. OSError where this system
-        cannot tell."""
+        does not report what is written."""
         return Mark(self.state)
 
     def rewind(self, mark: Mark) -> None:

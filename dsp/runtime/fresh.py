@@ -75,7 +75,7 @@ def _faults() -> tuple[int, int, int]:
 
 
 def _keep(memory: mmap.mmap, first: int, known: "_Own | None", faults: tuple[int, int, int], shapes: Arena) -> None:
-    """Restore the state at an address for another engine, unless it was written all over, or the system does not tell
+    """Restore the state at an address for another engine, unless it was written all over, or the system does not report
     where. known: the pages that were its own after so many faults."""
     if len(_kept) >= _MOST_KEPT:
         return
@@ -97,7 +97,7 @@ class Mark:
     """The contents of a state, which it has again once it is restored. No shapes are laid out between."""
 
     def __init__(self, state: NDArray[np.void]) -> None:
-        """Mark a state. OSError where the system does not tell which of its pages were written."""
+        """Mark a state. OSError where the system does not report which of its pages were written."""
         if _filled_in() < 0:
             raise OSError("no state shares its pages with a fresh one")
         self._state, self._first = state, state.ctypes.data
@@ -171,7 +171,7 @@ def _set_to_zero(spans: _Spans) -> None:
 
 def _own(first: int) -> _Spans:
     """Return the spans of a state at an address that are its own, but those of what is filled. OSError if they are too
-    much, or the system does not tell."""
+    much, or the system does not report it."""
     spans = written_pages(first, STATE.itemsize)
     for low, high in ((first + begin, first + end) for begin, end in (_SHAPES, _TRACED)):
         cut = (part for begin, end in spans for part in ((begin, min(end, low)), (max(begin, high), end)))

@@ -56,7 +56,7 @@ class Memory:
         plan = plan or self.plan(modes, top)
         size = plan.shape.shape[1]
         if not self.free:
-            raise EngineFull(f"no room for another object: all {self._most} are taken")
+            raise EngineFull(f"no capacity for another object: all {self._most} are taken")
         sheet = -1 if plan.laid is None else self._sheets.lay_out(plan.laid)
         try:
             first = self._modes.take(size)
@@ -149,7 +149,7 @@ class Memory:
 
     def _collect(self) -> None:
         """Take back the places of objects that the engine has given up."""
-        # An object can only be gone if it was told to go and the engine has seen it.
+        # An object can only be gone if it was freed and the engine has seen it.
         serials, used = self._objects["serial"], self._objects["used"]
         gone = [h for h in self._leaving if serials[h.slot] == h.serial and not observe(used[h.slot : h.slot + 1])]
         for handle in gone:

@@ -105,11 +105,11 @@ class PulseTables:
             self._free.append(place.number)
 
     def _full(self, exponent: float) -> EngineFull:
-        what = "drops" if exponent == DROPS else f"swarms of exponent {exponent:g}"
+        what = "drops" if exponent == DROPS else f"gestures of small blows with exponent {exponent:g}"
         others = ", ".join("of drops" if each == DROPS else f"of {each:g}" for each in sorted(self._places))
         if not others:
-            return EngineFull(f"no room for {what}: an engine of {TABLE} values has none")
-        return EngineFull(f"no room for {what}: others, {others}, go on or wait for their time")
+            return EngineFull(f"no capacity for {what}: an engine of {TABLE} values has none")
+        return EngineFull(f"no capacity for {what}: others, {others}, go on or wait for their time")
 
     def _write(self, place: _Place, table: "Table") -> None:
         entry = self._record["tables"]

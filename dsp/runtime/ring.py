@@ -30,7 +30,7 @@ class Ring:
         ring = record["ring"]
         self._written, self._read = ring["written"], ring["read"]
         self.entries: NDArray[np.void] = ring["entries"]
-        """The commands, by their numbers modulo RING. Whoever writes them has asked for room, sets their numbers, and
+        """The commands, by their numbers modulo RING. Whoever writes them has requested room, sets their numbers, and
         publishes."""
         self.bytes = as_bytes(self.entries)
 
@@ -59,9 +59,9 @@ class Ring:
         """Raise EngineFull unless there is room for so many commands, the last for a time (samples)."""
         room = self.room()
         if count > room:
-            raise EngineFull(f"no room for {count} events: {room} of {RING} can be queued now")
+            raise EngineFull(f"no capacity for {count} events: {room} of {RING} can be queued now")
         # An event for now must find room in the queue, however many wait there for later.
         record = self._record
         waiting, most = int(record["queue"]["size"]) + RING - room, EVENTS - KEPT_FOR_NOW
         if waiting + count > most and latest > int(record["position"]) + SOON * float(record["rate"]):
-            raise EngineFull(f"no room for {count} events ahead of their time: {waiting} of {most} wait")
+            raise EngineFull(f"no capacity for {count} events ahead of their time: {waiting} of {most} wait")

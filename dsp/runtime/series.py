@@ -1,4 +1,4 @@
-"""Tables of mode shapes that few numbers tell, so that a scene's file is small: what portable code plays.
+"""Tables of mode shapes that few numbers describe, so that a scene's file is small: what portable code plays.
 
 Along the strike path, a column of R rows is the sum of the first `terms(R)` polynomials that are orthonormal on these
 rows, each times a multiple of `step` of the column's scale, the power of 2 from its peak on. Where polynomials leave
@@ -18,7 +18,7 @@ Values = NDArray[np.float64]
 BITS = 17
 """Bits below a column's scale: what is rounded is below -100 dB of the column's peak."""
 LEAST_ROWS = 48
-"""Rows of a table from which on it is told so."""
+"""Rows of a table from which on it is described so."""
 _MOST_TERMS = 64
 
 
@@ -73,7 +73,7 @@ def values_of(multiples: Whole, scale: Values) -> Table:
 
 
 def rounded(table: Table) -> Table:
-    """Return a table of mode shapes, (R, n), by the numbers that tell it; the table itself if it has few rows."""
+    """Return a table of mode shapes, (R, n), by the numbers that describe it; the table itself if it has few rows."""
     if len(table) < LEAST_ROWS:
         return table
     scale = scale_of(table)
@@ -83,7 +83,7 @@ def rounded(table: Table) -> Table:
 
 
 def told_by_terms(table: Table) -> NDArray[np.bool_]:
-    """Return which columns of a table of LEAST_ROWS rows or more polynomials tell."""
+    """Return which columns of a table of LEAST_ROWS rows or more polynomials describe."""
     scale = scale_of(table)
     multiples = values_of(multiples_of(table, scale), scale)
     sums = sum_of(coefficients_of(table, scale), len(table), scale)

@@ -121,4 +121,4 @@ def _check(laid: Laid) -> None:
         width, rows = 3 * tables.points, max(tables.first.size, tables.stress.size)
         largest = max(2 * tables.first.size * width, 4 * tables.angles * width)
         if rows > MOST_ORDERS or largest > SPACE or laid.functions > MOST_COUPLED or len(laid.grids) != LEVELS:
-            raise EngineFull(f"{laid.mode.size} coupled modes: their grid of {largest} values has no room in {SPACE}")
+            raise EngineFull(f"{laid.mode.size} coupled modes: their grid of {largest} values exceeds {SPACE}")

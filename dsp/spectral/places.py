@@ -33,8 +33,17 @@ def take_place(spectral: Spectral, phase: Phase, b: int, mode: int, slots: View[
     """Take a place for a mode (its number) in a bin of a phase that `has_room`; slots[mode] holds 1 + the place."""
     if phase.free[b] == 0:
         if phase.count[b] == phase.room[b]:
-            _grow(spectral, phase, b, slots)
-        _add_chunk(spectral, phase, b)
+            # Move a bin that has run full to where it has more room.
+            room = _grown(phase.count[b])
+            phase.moved += phase.count[b]
+            _move(spectral, phase, b, room, slots)
+        # Add an empty chunk to a bin that has room for it.
+        first = (phase.start[b] + phase.count[b]) * CHUNK
+        phase.count[b] += 1
+        for place in range(first + CHUNK - 1, first - 1, -1):
+            _silence(spectral, phase.single[b], place)
+            spectral.owner[place] = -phase.free[b]
+            phase.free[b] = 1 + place
     place = phase.free[b] - 1
     phase.free[b] = -spectral.owner[place]
     spectral.owner[place] = 1 + mode
@@ -89,25 +98,6 @@ def _silence(spectral: Spectral, single: int, place: int) -> None:
     """Fill a place with a mode that is at rest."""
     for row in range(ROWS):
         put_number(spectral, single, place, row, 0.0)
-
-
-@kernel
-def _add_chunk(spectral: Spectral, phase: Phase, b: int) -> None:
-    """Add an empty chunk to a bin that has room for it."""
-    first = (phase.start[b] + phase.count[b]) * CHUNK
-    phase.count[b] += 1
-    for place in range(first + CHUNK - 1, first - 1, -1):
-        _silence(spectral, phase.single[b], place)
-        spectral.owner[place] = -phase.free[b]
-        phase.free[b] = 1 + place
-
-
-@kernel
-def _grow(spectral: Spectral, phase: Phase, b: int, slots: View[int]) -> None:
-    """Move a bin that has run full to where it has more room."""
-    room = _grown(phase.count[b])
-    phase.moved += phase.count[b]
-    _move(spectral, phase, b, room, slots)
 
 
 @kernel

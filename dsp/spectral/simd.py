@@ -21,7 +21,7 @@ SUMS = 4 * TERMS
 """Sums of a bin: left by real and imaginary parts, then right."""
 
 _AHEAD = {64: 4_096, 32: 2_048}
-"""Bytes by which chunks are asked for from memory before they are read, by bits of a number. Measured: without this a
+"""Bytes by which chunks are requested from memory before they are read, by bits of a number. Measured: without this a
 million modes take 1.4 to 1.9 times as long, as they do not stay in the cache."""
 _LINE = 64  # bytes that memory gives at once
 _FAST = ("contract", "reassoc", "nsz")

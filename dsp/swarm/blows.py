@@ -71,97 +71,74 @@ def draw_blows(swarm: Swarm, table: PulseTable, blows: Blows) -> None:
     for n in range(BATCH):
         blows.place[n] = int(unit(begin, first + n) * places)
     if swarm.law == DROPS:
-        _draw_drops(swarm, table, blows)
+        # Draw drops, the speeds at which they fall, and by how much they are heard.
+        scale, width = swarm.knots[0].scale, table.width[0]
+        magnitude, other, variety = swarm.random[MAGNITUDE], swarm.random[OTHER], swarm.random[VARIETY]
+        distance, beyond = swarm.random[DISTANCE], swarm.beyond
+        for n in range(BATCH):
+            i = first + n
+            # The diameter (m) of a drop that arrives, of those whose mean diameter in the air is `scale` above
+            # the smallest.
+            u = unit(magnitude, i)
+            second = unit(other, i)
+            chosen = unit(variety, i)
+            more = _NEARLY * _SLOWED * scale
+            less = (1.0 - _NEARLY) * (1.0 + _SLOWED * scale)
+            cut = scale / (1.0 + _SLOWED * scale) * log(second) if chosen * (more + less) < more else 0.0
+            diameter = min(SMALLEST_DROP - scale * log(u) - cut, _LARGEST_DROP)
+            v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
+            blows.v[n], blows.mass[n], blows.loss[n] = v, _WATER * diameter * diameter * diameter, 0.0
+            blows.width[n] = log(DROP_TIME * diameter / v) - _FLATTER * max(diameter - _ROUND, 0.0) + width
+            blows.heard[n] = 1.0 / math.sqrt(1.0 + unit(distance, i) * beyond)
         return
-    _draw_masses(swarm, blows)
-    _draw_speeds(swarm, blows)
-    for n in range(BATCH):
-        blows.loss[n], blows.width[n] = pulse_of(swarm, table, blows.light[n], blows.v[n])
-
-
-@kernel
-def _draw_drops(swarm: Swarm, table: PulseTable, blows: Blows) -> None:
-    """Draw drops, the speeds at which they fall, and by how much they are heard."""
-    first, scale, width = blows.number[0], swarm.knots[0].scale, table.width[0]
-    magnitude, other, variety = swarm.random[MAGNITUDE], swarm.random[OTHER], swarm.random[VARIETY]
-    distance, beyond = swarm.random[DISTANCE], swarm.beyond
-    for n in range(BATCH):
-        i = first + n
-        diameter = _draw_drop(scale, unit(magnitude, i), unit(other, i), unit(variety, i))
-        v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
-        blows.v[n], blows.mass[n], blows.loss[n] = v, _WATER * diameter * diameter * diameter, 0.0
-        blows.width[n] = log(DROP_TIME * diameter / v) - _FLATTER * max(diameter - _ROUND, 0.0) + width
-        blows.heard[n] = 1.0 / math.sqrt(1.0 + unit(distance, i) * beyond)
-
-
-@kernel
-def _draw_masses(swarm: Swarm, blows: Blows) -> None:
-    """Draw the masses of grains (kg), and ln of these over their stiffnesses."""
-    first, m, k, variety = blows.number[0], swarm.m, swarm.k, swarm.knots[0].variety
-    if variety == 0.0:
+    # Draw the masses of grains (kg), and ln of these over their stiffnesses.
+    m, k, sizes = swarm.m, swarm.k, swarm.knots[0].variety
+    if sizes == 0.0:
         light = swarm.light
         for n in range(BATCH):
             blows.mass[n], blows.light[n] = m, light
-        return
-    begin = swarm.random[VARIETY]
-    for n in range(BATCH):
-        s = exp(variety * (2.0 * unit(begin, first + n) - 1.0))
-        mass = m * s * s * s
-        blows.mass[n], blows.light[n] = mass, log(mass / (k * math.sqrt(s)))
-
-
-@kernel
-def _draw_speeds(swarm: Swarm, blows: Blows) -> None:
-    """Draw the speeds (m/s) of grains, by the law of their swarm and no more than its store of energy has."""
-    first, begin, scale = blows.number[0], swarm.random[MAGNITUDE], swarm.knots[0].scale
+    else:
+        begin = swarm.random[VARIETY]
+        for n in range(BATCH):
+            s = exp(sizes * (2.0 * unit(begin, first + n) - 1.0))
+            mass = m * s * s * s
+            blows.mass[n], blows.light[n] = mass, log(mass / (k * math.sqrt(s)))
+    # Draw the speeds (m/s) of grains, by the law of their swarm and no more than its store of energy has.
+    begin, scale = swarm.random[MAGNITUDE], swarm.knots[0].scale
     if swarm.law == ENERGIES:
-        _draw_energies(swarm, blows)
+        # Draw the speeds (m/s) of grains whose energies follow a power law, by inverse transform.
+        knot = swarm.knots[0]
+        highest, span, rest = knot.scale, knot.span, 1.0 - knot.steepness
+        if abs(rest) < _FLAT:
+            for n in range(BATCH):
+                energy = highest * exp(-span * unit(begin, first + n))
+                blows.v[n] = max(math.sqrt(2.0 * energy / blows.mass[n]), _SLOWEST)
+        else:
+            # u = 1 - (E^(1-b) - lo^(1-b))/(hi^(1-b) - lo^(1-b)), of E over the highest
+            low = exp(-rest * span)
+            for n in range(BATCH):
+                energy = highest * exp(log(low + (1.0 - low) * unit(begin, first + n)) / rest)
+                blows.v[n] = max(math.sqrt(2.0 * energy / blows.mass[n]), _SLOWEST)
     elif swarm.law == FALLS:
         for n in range(BATCH):
             blows.v[n] = max(scale * math.sqrt(unit(begin, first + n)), _SLOWEST)
     else:
-        _draw_gas(swarm, blows)
-    if swarm.store == math.inf:
-        return
-    for n in range(blows.count):
-        most = math.sqrt(2.0 * max(swarm.store, 0.0) / blows.mass[n])
-        blows.v[n] = max(min(blows.v[n], most), _SLOWEST)
-        swarm.store -= 0.5 * blows.mass[n] * blows.v[n] * blows.v[n]
-
-
-@kernel
-def _draw_gas(swarm: Swarm, blows: Blows) -> None:
-    """Draw the speeds (m/s) of a gas at a wall, or more even or uneven ones."""
-    first, begin, scale, evenness = blows.number[0], swarm.random[MAGNITUDE], swarm.knots[0].scale, _evenness(swarm)
-    if evenness == _GAS:
-        for n in range(BATCH):
-            blows.v[n] = max(scale * math.sqrt(-log(unit(begin, first + n))), _SLOWEST)
-        return
+        # Draw the speeds (m/s) of a gas at a wall, or more even or uneven ones.
+        asked: float = swarm.knots[0].steepness
+        evenness = asked if asked > 0.0 else _GAS
+        if evenness == _GAS:
+            for n in range(BATCH):
+                blows.v[n] = max(scale * math.sqrt(-log(unit(begin, first + n))), _SLOWEST)
+        else:
+            for n in range(BATCH):
+                blows.v[n] = max(scale * exp(log(-log(unit(begin, first + n))) / evenness), _SLOWEST)
+    if swarm.store != math.inf:
+        for n in range(blows.count):
+            most = math.sqrt(2.0 * max(swarm.store, 0.0) / blows.mass[n])
+            blows.v[n] = max(min(blows.v[n], most), _SLOWEST)
+            swarm.store -= 0.5 * blows.mass[n] * blows.v[n] * blows.v[n]
     for n in range(BATCH):
-        blows.v[n] = max(scale * exp(log(-log(unit(begin, first + n))) / evenness), _SLOWEST)
-
-
-@kernel
-def _evenness(swarm: Swarm) -> float:
-    asked: float = swarm.knots[0].steepness
-    return asked if asked > 0.0 else _GAS
-
-
-@kernel
-def _draw_energies(swarm: Swarm, blows: Blows) -> None:
-    """Draw the speeds (m/s) of grains whose energies follow a power law, by inverse transform."""
-    first, begin, knot = blows.number[0], swarm.random[MAGNITUDE], swarm.knots[0]
-    highest, span, rest = knot.scale, knot.span, 1.0 - knot.steepness
-    if abs(rest) < _FLAT:
-        for n in range(BATCH):
-            energy = highest * exp(-span * unit(begin, first + n))
-            blows.v[n] = max(math.sqrt(2.0 * energy / blows.mass[n]), _SLOWEST)
-        return
-    # u = 1 - (E^(1-b) - lo^(1-b))/(hi^(1-b) - lo^(1-b)), of E over the highest
-    low = exp(-rest * span)
-    for n in range(BATCH):
-        energy = highest * exp(log(low + (1.0 - low) * unit(begin, first + n)) / rest)
-        blows.v[n] = max(math.sqrt(2.0 * energy / blows.mass[n]), _SLOWEST)
+        blows.loss[n], blows.width[n] = pulse_of(swarm, table, blows.light[n], blows.v[n])
 
 
 @kernel
@@ -183,16 +160,6 @@ def known_of(values: View[float], loss: float) -> float:
     n = int(x)
     found: float = values[n] + (x - n) * (values[n + 1] - values[n])
     return found
-
-
-@kernel
-def _draw_drop(scale: float, u: float, other: float, chosen: float) -> float:
-    """Return the diameter (m) of a drop that arrives, of those whose mean diameter in the air is `scale` above the
-    smallest."""
-    more = _NEARLY * _SLOWED * scale
-    less = (1.0 - _NEARLY) * (1.0 + _SLOWED * scale)
-    beyond = scale / (1.0 + _SLOWED * scale) * log(other) if chosen * (more + less) < more else 0.0
-    return min(SMALLEST_DROP - scale * log(u) - beyond, _LARGEST_DROP)
 
 
 @kernel

@@ -66,10 +66,10 @@ in glass at most (an estimate, after H. Schardin, 1959)."""
 SLOWEST = 0.03
 """m/s: a slower corner stays where it lands, unheard."""
 TILT = math.sqrt(0.5)
-"""Cosine of the angle at which a piece's modes are struck, as they are told."""
+"""Cosine of the angle at which a piece's modes are struck, as they are stated."""
 MIDDLE = math.sqrt(0.5)
 """Share in which a blow along the normal, anywhere on a piece, moves a free square's modes in the mean (rms): they are
-told at TILT and at a corner, where their shape is twice its rms value."""
+stated at TILT and at a corner, where their shape is twice its rms value."""
 SPUN = 6.0
 """m R^2/I of a square about its diagonal, with its corners a distance R from its middle."""
 _CORNER = math.sqrt(0.5 * math.pi)  # of a square, in the radius of a disc of its area
@@ -222,20 +222,63 @@ def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
     if stays:
         _brake(swarm, p, swarm.friction * given)
     else:
-        _rub(swarm, p, middle, swarm.friction * given)
+        # Stop the corner of a piece along the floor, or slow it by a change (m/s) of the piece's speed if that is less.
+        most = swarm.friction * given
+        arm, along = middle / (_CORNER * _radius(swarm, p)), 2.0 * math.pi * uniform(swarm, number_of(swarm, p), GAP)
+        u, w = swarm.slide_of[p] * math.cos(along), swarm.slide_of[p] * math.sin(along)
+        x, y = u - arm * swarm.turn_of[0, p], w - arm * swarm.turn_of[1, p]
+        speed = math.sqrt(x * x + y * y)
+        if speed != 0.0:
+            less = min(most, speed / (1.0 + SPUN * arm * arm)) / speed
+            swarm.turn_of[0, p] += SPUN * arm * less * x
+            swarm.turn_of[1, p] += SPUN * arm * less * y
+            u, w = u - less * x, w - less * y
+            swarm.slide_of[p] = math.sqrt(u * u + w * w)
     held = _hold(swarm, p, flat, v) if stays else 0
     swarm.bounced[p] += 1
     x, y, fall = swarm.turn_of[0, p], swarm.turn_of[1, p], swarm.fall_of[p]
     energy = 0.5 * (fall * fall + (x * x + y * y) / SPUN) + STANDARD_GRAVITY * middle
     lift = STANDARD_GRAVITY / (SPUN * flat * flat + max(_count(held), 1))
-    time, corner = _next_landing(swarm, p, flat, held, lift)
+    # The time (s) until the next corner of a piece lands, and which: of those that do so at once the fastest.
+    soonest, found, fastest, landed = math.inf, 0, 0.0, swarm.corner_of[p] & 3
+    for other in range(4):
+        if held >> other & 1 == 1:
+            continue
+        gap = max(_high(swarm, p) - _at(swarm.tilt_of, p, other), 0.0) if other != landed else 0.0
+        down = swarm.fall_of[p] + flat * _at(swarm.turn_of, p, other)
+        pull = STANDARD_GRAVITY - _count(held) * lift
+        if held >> (other ^ 2) & 1 == 1:
+            pull += SPUN * flat * flat * lift
+        lands = math.sqrt(down * down + 2.0 * pull * gap)  # m/s
+        after = math.inf
+        if down > 0.0:
+            after = 2.0 * gap / (down + lands)
+        elif pull > 0.0:
+            after = (lands - down) / pull
+        if after < soonest - _AT_ONCE or (after < soonest + _AT_ONCE and lands > fastest):
+            soonest, found, fastest = after, other, lands
+    time, corner = soonest, found
     if 2.0 * (1.0 + SPUN) * energy < SLOWEST * SLOWEST or time == math.inf or swarm.bounced[p] == BOUNCES:
         swarm.next_of[p] = math.inf
         return
-    _move(swarm, p, flat, held, lift, time)
+    # Move a piece that flies for a time (s) meanwhile, or falls about the corners that rest.
+    slower = SPUN * flat * lift * time
+    _brake(swarm, p, swarm.friction * _count(held) * lift * time)
+    swarm.fall_of[p] += (STANDARD_GRAVITY - _count(held) * lift) * time
+    for axis in range(2):
+        swarm.tilt_of[axis, p] += flat * swarm.turn_of[axis, p] * time
+    for resting in range(4):
+        if held >> resting & 1 == 1:
+            _add_at(swarm.turn_of, p, resting, -slower)
+            _add_at(swarm.tilt_of, p, resting, -0.5 * flat * slower * time)
     swarm.corner_of[p] = corner | held << 2
     if _flat(swarm, p) == 0.0:
-        time = _turn_over(swarm, p, middle, fall, math.sqrt(x * x + y * y))
+        # The time (s) after which a piece lands that turns over before, at an angle at random.
+        turn = math.sqrt(x * x + y * y)
+        _tilt(swarm, p, number_of(swarm, p), _high(swarm, p))
+        falls = math.sqrt(max(fall * fall + 2.0 * STANDARD_GRAVITY * (middle - _high(swarm, p)), 0.0))
+        swarm.fall_of[p], swarm.turn_of[0, p], swarm.turn_of[1, p] = falls, turn, 0.0
+        time = (falls - fall) / STANDARD_GRAVITY
     swarm.next_of[p] += time
 
 
@@ -243,24 +286,6 @@ def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
 def _brake(swarm: Swarm, p: int, less: float) -> None:
     """Subtract so many m/s from a piece's speed along the floor, until it stops."""
     swarm.slide_of[p] = max(swarm.slide_of[p] - less, 0.0)
-
-
-@kernel
-def _rub(swarm: Swarm, p: int, high: float, most: float) -> None:
-    """Stop the corner of a piece along the floor, or slow it by a change (m/s) of the piece's speed if that is less.
-
-    high: m, of the piece's middle."""
-    arm, along = high / (_CORNER * _radius(swarm, p)), 2.0 * math.pi * uniform(swarm, number_of(swarm, p), GAP)
-    u, w = swarm.slide_of[p] * math.cos(along), swarm.slide_of[p] * math.sin(along)
-    x, y = u - arm * swarm.turn_of[0, p], w - arm * swarm.turn_of[1, p]
-    speed = math.sqrt(x * x + y * y)
-    if speed == 0.0:
-        return
-    less = min(most, speed / (1.0 + SPUN * arm * arm)) / speed
-    swarm.turn_of[0, p] += SPUN * arm * less * x
-    swarm.turn_of[1, p] += SPUN * arm * less * y
-    u, w = u - less * x, w - less * y
-    swarm.slide_of[p] = math.sqrt(u * u + w * w)
 
 
 @kernel
@@ -284,59 +309,6 @@ def _hold(swarm: Swarm, p: int, flat: float, v: float) -> int:
             _add_at(swarm.turn_of, p, other, -swing - turns[1])
             return before | 1 << corner
     return 1 << corner
-
-
-@kernel
-def _next_landing(swarm: Swarm, p: int, flat: float, held: int, lift: float) -> tuple[float, int]:
-    """Return the time (s) until the next corner of a piece lands, and which: of those that do so at once the fastest.
-
-    held: a bit of each corner that rests; lift: m/s^2, by which each of them slows its fall.
-    """
-    soonest, found, fastest, landed = math.inf, 0, 0.0, swarm.corner_of[p] & 3
-    for corner in range(4):
-        if held >> corner & 1 == 1:
-            continue
-        gap = max(_high(swarm, p) - _at(swarm.tilt_of, p, corner), 0.0) if corner != landed else 0.0
-        down = swarm.fall_of[p] + flat * _at(swarm.turn_of, p, corner)
-        pull = STANDARD_GRAVITY - _count(held) * lift
-        if held >> (corner ^ 2) & 1 == 1:
-            pull += SPUN * flat * flat * lift
-        lands = math.sqrt(down * down + 2.0 * pull * gap)  # m/s
-        time = math.inf
-        if down > 0.0:
-            time = 2.0 * gap / (down + lands)
-        elif pull > 0.0:
-            time = (lands - down) / pull
-        if time < soonest - _AT_ONCE or (time < soonest + _AT_ONCE and lands > fastest):
-            soonest, found, fastest = time, corner, lands
-    return soonest, found
-
-
-@kernel
-def _move(swarm: Swarm, p: int, flat: float, held: int, lift: float, time: float) -> None:
-    """Move a piece that flies for a time (s), or falls about the corners that rest, as `_next_landing` has it."""
-    slower = SPUN * flat * lift * time
-    _brake(swarm, p, swarm.friction * _count(held) * lift * time)
-    swarm.fall_of[p] += (STANDARD_GRAVITY - _count(held) * lift) * time
-    for axis in range(2):
-        swarm.tilt_of[axis, p] += flat * swarm.turn_of[axis, p] * time
-    for corner in range(4):
-        if held >> corner & 1 == 1:
-            _add_at(swarm.turn_of, p, corner, -slower)
-            _add_at(swarm.tilt_of, p, corner, -0.5 * flat * slower * time)
-
-
-@kernel
-def _turn_over(swarm: Swarm, p: int, middle: float, fall: float, turn: float) -> float:
-    """Return the time (s) after which a piece lands that turns over before, at an angle at random.
-
-    middle, fall: where its middle is (m), and how fast it falls (m/s); turn: m/s, of a corner about the middle.
-    """
-    _tilt(swarm, p, number_of(swarm, p), _high(swarm, p))
-    falls = math.sqrt(max(fall * fall + 2.0 * STANDARD_GRAVITY * (middle - _high(swarm, p)), 0.0))
-    swarm.fall_of[p], swarm.turn_of[0, p], swarm.turn_of[1, p] = falls, turn, 0.0
-    time: float = (falls - fall) / STANDARD_GRAVITY
-    return time
 
 
 @kernel
@@ -368,7 +340,7 @@ def bend_piece(
 
     mass, width, given: as it would meet the floor if it were rigid, in kg, ln of s, and in m v. Its modes have
     frequencies as the inverse of its mass, and masses as that; flat: the cosine of the angle at which it lies, as they
-    are told at TILT.
+    are stated at TILT.
     """
     piece, toward = swarm.mass_of[p], flat / TILT
     mass_ratio, at = toward * toward * swarm.bending * mass / piece, width + log(swarm.usual / piece)

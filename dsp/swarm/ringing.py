@@ -39,13 +39,13 @@ def kept_by(
     exponent: float,
 ) -> tuple[float, float, float]:
     """Return the share that is left of the energy which a rigid body's blow would give its modes, by how much ln of the
-    blow's width is less as they give way, and m' M then.
+    blow's width is less as they yield, and m' M then.
 
     mass_ratio, width: as `bent_by` has them, of the body, and of one like it that it meets, whose ratio is 0 if it does
     not ring; given: the momentum in m' v; exponent: the contact law's.
     """
     bent = shorter = 0.0
-    for step in range(3):  # what gives way has a shorter pulse, which reaches more modes
+    for step in range(3):  # what yields has a shorter pulse, which reaches more modes
         shorter = log(1.0 + bent) / (exponent + 1.0) if step > 0 else 0.0
         bent = bent_by(frequencies, count, mass_ratio[0], width[0] - shorter)
         if mass_ratio[1] > 0.0:

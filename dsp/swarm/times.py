@@ -89,26 +89,6 @@ def knot_at(swarm: Swarm, time: float) -> int:
 
 
 @kernel
-def _time_of(swarm: Swarm, reached: float) -> float:
-    """Return the time at which the integral of the rate comes to a value."""
-    k = 0
-    while k + 1 < swarm.count and swarm.knots[k + 1].reached <= reached:
-        k += 1
-    knot = swarm.knots[k]
-    rest = max(reached - knot.reached, 0.0)
-    root = math.sqrt(max(knot.rate * knot.rate + 2.0 * knot.slope * rest, 0.0))
-    return knot.time + 2.0 * rest / (knot.rate + root) if knot.rate + root > 0.0 else math.inf
-
-
-@kernel
-def _reached_at(swarm: Swarm, time: float) -> float:
-    """Return the integral of the rate at a time."""
-    knot = swarm.knots[knot_at(swarm, time)]
-    since = time - knot.time
-    return knot.reached + (knot.rate + 0.5 * knot.slope * since) * since
-
-
-@kernel
 def take_blows(swarm: Swarm, blows: Blows, until: float) -> None:
     """Advance by the blows that come before a time (s) and have the law of one knot, which is then the first: at most
     as many as are drawn together."""
@@ -126,7 +106,14 @@ def _take_blow(swarm: Swarm, blows: Blows, until: float) -> bool:
     """Advance to the next blow, if it comes before a time (s) and has the law of those before it."""
     n = blows.count
     reached = swarm.reached + blows.gap[n]
-    time = _time_of(swarm, reached)
+    # The time at which the integral of the rate comes to a value.
+    k = 0
+    while k + 1 < swarm.count and swarm.knots[k + 1].reached <= reached:
+        k += 1
+    knot = swarm.knots[k]
+    rest = max(reached - knot.reached, 0.0)
+    root = math.sqrt(max(knot.rate * knot.rate + 2.0 * knot.slope * rest, 0.0))
+    time = knot.time + 2.0 * rest / (knot.rate + root) if knot.rate + root > 0.0 else math.inf
     if swarm.excited > 0.0:
         memory = swarm.memory
         left = 1.0 + log(uniform(swarm, swarm.index, SET_OFF)) / (swarm.excited * memory)
@@ -134,7 +121,10 @@ def _take_blow(swarm: Swarm, blows: Blows, until: float) -> bool:
             early = swarm.time - memory * log(left)
             if early < time:
                 time = early
-                reached = _reached_at(swarm, time)
+                # The integral of the rate at a time.
+                knot = swarm.knots[knot_at(swarm, time)]
+                since = time - knot.time
+                reached = knot.reached + (knot.rate + 0.5 * knot.slope * since) * since
     if not time < until:
         return False
     k = knot_at(swarm, time)

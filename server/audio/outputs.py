@@ -121,7 +121,7 @@ class DeviceOutput:
         self.patience = _PATIENCE_STALLED
         self._prepared = False
         if self._on_jack():
-            self.patience = math.inf  # JACK tells when it goes
+            self.patience = math.inf  # JACK reports when it goes
             never_end()
 
     def _on_jack(self) -> bool:

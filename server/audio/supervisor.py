@@ -145,7 +145,7 @@ class Player:
         if thread == 0 or not hasattr(os, "sched_setscheduler"):
             return
         real_time = {os.SCHED_FIFO: "fifo", os.SCHED_RR: "rr"}
-        with suppress(OSError):  # the thread has ended, or the system does not tell
+        with suppress(OSError):  # the thread has ended, or the system does not report
             if _policy(thread) not in real_time:
                 with suppress(OSError):  # it is not permitted
                     os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(priority()))

@@ -33,7 +33,7 @@ from .tracking.state import GRAINS, HEAPS
 EVENEST, LEAST_EVEN = 10.0, 0.5
 _IDLE = 0.5  # s without a blow, after which a swarm ends
 _LEAST_SPREAD = 0.2
-_AWAY = 0.05  # of a strike path, by which the blows must have moved to be told
+_AWAY = 0.05  # of a strike path, by which the blows must have moved to be reported
 _HERTZ = 1.5
 _ROUNDS = 5  # for a speed and the restitution there
 _BOTH = 20.0 * math.log10(2.0)  # dB: two grains that hit each other sound at once

@@ -23,7 +23,7 @@ NEAREST = 0.1
 """m: a body that is nearer to a microphone is as loud as at this distance."""
 _LEVEL, _COUNT, _PATTERN = Range(-1000.0, 1000.0, "dB"), Range(0, 10**9), Range(0.0, 1.0)
 _MOST_QUALITY = int(max(Quality))
-_CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
+_CHANGED = 0.03  # share by which a gain changes before it is sent: 0.26 dB
 
 
 @explain_all_arguments

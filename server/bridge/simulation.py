@@ -352,14 +352,14 @@ class Simulation:
         return self.told(self._own, self._tell(self._own_at))
 
     def told(self, telling: NDArray[np.void], found: int) -> list[Request]:
-        """Return the requests of a step that was reported, for which `tell` returned what it found."""
+        """Return the requests of a step that was reported, for which `tell` returned a number."""
         if found >= 0 and not found & LOOK:
             return []
         before = float(telling["before"][0])
         if found == NOT_LATER:
             self._check(time_told(telling), f"step {self.steps + 1}", "; after a reset, restart() begins anew")
         if found == NO_ROOM:
-            raise WorldError(f"step {self.steps}: no room for more events: ask for the sound of these steps first")
+            raise WorldError(f"step {self.steps}: no capacity for more events: compute the sound of these steps first")
         if found < 0:
             raise WorldError(
                 f"step {self.steps + 1}: {self._fault(c_int32.from_address(int(telling['points'][0])).value)}"

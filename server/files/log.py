@@ -77,7 +77,7 @@ class Log:
                 except ValueError as error:
                     self.error = f"the log {self._file.path} ended: {error}"
         if lost := self._engine.stats.notes_lost:
-            self.error = f"the log {self._file.path} ended: {lost} events were too many at once"
+            self.error = f"the log {self._file.path} ended: {lost} events came too fast to write"
         if not self.error:
             self._write(lines)
 

@@ -181,7 +181,7 @@ class Midi(Remote):
             raise Refused(f"low = {low:g}: expected at most high, {high:g}")
         with self._lock:
             if not self._parts.add(Part(name, int(values.number("channel")), low, high)):
-                raise Refused(f"object = {name}: expected at most {MOST} parts of keyboards")
+                raise Refused(f"object = {name}: expected at most {MOST} ranges of keys")
         yield Message("/done", ("/midi/notes",))
 
     def _learn(self, values: Values, source: Source) -> Iterator[Message]:

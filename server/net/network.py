@@ -60,7 +60,7 @@ class Network:
         """Listen on a port, 0 for any free one. OSError if that fails. trusted: other hosts that get all replies."""
         self._replies_dropped = 0
         self._warned: Counter[str] = Counter()
-        self._told: Counter[str] = Counter()  # datagrams dropped, whose sender was told
+        self._told: Counter[str] = Counter()  # datagrams dropped, whose sender was warned
         self._refused = 0  # datagrams that were taken, and had to be dropped
         self._refused_from: tuple[str, int] | None = None
         self._outdated = 0  # questions that waited for too long

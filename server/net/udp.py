@@ -23,9 +23,9 @@ from ...dsp.native.jit import c_function, carray, external, kernel
 from ...dsp.native.typed import Record, View, dtype_of, i32
 from .tcp import listen
 
-CAPACITY = 3 << 22
+CAPACITY = 1 << 22
 """Bytes of datagrams that can wait to be carried out, each with 24 of its own. An address may take as much as its host
-leaves free of what is left for that: a third where no other sends, some 50,000 short ones; a fifth where another of its
+leaves free of what is left for that: a third where no other sends, some 17,000 short ones; a fifth where another of its
 host does. So there is room for a newcomer of this host, and of others."""
 
 RECEIVE_BUFFER = 1 << 22
@@ -141,7 +141,7 @@ def drain(address: int) -> None:
         before = written
         written = _beyond(written, size)
         store_release(box.written, 0, written)
-        # The reader may have found nothing a moment before. Each of the two tells what it has done, and then looks at
+        # The reader may have found nothing a moment before. Each of the two writes what it has done, and then looks at
         # what the other has: without a fence in both either look could come first, and the bell would not be rung.
         fence()
         if load_acquire(box.read, 0) == before:

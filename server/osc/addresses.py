@@ -47,7 +47,7 @@ from .space_verbs import LISTENING, PLACING
 from .wire import MOST_PORT, Message
 from .world_verbs import WORLD
 
-STRIKER = Word("striker", "preset of the striker", "the object's for such a gesture, or for a strike")
+STRIKER = Word("striker", "preset of the striker", "the object's for this gesture, or for a strike")
 
 ON_SURFACE = Vector("point", POINT, "point in the object's frame, in place of `position`; the nearest one counts")
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "point on the other object, which strikes or supports")
@@ -72,8 +72,8 @@ STRIKE: tuple[Number | Word | Vector, ...] = (
 )
 """Keys that every gesture takes."""
 
-_SURFACE = Word("surface", "preset of the surface", "the object's for such a gesture, or wood")
-_PRESS = Word("press", "id of a press on the object, whose force the friction takes in place of its own")
+_SURFACE = Word("surface", "preset of the surface", "the object's for this gesture, or wood")
+_PRESS = Word("press", "id of a press on the same object; its force becomes the normal force")
 _ONTO = Word(
     "onto", "name of the object on which the pieces fall, or `none`", "`floor`, made of `wooden-floor` if missing"
 )
@@ -149,7 +149,7 @@ _OBJECTS = (
     *MACRO_VERBS,
     Verb(
         "/object/NAME/gains",
-        "gives the object a factor for each channel in place of its pan; without arguments its pan counts again",
+        "gives the object a factor for each channel in place of its pan; without arguments, restores its pan",
         many=GAINS,
     ),
     PLACING,
@@ -234,7 +234,7 @@ _ENGINE = (
         "sets a score's pressure of full scale; a server accepts only the one it was started with",
         (FULL_SCALE,),
     ),
-    Verb("/end", "ends a score's render at its time; a server does nothing"),
+    Verb("/end", "ends the render of a score at its time; a server ignores it"),
     Verb("/panic", "ends all gestures; the sound fades, and objects stay"),
 )
 

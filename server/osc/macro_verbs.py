@@ -39,9 +39,9 @@ MACRO_VERBS = (
     ),
     Verb(
         DICE,
-        "turns all macros at random, within what sounds good, and answers `/object/NAME/macros` with what they are",
+        "sets all macros at random, in ranges that sound good; the answer is `/object/NAME/macros` with their values",
         optional=(SEED,),
     ),
     Verb(UNDO, "takes back the last throw of the dice"),
-    Morph(MORPHING, "brings the object a share of the way to another preset of its shape", (OTHER, MORPH)),
+    Morph(MORPHING, "moves the object part of the way to another preset of the same shape", (OTHER, MORPH)),
 )  # fmt: skip

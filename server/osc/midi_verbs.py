@@ -37,7 +37,7 @@ MIDI = (
     ),
     Verb(
         "/midi/learn",
-        "binds the controller that is moved next to an address; the reply is then `/midi/learnt ADDRESS CONTROLLER "
+        "lets the controller that you move next set an address; then the reply is `/midi/learnt ADDRESS CONTROLLER "
         "CHANNEL`",
         (_ADDRESS,),
         keys=(CHANNEL, LOW, HIGH),

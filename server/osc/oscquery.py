@@ -20,7 +20,7 @@ _EXTENSIONS = ("ACCESS", "VALUE", "RANGE", "CLIPMODE", "UNIT", "OVERLOADS", "LIS
                "PATH_REMOVED")  # fmt: skip
 _NOT_GIVEN = ("TAGS", "EXTENDED_TYPE", "CRITICAL", "PATH_RENAMED", "PATH_CHANGED", "OSC_STREAMING", "HTML")
 ATTRIBUTES = (*GIVEN, "TAGS", "EXTENDED_TYPE", "CRITICAL")
-"""Attributes that may be asked for."""
+"""Attributes that may be requested."""
 _UNITS = {"m/s": "speed.m/s", "dB": "gain.db"}  # the proposal's words, where it has one
 
 Names = Mapping[str, Collection[str]]

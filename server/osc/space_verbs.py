@@ -66,7 +66,7 @@ LISTENING = (
 
 PLACING = Verb(
     PLACE,
-    "puts the object at a place in space; without arguments its pan counts again",
+    "puts the object at a place in space; without arguments, restores its pan",
     optional=XYZ,
     keys=(OVER,),
 )

@@ -32,7 +32,7 @@ def shared_table() -> str:
 
 def macro_table() -> str:
     """Return the macros: their ends, controllers and laws."""
-    lines = ["| macro | at 0 | at 1 | MIDI | law, with m its value |\n|---|---|---|---|---|"]
+    lines = ["| macro | at 0 | at 1 | MIDI | effect at the value m |\n|---|---|---|---|---|"]
     for name, each in MACROS.items():
         lines.append(f"| `{name}` | {each.ends[0]} | {each.ends[1]} | {each.controller} | {_sentence(each.law)} |")
     return "\n".join(lines)

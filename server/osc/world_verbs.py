@@ -71,7 +71,7 @@ WORLD = (
     ),
     Verb(
         "/world/pair",
-        "sets the contact of two bodies, in place of what their materials say",
+        "sets the contact of two bodies, in place of the one that follows from their materials",
         (Word("a", "name of a body"), Word("b", "name of the other body")),
         keys=(
             Word("surface", "preset of the surface"),
@@ -104,7 +104,7 @@ WORLD = (
     ),
     Verb(
         "/world/grains",
-        "turns small bodies into grains, or names a striker for `/world/pour`; each body sounds as one shake",
+        "declares small bodies as grains, or a striker for `/world/pour`; all blows on a body sound as one shake",
         (Word("name", "name of the grains"),),
         keys=(Word("bodies", "pattern of the bodies' names, such as stone*"), Word("striker", "preset of a striker")),
     ),
@@ -125,7 +125,7 @@ WORLD = (
     ),
     Verb(
         "/world/step",
-        "ends a step of the simulation; what was reported since the last one holds at this time",
+        "ends a step of the simulation; whatever was reported since the last step happens at this time",
         (_number("time", "time of the simulation", "s", 0.0, 1e9),),
     ),
     Verb("/world/end", "ends the simulation; its objects fall silent"),

@@ -77,7 +77,7 @@ def _play(transaction: Transaction, call: Call, values: Values) -> None:
     makeup.on = values.words["play"] in ("on", "1")
     transaction.on_undo(lambda: setattr(makeup, "on", before))
     if makeup.on and transaction.scale.calibrated:
-        text = "/play: no effect: samples are pascals, whose level physics gives"
+        text = "/play: no effect on calibrated sound"
         transaction.replies.append(Message("/warning", (text,)))
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .objects import PlayedObject
 
 _REMEMBERED = 4_096  # ids: one that is given again soon has the number that it had
-_MOST_ENDS = 65_536  # that wait to be told
+_MOST_ENDS = 65_536  # that wait to be sent
 _begin_of = itemgetter(0)
 _time_of = attrgetter("time")
 _LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none

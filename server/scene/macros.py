@@ -1,4 +1,4 @@
-"""Macros: what they tell an object's modes, and the values of its gestures."""
+"""Macros: how they change an object's modes, and the values of its gestures."""
 
 import math
 import random

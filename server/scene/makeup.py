@@ -70,7 +70,7 @@ _LASTING = (-27.0, -18.0)
 _FRACTIONS = (1.0 / 6.0, 0.5, 5.0 / 6.0)
 """Places in the useful range of an argument, by ratios, at which a gesture is measured."""
 _FASTER, _FASTEST = 20.0, 20.0
-"""Times by which a plate that swells is struck faster or slower than was asked for, and m/s, at most."""
+"""Times by which a plate that swells is struck faster or slower than was requested, and m/s, at most."""
 _SLOWER = 0.98  # of the fastest: what is slower was enough
 _HALVINGS = 12  # of the ratio between both: to 1 %, as the velocity is rounded
 _RATE = 48_000

@@ -42,7 +42,7 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
 
     def step(transaction: Transaction, call: Call, values: Values) -> None:
         engine = transaction.engine
-        transaction.beside = None  # what was told is told once: it cannot wait for a table
+        transaction.beside = None  # reports are sent once: they cannot wait for a table
         before, told = transaction.world.step(values.numbers["time"])
         begin = max(transaction.time, float(engine.position) + _AHEAD * engine.rate * (transaction.time < 0))
         makeup, transaction.makeup = transaction.makeup, MakeUp()  # a simulation's levels are those of physics

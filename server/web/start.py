@@ -26,7 +26,7 @@ class Web:
 
 def web_server(web: Web, known: Known, network: Network) -> tuple[WebServer, Listening]:
     """Make a web server for a server, to be started, and what notifies its clients. OSError where TLS can't be had."""
-    # OSCQuery's other clients know no token: what describes the addresses alone tells nothing that OSC would not.
+    # OSCQuery's other clients know no token: what describes the addresses alone reveals nothing that OSC would not.
     token = new_token() if web.page and not local(web.host) else ""
     site = Site(known, network, network.address[1], web.page, Guard(token, () if local(web.host) else (web.host,)))
     tls = context(web.certificate, web.host) if web.certificate or web.self_made else None

@@ -53,7 +53,7 @@ def attempt(shared: str, scene: bytes, seed: int) -> tuple[int, int, str]:
         what = chance.randrange(8)
         if what < 4:
             taken = c.carom_send(opened, _text(chance), chance.choice(_TIMES))
-            if not taken and len(c.carom_told(opened)) < 3:
+            if not taken and len(c.carom_answer(opened)) < 3:
                 return refused, fine, "a refusal that says nothing"
             refused, fine = refused + (not taken), fine + taken
         elif what == 4:
@@ -95,7 +95,7 @@ def _loaded(shared: str) -> ctypes.CDLL:
     c = ctypes.CDLL(shared)
     c.carom_open.restype, c.carom_open.argtypes = ctypes.c_void_p, [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_int]
     c.carom_send.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_double]
-    c.carom_told.restype, c.carom_object.restype, c.carom_pitch.restype = (
+    c.carom_answer.restype, c.carom_object.restype, c.carom_pitch.restype = (
         ctypes.c_char_p,
         ctypes.c_char_p,
         ctypes.c_double,

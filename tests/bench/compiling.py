@@ -35,7 +35,7 @@ EDITS = {
     "rolling": ("dsp/rolling/body.py", "roll.angle = 0.5 * math.pi", "roll.angle = 0.500001 * math.pi"),
     "resonator": ("dsp/resonator/bank.py", "_inject(modes, point, m)", "_inject(modes, point, m[:7] + (0.5 * m[7],))"),
     "spectral": ("dsp/spectral/synthesis.py", "sums[k] = 0.0", "sums[k] = 1e-300"),
-    "engine, limiter": ("dsp/engine/output/limiter.py", "loudest = 1.0\n", "loudest = 1.000001\n"),
+    "engine, limiter": ("dsp/engine/output/limiter.py", "loudest = 0.0\n", "loudest = 1e-300\n"),
     "engine, contacts": ("dsp/engine/contacts/contacts.py", "contact.touching == 1)", "contact.touching == 2)"),
     "runtime": ("dsp/runtime/callback.py", "flush_denormals()", "flush_denormals() + 0"),
     "a comment": ("dsp/contact/law.py", "import math\n", "import math  # of Python\n"),

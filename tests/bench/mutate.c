@@ -128,7 +128,7 @@ int main(int count, char **words) {
     if (!whole || !file || fread(whole, 1, whole_size, from) != whole_size) return 2;
     fclose(from);
     carom *scene = carom_open(whole, whole_size, 0);
-    if (!scene) return fprintf(stderr, "mutate: %s: %s\n", words[1], carom_told(NULL)), 1;
+    if (!scene) return fprintf(stderr, "mutate: %s: %s\n", words[1], carom_answer(NULL)), 1;
     for (int64_t n = atoll(words[3]); n < atoll(words[4]); n++) {
         size_t size = whole_size;
         state = (uint64_t)atoll(words[2]) * 0x10000001b3u + (uint64_t)n;
@@ -146,7 +146,7 @@ int main(int count, char **words) {
         double before = seconds();
         char made = play(tight, size, n % 4 / 2, atoll(words[5]));
         printf("%c %.0f %s%s: %s\n", made, 1e3 * (seconds() - before), what, alike ? " as before" : "",
-               made == 'r' ? carom_told(NULL) : "");
+               made == 'r' ? carom_answer(NULL) : "");
         fflush(stdout);
         free(tight);
     }

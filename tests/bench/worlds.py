@@ -38,7 +38,7 @@ def cost(name: str, step: float, gestures: int = 24) -> np.ndarray:
             begun = time.perf_counter()
             mujoco.mj_step(model, data)
             stepped = time.perf_counter()
-            bridge.tell()
+            bridge.report()
             told = time.perf_counter()
             if n % each == each - 1:
                 bridge.world.block()

@@ -53,7 +53,9 @@ def test_the_keys_are_listed_for_a_scene_alone():
     assert taking == {*GESTURES, "note", *changing, *space}
     for name in SHARED:
         assert ("\n\nOther Parameters\n---" in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
+        assert inspect.getdoc(getattr(carom.Scene, name)).count("Other Parameters") <= 1
         assert "Other Parameters" not in inspect.getdoc(getattr(carom.Client, name))
+    assert "energy" not in inspect.getdoc(carom.Scene.pour)  # which /world/pour has
     assert "\npoint : x, y, z, each -1000 to 1000 m\n    Point" in inspect.getdoc(carom.Scene.slide)
     assert "\ngravity : 0.01 to 1000 m/s^2, default 9.80665\n    Gravity.\n" in inspect.getdoc(carom.Scene.roll)
 

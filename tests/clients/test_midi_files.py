@@ -73,7 +73,7 @@ def test_files_that_are_none_are_refused(tmp_path):
         with pytest.raises(ScoreError, match=r"cut\.mid: "):
             said(tmp_path / "cut.mid", "tom")
     (tmp_path / "score.txt").write_text("0 /object/new a tom\n")
-    with pytest.raises(ScoreError, match=r"score\.txt: it is no MIDI file"):
+    with pytest.raises(ScoreError, match=r"score\.txt: expected a MIDI file"):
         said(tmp_path / "score.txt", "tom")
 
 

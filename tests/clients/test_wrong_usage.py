@@ -199,7 +199,7 @@ def test_a_wrong_line_of_a_score_is_told_in_one_line(folder, tmp_path, capsys, l
         (lambda: carom.Hearing([carom.Microphone((0, 0, 1), pattern="x")]), carom.WorldError, "pattern = 'x'"),
         (lambda: carom.Hearing([carom.Microphone((0, 0, 1), (0, 0, 0))]), carom.WorldError, "direction = (0, 0, 0)"),
         (lambda: carom.Scene().impact("b", 1), carom.CommandError, "there is none"),
-        (lambda: carom.render("0 /panic\n1 /gain '\ud800'"), carom.ScoreError, "score:2: '\\ud800' is no character"),
+        (lambda: carom.render("0 /panic\n1 /gain '\ud800'"), carom.ScoreError, "score:2: '\\ud800' is half"),
         (lambda: carom.render('1 /gain "\\ud800"'), carom.ScoreError, "score:1: "),
         (lambda: carom.render("strike.txt"), carom.ScoreError, "pathlib.Path('strike.txt')"),
     ],

@@ -25,6 +25,7 @@ OTHERS = ("CHANGELOG.md", "SECURITY.md", "clients/examples/README.md")
 _GESTURES = ("impact", "bounce", "roll", "slide", "spin", "press", "rest", "rain", "pour", "shake", "crumple", "step",
              "shatter")  # fmt: skip
 _THEORY = (
+    "rolling",
     "friction",
     "plates",
     "radiation",

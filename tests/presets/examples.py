@@ -27,7 +27,7 @@ slope = 2
 dissipation = 0.5
 """
 
-WALL = """description = "A body that gives way to nothing"
+WALL = """description = "A body that yields to nothing"
 source = "these tests"
 shape = "listed"
 level = 0.0  # dB

@@ -125,7 +125,7 @@ def test_peaks_are_those_of_the_force_of_the_blow(folder, height, drop):
     """The body's own sound is within 1.5 dB up to 0.4 of the rate, with what it strikes within 3 dB.
 
     Its own is the difference to a silent one of the same law. The derivation's plates are rigid where they are struck,
-    and infinite: it leaves out what they give way, some tenths of a dB, and what comes back from their edges.
+    and infinite: it leaves out what they yield, some tenths of a dB, and what comes back from their edges.
     """
     force = hertz_force(drop.mass, drop.tip, math.sqrt(2 * G * height), drop.dissipation, *drop.elastic)
     own = sphere_click(force, drop.mass, drop.radius)

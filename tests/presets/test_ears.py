@@ -120,7 +120,7 @@ def attack(name: str, stiffness: float) -> float:
     "name", [name for name in PRESETS.names("objects") if PRESETS.object(name).shape != "membrane"]
 )
 def test_hardness_raises_the_centroid(name):
-    """A membrane gives way so easily that it alone decides how long a striker stays."""
+    """A membrane yields so easily that it alone decides how long a striker stays."""
     found = [attack(name, stiffness) for stiffness in (1e5, 3e6, 1e8, 3e9)]
     assert all(softer < 1.1 * harder for softer, harder in pairwise(found)), found
     assert found[-1] > 1.4 * found[0], found

@@ -9,11 +9,11 @@ import pytest
 
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.cleaning import cleaned, openings
+from carom.dsp.mesh.polygons import Polygons, triangulated
 from carom.dsp.mesh.surface import MeshError, Surface, volume_of
 from carom.dsp.mesh.winding import sides_of
 from carom.presets.mesh_files import read_obj, read_ply, read_stl
 from carom.presets.meshes import read_mesh, read_parts
-from carom.presets.polygons import Polygons, triangulated
 from tests import needs
 
 needs.module("mapbox_earcut")
@@ -168,7 +168,7 @@ def test_a_ply_whose_head_counts_wrong_is_refused(form, element, off):
     data, count = ply(box.points, box.faces, form), {"vertex": len(box.points), "face": len(box.faces)}[element]
     triangulated(read_ply("a.ply", data))
     wrong = data.replace(f"{element} {count}".encode(), f"{element} {count + off * count // 2}".encode())
-    with pytest.raises(MeshError, match=r"its head counts|a face of point|a list of"):
+    with pytest.raises(MeshError, match=r"its header announces|a face of point|a list of"):
         read_ply("a.ply", wrong)
 
 
@@ -189,7 +189,7 @@ def test_a_binary_stl_is_read_whatever_follows_it_or_its_head_leaves_open(data):
     ("data", "said"),
     [
         (stl(17), "cut short: 16 of its triangles are there: expected the 17"),
-        (stl(10), "16 triangles: expected the 10 that its head counts"),
+        (stl(10), "16 triangles: expected the 10 that its header announces"),
         (b"solid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n", "cut short: its last facet has no endloop"),
         (b"solid a\nfacet\nvertex 0 0 x\nendloop", "a vertex that is no number"),
         (b"solid a\nfacet\nvertex 0 0 1\nendloop\nendfacet\nfacet normal", "cut short: its last facet has no endloop"),

@@ -59,17 +59,17 @@ def test_a_hole_in_the_sound_is_told_where_and_how_long(tmp_path):
             warnings = client.warnings()
             client.ask("/record", 0)
         _, errors = server.quit()
-    (line,) = (line for line in warnings if "stood still" in line)
+    (line,) = (line for line in warnings if "was stopped" in line)
     assert line in errors.splitlines()
     found = re.fullmatch(
-        r".*the sound stood still for (1\.\d\d) s, as the process or its device was stopped: "
+        r".*the sound was stopped for (1\.\d\d) s, as the process or its device was stopped: "
         r"(\d+\.\d{3}) s in the sound, (\d+\.\d{3}) s in take\.wav",
         line,
     )
     assert found and told["holes"] == 1
     length, place, within = map(float, found.groups())
     assert 1.3 < length < 1.7 and 0.2 < within < place < soundfile.info(tmp_path / "out.wav").duration
-    remark = re.search(r"# (\S+) the sound stood still for .* at frame (\d+)\n", (tmp_path / "log.txt").read_text())
+    remark = re.search(r"# (\S+) the sound was stopped for .* at frame (\d+)\n", (tmp_path / "log.txt").read_text())
     assert remark and float(remark[1]) == pytest.approx(place, abs=1e-3) and int(remark[2]) == round(place * 48_000)
 
 

@@ -105,7 +105,7 @@ def juggle(step: float) -> str:
 
 
 def pile(step: float, count: int = 50) -> str:
-    """Drop fifty bodies, or as many as are asked for, on a heap."""
+    """Drop fifty bodies, or as many as are requested, on a heap."""
     bodies = []
     for n in range(count):
         x, y = 0.05 * math.cos(2.4 * n), 0.05 * math.sin(2.4 * n)

@@ -285,7 +285,7 @@ static void find_places(carom *scene) {
     for (const value *each = item(scene->map, "pulses")->first; each; each = each->next) scene->tables++;
     int has_room = scene->state_size > (int64_t)number_of(state, "values");
     if (scene->tables > (has_room ? (int64_t)number_of(state, "most_pulses") : 0) || scene->state_size % 8)
-        refuse(scene, "size = %lld: it has no room for %lld tables of pulses", (long long)scene->state_size, (long long)scene->tables);
+        refuse(scene, "size = %lld: it has no capacity for %lld tables of pulses", (long long)scene->state_size, (long long)scene->tables);
     scene->memory = calloc(1, (size_t)(scene->state_size + scene->command_size + LINE));
     scene->objects = calloc((size_t)scene->object_room + 1, sizeof *scene->objects);
     scene->gestures = malloc(((size_t)scene->gesture_room + 1) * sizeof *scene->gestures);
@@ -406,7 +406,7 @@ int carom_send(carom *scene, const char *message, double at) {
     return messages_perform(scene, message, at < 0.0 ? -1.0 : sample_at(scene, at));
 }
 
-const char *carom_told(const carom *scene) {
+const char *carom_answer(const carom *scene) {
     return scene ? scene->told : unopened;
 }
 

@@ -31,7 +31,7 @@ typedef struct {
 
 /* Open the bytes of a scene (the file scene.carom), which are copied. live: its objects are there, and nothing plays;
    0: its score plays from its first line on. Returns NULL if the bytes are no scene of this engine, are damaged or hold
-   what it can't play, or no memory is left; carom_told(NULL) then says why. */
+   what it can't play, or no memory is left; carom_answer(NULL) then says why. */
 carom *carom_open(const void *baked, size_t size, int live);
 
 /* Begin anew, as carom_open does. */
@@ -43,7 +43,7 @@ int carom_send(carom *scene, const char *message, double at);
 
 /* The reason for which the last message was refused; else the id of the gesture that it began, "" if none lasts. Of
    NULL: the reason for which this thread's last carom_open gave none. */
-const char *carom_told(const carom *scene);
+const char *carom_answer(const carom *scene);
 
 /* Compute frames of sound into `out`, float32, the channels of a frame side by side. Its bits do not depend on how many
    frames are computed at once. */

@@ -56,11 +56,11 @@ int main(int count, char **words) {
     carom *scene = baked ? carom_open(baked, size, count > 3) : NULL;
     free(baked);
     if (!scene) {
-        fprintf(stderr, "example: %s: %s\n", words[1], baked ? carom_told(NULL) : "it can't be read");
+        fprintf(stderr, "example: %s: %s\n", words[1], baked ? carom_answer(NULL) : "it can't be read");
         return 1;
     }
     if (count > 3 && !carom_send(scene, words[3], -1.0)) {
-        fprintf(stderr, "example: %s\n", carom_told(scene));
+        fprintf(stderr, "example: %s\n", carom_answer(scene));
         return 1;
     }
     FILE *file = fopen(words[2], "wb");

@@ -198,7 +198,7 @@ static void find_pulses(carom *scene, begun *to) {
         put(scene, &to->motion, "pulses", item_at(each, 1)->number);
         return;
     }
-    refuse(scene, "exponent = %g: expected a swarm of that in the scene's score, as it has tables for its own alone",
+    refuse(scene, "exponent = %g: expected a gesture of small blows with it in the scene's score",
            exponent);
 }
 

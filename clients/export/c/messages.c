@@ -31,14 +31,14 @@ void about(carom *scene, command *made, const object *of) {
 void send_command(carom *scene, const command *made) {
     expect_command(scene, made->bytes);
     if (!post(scene, made->bytes))
-        refuse(scene, "no room for another command: %lld wait", (long long)scene->ring);
+        refuse(scene, "no capacity for another command: %lld wait", (long long)scene->ring);
 }
 
 /* Send a command for each point, or none where there is no room for all. */
 static void send_points(carom *scene, command *made, const call *told) {
     point found[MOST_POINTS];
     int count = points(scene, told->verb, told->from, told->words, told->count, found, MOST_POINTS);
-    if (room(scene) < count) refuse(scene, "no room for %d more commands", count);
+    if (room(scene) < count) refuse(scene, "no capacity for %d more commands", count);
     for (int n = 0; n < count; n++) {
         set(scene, made, "value", found[n].value);
         set(scene, made, "ramp.after", found[n].after);
@@ -94,7 +94,7 @@ void collect(carom *scene) {
 /* The number of a gesture that begins. */
 int64_t start(carom *scene, const char *id, const char *target, const char *action) {
     if (scene->gesture_count == scene->gesture_room)
-        refuse(scene, "no room for another gesture with an id: %d go on", scene->gesture_room);
+        refuse(scene, "no capacity for another gesture with an id: %d go on", scene->gesture_room);
     const running *known = running_by(scene, id);
     running *begun = &scene->gestures[scene->gesture_count];
     name_into(scene, begun->id, id);
@@ -118,7 +118,7 @@ static int64_t laid(const carom *scene, const object *of, const char *name) {
 }
 
 static void add_object(carom *scene, object made, const char *name) {
-    if (scene->object_count == scene->object_room) refuse(scene, "no room for another object");
+    if (scene->object_count == scene->object_room) refuse(scene, "no capacity for another object");
     name_into(scene, made.name, name);
     scene->objects[scene->object_count++] = made;
 }
@@ -136,7 +136,7 @@ static void copy(carom *scene, const object *of, const char *name, double note, 
     double pitch = number_of(of->said, "pitch");
     if (!(pitch > 0.0)) refuse(scene, "note: it has no audible mode, and so no pitch");
     if (scene->mode + size > (int64_t)number_of(state, "modes") || scene->slot + 1 >= scene->object_room)
-        refuse(scene, "note = %g: no room for another object", note);
+        refuse(scene, "note = %g: no capacity for another object", note);
     int64_t next = __atomic_load_n(&scene->next, __ATOMIC_ACQUIRE);
     if (!scene->live && (int64_t)number_of(of->said, "batch") >= next)
         refuse(scene, "%.80s: its object is not there yet", name);

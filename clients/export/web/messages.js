@@ -270,7 +270,7 @@ export class Messages {
     if (given.by !== undefined) refuse(`by = ${given.by}: grains hit it; expected a striker`);
     const exponent = gesture.drops ? 0 : law.exponent;
     const table = this.map.pulses.find(([each]) => each === exponent);
-    return table?.[1] ?? refuse(`exponent = ${exponent}: expected a swarm of that in the scene's score, as it has tables for its own alone`);
+    return table?.[1] ?? refuse(`exponent = ${exponent}: expected a gesture of small blows with it in the scene's score`);
   }
 
   along(command, gesture, given, { profile }) {
@@ -356,7 +356,7 @@ export class Messages {
     const { scene } = this;
     if (!object.pitch) refuse("note: it has no audible mode, and so no pitch");
     const size = this.said(object.made, "layout.size");
-    if (this.mode + size > state.modes || this.slot + 1 >= state.objects) refuse(`note = ${note}: no room for another object`);
+    if (this.mode + size > state.modes || this.slot + 1 >= state.objects) refuse(`note = ${note}: no capacity for another object`);
     const first = scene.live || object.batch < scene.next ? this.said(object.made, "layout.first") : refuse(`${name}: its object is not there yet`);
     for (const column of ["frequency", "sigma", "weight", "balance"]) {
       const from = scene.base + state[column] + 8 * first;

@@ -209,7 +209,7 @@ export class Scene {
 
   /** An Error says that there is no room for so many commands. */
   expectRoom(count) {
-    if (this.room < count) throw new Error(`no room for another command: ${this.map.state.ring - this.room} wait`);
+    if (this.room < count) throw new Error(`no capacity for another command: ${this.map.state.ring - this.room} wait`);
   }
 
   /** Send the bytes of a command. An Error says that there is no room, or that the engine can't take it. */

@@ -71,7 +71,7 @@ class Carom extends AudioWorkletProcessor {
     const count = refused - (this.said?.refused ?? 0);
     if (count < 1 || computed < (this.said?.computed ?? -SAID_EVERY) + SAID_EVERY) return;
     this.said = { computed, refused };
-    this.port.postMessage({ warning: `${count} commands of the score were left out: the engine could not take them, or had no room` });
+    this.port.postMessage({ warning: `${count} commands of the score were left out: the engine could not take them, or was full` });
   }
 }
 

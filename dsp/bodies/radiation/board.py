@@ -13,7 +13,7 @@ mass M at f_1, of a quality Q, adds Re[j omega/(M (omega_1^2 - omega^2 + j omega
 as the string pulls at it (string.py).
 
 A ribbed board is one plate only as long as its waves are long. Where half of one fits between two ribs, waves stay
-between these, and the board gives way and radiates as the bare panel does (Ege and Boutillon, Proc. ICA, 2010: the rise
+between these, and the board yields and radiates as the bare panel does (Ege and Boutillon, Proc. ICA, 2010: the rise
 of a piano's mobility above 1.1 kHz), whose edges the ribs are, too.
 
 A bridge on two feet turns on its legs, and its upper part, on which the strings lie, turns on a spring against its

@@ -83,7 +83,7 @@ def _projections(waves: Waves, degree: Indices, whole: Array, half: float) -> Ar
     return projected
 
 
-@lru_cache(maxsize=1024)  # 10 kB each at most; waves are asked for at one place after the other
+@lru_cache(maxsize=1024)  # 10 kB each at most; waves are requested at one place after the other
 def _grown(order: int, roots: bytes, degrees: int, half: float) -> Array:
     """Return I_(l + half)/I_m at roots, of the degrees l of an order m (degrees, k); read-only."""
     root, degree = np.frombuffer(roots), order + 2 * np.arange(degrees)[:, None] + 1

@@ -29,17 +29,6 @@ _SETTLED = 1e-7  # of a gain: a glide is over
 _INAUDIBLE = 1e-9  # gain: the same
 
 
-@kernel
-def recall_struck(state: State, obj: Object) -> None:
-    """Bring an object's modes back if one of its own contacts may touch it in this quantum."""
-    index = obj.contact
-    while index >= 0 and obj.spectral > 0:
-        contact = state.contacts[index]
-        if contact.touching == 1 or contact.start < state.position + QUANTUM:
-            come_back(state, obj)
-        index = contact.next
-
-
 @noinline_kernel
 def recall_objects(state: State) -> None:
     """Bring modes back that are touched in this quantum, and those that are to change, as many as the budget allows."""
@@ -52,7 +41,13 @@ def recall_objects(state: State) -> None:
     for i in range(state.active):
         obj = state.objects[state.order[i]]
         if obj.has_contact == 1:
-            _recall_partners(state, obj)
+            # Bring the modes of those objects back that strike an object which is touched.
+            index = obj.contact
+            while index >= 0:
+                slot = state.contacts[index].point[1].slot
+                if slot >= 0 and state.objects[slot].spectral > 0:
+                    come_back(state, state.objects[slot])
+                index = state.contacts[index].next
         if obj.spectral == 0:
             continue
         if obj.has_contact == 1 or obj.sensors > 0 or obj.line > 0:
@@ -60,17 +55,6 @@ def recall_objects(state: State) -> None:
         elif budget > 0 and (obj.returns == 1 or obj.stale_modes > 0 or obj.dying == 2):
             budget -= obj.live
             come_back(state, obj)
-
-
-@kernel
-def _recall_partners(state: State, obj: Object) -> None:
-    """Bring the modes of those objects back that strike an object which is touched."""
-    index = obj.contact
-    while index >= 0:
-        slot = state.contacts[index].point[1].slot
-        if slot >= 0 and state.objects[slot].spectral > 0:
-            come_back(state, state.objects[slot])
-        index = state.contacts[index].next
 
 
 @noinline_kernel
@@ -97,37 +81,39 @@ def ring_bank(state: State) -> None:
 @noinline_kernel
 def mix_bank(state: State) -> None:
     """Add the bank's sound to the mix, without what has left it."""
+    spectral, output = state.spectral, state.output
     sounds = state.tails.count > 0
     for p in range(PHASES):
-        sounds |= state.spectral.phases[p].sounds == 1
+        sounds |= spectral.phases[p].sounds == 1
     if sounds:
-        _mix_phases(state)
-    if state.spectral.fading == 1:
-        _fade_on(state)
-
-
-@kernel
-def _mix_phases(state: State) -> None:
-    """Add what the phases have laid out for this quantum to the mix."""
-    spectral, output = state.spectral, state.output
-    out = state.scratch.bank
-    for side in range(2):
-        for n in range(QUANTUM):
-            out[side, n] = 0.0
-    for p in range(PHASES):
-        phase = spectral.phases[p]
-        if phase.sounds == 1:
-            first = state.position - phase.begin
-            for side in range(2):
-                for n in range(QUANTUM):
-                    out[side, n] += phase.out[side, first + n]
-    ring_tails(state, out)
-    for side in range(sides_of(state)):
-        for n in range(QUANTUM):
-            left = left_of(state.rate, spectral.faded + n + 1) if spectral.fading == 1 else 1.0
-            output.mix[side, n] += left * out[side, n]
-    state.stats.live_modes += spectral.modes
-    state.stats.sounding += max(state.ringer_count, spectral.fading)
+        # Add what the phases have laid out for this quantum to the mix.
+        out = state.scratch.bank
+        for side in range(2):
+            for n in range(QUANTUM):
+                out[side, n] = 0.0
+        for p in range(PHASES):
+            phase = spectral.phases[p]
+            if phase.sounds == 1:
+                first = state.position - phase.begin
+                for side in range(2):
+                    for n in range(QUANTUM):
+                        out[side, n] += phase.out[side, first + n]
+        ring_tails(state, out)
+        for side in range(sides_of(state)):
+            for n in range(QUANTUM):
+                left = left_of(state.rate, spectral.faded + n + 1) if spectral.fading == 1 else 1.0
+                output.mix[side, n] += left * out[side, n]
+        state.stats.live_modes += spectral.modes
+        state.stats.sounding += max(state.ringer_count, spectral.fading)
+    if spectral.fading == 1:
+        # End a fade that is over.
+        spectral.faded += QUANTUM
+        if spectral.faded < fade_length(state.rate):
+            return
+        for p in range(PHASES):
+            empty_phase(spectral, spectral.phases[p], state.bank.place)
+        state.tails.count = 0
+        spectral.fading = spectral.moving = 0
 
 
 @kernel
@@ -146,19 +132,6 @@ def let_bank_fade(state: State) -> None:
 
 
 @kernel
-def _fade_on(state: State) -> None:
-    """End a fade that is over."""
-    spectral = state.spectral
-    spectral.faded += QUANTUM
-    if spectral.faded < fade_length(state.rate):
-        return
-    for p in range(PHASES):
-        empty_phase(spectral, spectral.phases[p], state.bank.place)
-    state.tails.count = 0
-    spectral.fading = spectral.moving = 0
-
-
-@kernel
 def _go(state: State, turn: int) -> None:
     """Take the objects into a phase that ring freely, if they are worth it: as many as the budget allows."""
     if state.output.channels > 2 or state.output.stems_on == 1:
@@ -172,7 +145,10 @@ def _go(state: State, turn: int) -> None:
         obj = state.objects[state.order[i]]
         free += obj.live if _rings_freely(state, obj) else 0
     total = free + state.spectral.modes
-    phases = _phases_for(total)
+    # The number of phases that so many modes are shared among: each has a transform of its own, and a callback's work.
+    phases = 1
+    while phases < PHASES and total > phases * _FULL:
+        phases *= 2
     if free == 0 or total < _WORTH or turn % (PHASES // phases) != 0:
         return
     phase = state.spectral.phases[turn]
@@ -191,16 +167,6 @@ def _go(state: State, turn: int) -> None:
 
 
 @kernel
-def _phases_for(total: int) -> int:
-    """Return the number of phases that so many modes are shared among: each has a transform of its own, and a
-    callback's work."""
-    phases = 1
-    while phases < PHASES and total > phases * _FULL:
-        phases *= 2
-    return phases
-
-
-@kernel
 def _rings_freely(state: State, obj: Object) -> bool:
     """True if nothing but its own modes moves an object, and nothing has for a while."""
     if obj.live == 0 or obj.spectral > 0 or obj.has_contact == 1 or obj.voice >= 0 or obj.fading > 0:
@@ -215,12 +181,6 @@ def _rings_freely(state: State, obj: Object) -> bool:
     for side in range(2):
         if obj.static[side] != 0.0 or obj.static_before[side] != 0.0:
             return False
-    return _is_settled(state, obj)
-
-
-@kernel
-def _is_settled(state: State, obj: Object) -> bool:
-    """True if an object's gains have come where they are asked to be."""
     ask_gains(state, obj)
     for side in range(sides_of(state)):
         asked = obj.place.asked[side]

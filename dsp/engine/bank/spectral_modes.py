@@ -11,7 +11,7 @@ from ...numerics.indices import index_of
 from ...resonator.bank import state_of
 from ...resonator.mode import energy_of
 from ...spectral.basis import BINS, CENTRE, FRAMES, MOST_LOSS, RADIUS
-from ...spectral.layout import PHASES, Phase, Spectral
+from ...spectral.layout import PHASES, Spectral
 from ...spectral.places import give_place, number, put_number, take_place
 from ...spectral.simd import CHUNK, ROWS
 from ..bodies.objects import modes_of, relief_of, ringing_of
@@ -28,16 +28,6 @@ _LEAST_A2 = math.exp(-2.0 * MOST_LOSS)  # of -a2
 _LEAST_LOSS = 2.0**-21
 """Nepers a block at least of a mode that is kept in float32 (60 dB in 43 hours): rounding raises it by less."""
 _POWERS = 10  # squarings that reach the powers that are taken
-
-
-@kernel
-def _gains(state: State, obj: Object) -> tuple[float, float]:
-    """Return the gains of an object's modes at the left and at the right, the first far enough from 0 to be divided
-    by."""
-    left = obj.place.gain[0]
-    right = obj.place.gain[1] if sides_of(state) == 2 else 0.0
-    least = _SOFTEST * max(abs(right), _SOFTEST)
-    return left if abs(left) > least else least, right
 
 
 @kernel
@@ -68,7 +58,11 @@ def go(state: State, slot: int, turn: int) -> None:
     if not _is_admissible(state, obj):
         obj.returned_at = state.position
         return
-    left, right = _gains(state, obj)
+    # The gains of an object's modes at the left and at the right, the first far enough from 0 to be divided by.
+    left = obj.place.gain[0]
+    right = obj.place.gain[1] if sides_of(state) == 2 else 0.0
+    least = _SOFTEST * max(abs(right), _SOFTEST)
+    left, right = left if abs(left) > least else least, right
     phase = spectral.phases[turn]
     for i in range(obj.live):
         at = obj.first + i
@@ -82,33 +76,24 @@ def go(state: State, slot: int, turn: int) -> None:
                 bank.bin[at] = b
                 offset = theta - math.pi * b / BINS
                 balance = bank.balance[at] * right / left
-                _describe(state, at, phase.single[b], place, complex(re, im) * left, loss, offset, balance)
+                # Write a mode, whose state z it was a sample ago and now begins its block, to its place.
+                single = phase.single[b]
+                z = complex(re, im) * left
+                step = _step(bank, at)
+                middle = _power(step, FRAMES // 2)
+                c = complex(z.imag, -z.real) * middle * step
+                put_number(spectral, single, place, 0, c.real)
+                put_number(spectral, single, place, 1, c.imag)
+                _put_turn(spectral, single, place, middle * middle)
+                put_number(spectral, single, place, 4, (-loss * (FRAMES // 2) - CENTRE) / RADIUS)
+                put_number(spectral, single, place, 5, offset * (FRAMES // 2) / RADIUS)
+                put_number(spectral, single, place, 6, balance)
         bank.y1[at] = bank.y2[at] = 0.0
     obj.spectral, obj.ringer, obj.returns = 1 + turn, state.ringer_count, 0
     obj.spectral_gain = left
     state.ringers[state.ringer_count] = slot
     state.ringer_count += 1
     obj.energy = 0.0
-
-
-@kernel
-def _describe(
-    state: State, at: int, single: int, place: int, z: complex, loss: float, offset: float, balance: float
-) -> None:
-    """Write a mode, whose state z it was a sample ago and now begins its block, to its place.
-
-    loss: nepers a sample; offset: from the middle of its bin, rad a sample.
-    """
-    spectral = state.spectral
-    step = _step(state.bank, at)
-    middle = _power(step, FRAMES // 2)
-    c = complex(z.imag, -z.real) * middle * step
-    put_number(spectral, single, place, 0, c.real)
-    put_number(spectral, single, place, 1, c.imag)
-    _put_turn(spectral, single, place, middle * middle)
-    put_number(spectral, single, place, 4, (-loss * (FRAMES // 2) - CENTRE) / RADIUS)
-    put_number(spectral, single, place, 5, offset * (FRAMES // 2) / RADIUS)
-    put_number(spectral, single, place, 6, balance)
 
 
 @kernel
@@ -132,22 +117,17 @@ def take_form(state: State, budget: int) -> None:
         phase, b = spectral.phases[spectral.unlike // BINS], spectral.unlike % BINS
         if phase.single[b] != spectral.single:
             budget -= phase.used[b]
-            _form_anew(state, phase, b)
-
-
-@kernel
-def _form_anew(state: State, phase: Phase, b: int) -> None:
-    """Bring a bin into the form that is chosen. From float32 to float64 its modes ring on as exactly as they are."""
-    spectral = state.spectral
-    before, single = phase.single[b], spectral.single
-    phase.single[b] = single
-    for place in range(phase.start[b] * CHUNK, (phase.start[b] + phase.count[b]) * CHUNK):
-        for row in range(ROWS):
-            put_number(spectral, single, place, row, number(spectral, before, place, row))
-        turned = complex(number(spectral, before, place, 2), number(spectral, before, place, 3))
-        if single == 0 and spectral.owner[place] > 0:
-            turned = _power(_step(state.bank, spectral.owner[place] - 1), FRAMES)
-        _put_turn(spectral, single, place, turned)
+            # Bring a bin into the form that is chosen. From float32 to float64 its modes ring on as exactly as they
+            # are.
+            before, single = phase.single[b], spectral.single
+            phase.single[b] = single
+            for place in range(phase.start[b] * CHUNK, (phase.start[b] + phase.count[b]) * CHUNK):
+                for row in range(ROWS):
+                    put_number(spectral, single, place, row, number(spectral, before, place, row))
+                turned = complex(number(spectral, before, place, 2), number(spectral, before, place, 3))
+                if single == 0 and spectral.owner[place] > 0:
+                    turned = _power(_step(state.bank, spectral.owner[place] - 1), FRAMES)
+                _put_turn(spectral, single, place, turned)
 
 
 @kernel
@@ -221,31 +201,25 @@ def look(state: State) -> None:
         slot = state.ringers[state.looked_at]
         state.to_look_at -= state.objects[slot].live
         looked += 1
-        _look_at(state, slot)
-
-
-@kernel
-def _look_at(state: State, slot: int) -> None:
-    """Measure what an object in the bank sounds, and put its silent modes to rest; without any, it is at rest."""
-    obj, bank, spectral = state.objects[slot], state.bank, state.spectral
-    phase = spectral.phases[obj.spectral - 1]
-    gain = obj.spectral_gain
-    live, energy = 0, 0.0
-    for i in range(obj.live):
-        at = obj.first + i
-        if bank.place[at] == 0:
-            continue
-        single, place = phase.single[bank.bin[at]], bank.place[at] - 1
-        re, im, balance = (
-            number(spectral, single, place, 0), number(spectral, single, place, 1), number(spectral, single, place, 6),
-        )  # fmt: skip
-        if _is_heard(state, obj, at, re / gain, im / gain):
-            live = i + 1
-            energy += 0.5 * QUANTUM * (re * re + im * im) * (1.0 + balance * balance)
-        else:
-            give_place(spectral, phase, bank.bin[at], at, bank.place)
-    obj.live = min(obj.live, (live + CHUNK - 1) // CHUNK * CHUNK)
-    obj.energy = energy
-    if live == 0:
-        wake(state, slot)
-        _forget_ringer(state, obj)
+        # Measure what an object in the bank sounds, and put its silent modes to rest; without any, it is at rest.
+        obj, bank, spectral = state.objects[slot], state.bank, state.spectral
+        phase = spectral.phases[obj.spectral - 1]
+        gain = obj.spectral_gain
+        live, energy = 0, 0.0
+        for i in range(obj.live):
+            at = obj.first + i
+            if bank.place[at] == 0:
+                continue
+            single, place = phase.single[bank.bin[at]], bank.place[at] - 1
+            re, im = number(spectral, single, place, 0), number(spectral, single, place, 1)
+            balance = number(spectral, single, place, 6)
+            if _is_heard(state, obj, at, re / gain, im / gain):
+                live = i + 1
+                energy += 0.5 * QUANTUM * (re * re + im * im) * (1.0 + balance * balance)
+            else:
+                give_place(spectral, phase, bank.bin[at], at, bank.place)
+        obj.live = min(obj.live, (live + CHUNK - 1) // CHUNK * CHUNK)
+        obj.energy = energy
+        if live == 0:
+            wake(state, slot)
+            _forget_ringer(state, obj)

@@ -121,11 +121,22 @@ def retune_bent(state: State, obj: Object, stretch: float, share: float) -> None
     _add(modes, bent, 1.0)
     total = _energy(state, obj, modes)
     if total > allowed:
-        kept = _affordable(_energy(state, obj, bent), total, swings, allowed)
+        # The greatest share s in [0, 1] of a bend at which the energy is allowed, or else that of the least
+        # energy. It is swings + s (total - swings - bend) + s^2 bend.
+        bend = _energy(state, obj, bent)
+        slope = total - swings - bend
+        root = slope * slope - 4.0 * bend * (swings - allowed)
+        part = (math.sqrt(max(root, 0.0)) - slope) / (2.0 * bend) if bend > 0.0 else 0.0
+        kept = min(max(part, 0.0), 1.0)
         _add(modes, bent, kept - 1.0)
         total = _energy(state, obj, modes)
         if total > allowed:
-            _scale(modes, obj, math.sqrt(max(allowed, 0.0) / total))
+            # Scale the motion of the modes that contacts feel.
+            factor = math.sqrt(max(allowed, 0.0) / total)
+            for i in range(len(modes.y1)):
+                if i < obj.felt or i >= obj.unheard:
+                    modes.y1[i] *= factor
+                    modes.y2[i] *= factor
             total = allowed
     obj.lent = allowed - total
     index = obj.contact
@@ -133,25 +144,20 @@ def retune_bent(state: State, obj: Object, stretch: float, share: float) -> None
         contact = state.contacts[index]
         contact.unsettled = 1
         if contact.trait.held == 1:
-            _follow_static(state, contact, obj)
+            # Bring the static output under a press to the modes as they are tuned now: those that have passed the
+            # highest frequency hold no bend any more, and what the mix subtracts steps with what they leave.
+            force = pressing_force(contact) * contact.now.gain
+            for side in range(2):
+                point = contact.point[side]
+                if point.slot >= 0 and state.objects[point.slot].first == obj.first:
+                    for i in range(min(point.modes, obj.bent)):
+                        state.scratch.work[i] = shape_at(state, obj, point, i)
+                    for channel in range(2):
+                        obj.static[channel] -= force * contact.static[side, channel]
+                    find_static(state, contact, side, obj, point.modes)
+                    for channel in range(2):
+                        obj.static[channel] += force * contact.static[side, channel]
         index = contact.next
-
-
-@kernel
-def _follow_static(state: State, contact: Contact, obj: Object) -> None:
-    """Bring the static output under a press to the modes as they are tuned now: those that have passed the highest
-    frequency hold no bend any more, and what the mix subtracts steps with what they leave."""
-    force = pressing_force(contact) * contact.now.gain
-    for side in range(2):
-        point = contact.point[side]
-        if point.slot >= 0 and state.objects[point.slot].first == obj.first:
-            for i in range(min(point.modes, obj.bent)):
-                state.scratch.work[i] = shape_at(state, obj, point, i)
-            for channel in range(2):
-                obj.static[channel] -= force * contact.static[side, channel]
-            find_static(state, contact, side, obj, point.modes)
-            for channel in range(2):
-                obj.static[channel] += force * contact.static[side, channel]
 
 
 @kernel
@@ -171,17 +177,6 @@ def find_static(state: State, contact: Contact, side: int, obj: Object, count: i
             right += heard * state.bank.balance[obj.first + i]
     contact.static[side, 0] = left
     contact.static[side, 1] = right
-
-
-@kernel
-def _affordable(bend: float, total: float, swings: float, allowed: float) -> float:
-    """Return the greatest share s in [0, 1] of a bend at which the energy is allowed, or else that of the least energy.
-
-    It is swings + s (total - swings - bend) + s^2 bend."""
-    slope = total - swings - bend
-    root = slope * slope - 4.0 * bend * (swings - allowed)
-    share = (math.sqrt(max(root, 0.0)) - slope) / (2.0 * bend) if bend > 0.0 else 0.0
-    return min(max(share, 0.0), 1.0)
 
 
 @kernel
@@ -216,15 +211,6 @@ def _add(modes: Modes, bent: Modes, share: float) -> None:
     for i in range(len(modes.y1)):
         modes.y1[i] += share * bent.y1[i]
         modes.y2[i] += share * bent.y2[i]
-
-
-@kernel
-def _scale(modes: Modes, obj: Object, factor: float) -> None:
-    """Scale the motion of the modes that contacts feel."""
-    for i in range(len(modes.y1)):
-        if i < obj.felt or i >= obj.unheard:
-            modes.y1[i] *= factor
-            modes.y2[i] *= factor
 
 
 @kernel

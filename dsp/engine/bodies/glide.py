@@ -41,13 +41,30 @@ def follow_tension(state: State, obj: Object) -> None:
     """Bring an object's tension to its ringing and its strikers; nothing where it does not glide, or inaudibly."""
     if obj.glide == 0.0 or (obj.live == 0 and obj.stretch == 0.0 and obj.contact < 0):
         return
-    stretch = max(obj.glide * energy_without_gains(state, obj), _cone_at(obj, _fastest_of(state, obj)))
-    stretch = min(stretch + _rise_under(2.0 * obj.glide * obj.deflection), _HIGHEST)
+    # The speed (m/s) of the fastest of the strikers that touch an object.
+    fastest = 0.0
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        touches = contact.touching == 1 and (contact.solver != COUPLING or contact.coupled.touching == 1)
+        if touches and contact.trait.lasts == 0:
+            fastest = max(fastest, contact.v_in)
+        index = contact.next
+    stretch = max(obj.glide * energy_without_gains(state, obj), _cone_at(obj, fastest))
+    # S >= 0 with s (1 + s)^2 = bend, by Newton's method from above: the function is convex.
+    bend = 2.0 * obj.glide * obj.deflection
+    rise: float = min(bend, bend ** (1.0 / 3.0))
+    for _ in range(_NEWTON_STEPS):
+        rise -= (rise * (1.0 + rise) * (1.0 + rise) - bend) / ((1.0 + rise) * (1.0 + 3.0 * rise))
+    stretch = min(stretch + rise, _HIGHEST)
     if stretch < obj.stretch:
         stretch += (obj.stretch - stretch) * math.exp(-step_of(state) / (_SPREAD * state.rate))
     if not stretch >= _AUDIBLE:
         stretch = 0.0
-    if abs(stretch - obj.stretch) < _least_step(state, obj) * (1.0 + stretch):
+    # A change s of the tension moves a mode's phase by s omega/(2 sigma) while it rings: smaller ones wait.
+    omega, sigma = 2.0 * math.pi * state.bank.frequency[obj.first], state.bank.sigma[obj.first]
+    least = min(_STEP, 2.0 * _PHASE * sigma / omega) if omega > 0.0 else _STEP
+    if abs(stretch - obj.stretch) < least * (1.0 + stretch):
         return
     if stretch > 0.0 and is_pressed(state, obj):
         retune_bent(state, obj, stretch, 1.0)
@@ -59,14 +76,6 @@ def follow_tension(state: State, obj: Object) -> None:
     else:
         obj.detuned = 1
         ring_tensed(state, obj, 1.0)
-
-
-@kernel
-def _least_step(state: State, obj: Object) -> float:
-    """Return the least change of the tension that is carried out: a change s moves a mode's phase by s omega/(2 sigma)
-    while it rings."""
-    omega, sigma = 2.0 * math.pi * state.bank.frequency[obj.first], state.bank.sigma[obj.first]
-    return min(_STEP, 2.0 * _PHASE * sigma / omega) if omega > 0.0 else _STEP
 
 
 @kernel
@@ -93,15 +102,6 @@ def energy_without_gains(state: State, obj: Object) -> float:
     return energy / obj.amplified
 
 
-@kernel
-def _rise_under(bend: float) -> float:
-    """Return s >= 0 with s (1 + s)^2 = bend, by Newton's method from above: the function is convex."""
-    rise: float = min(bend, bend ** (1.0 / 3.0))
-    for _ in range(_NEWTON_STEPS):
-        rise -= (rise * (1.0 + rise) * (1.0 + rise) - bend) / ((1.0 + rise) * (1.0 + 3.0 * rise))
-    return rise
-
-
 @noinline_kernel
 def tighten(state: State, contact: Contact) -> None:
     """Bring the tension of an object to that about a striker that begins to touch it, before they feel each other."""
@@ -113,20 +113,6 @@ def tighten(state: State, contact: Contact) -> None:
         return
     contact.coupled.touching = 0  # it has no force yet
     retune_bent(state, obj, stretch, contact.fraction)
-
-
-@kernel
-def _fastest_of(state: State, obj: Object) -> float:
-    """Return the speed (m/s) of the fastest of the strikers that touch an object."""
-    fastest = 0.0
-    index = obj.contact
-    while index >= 0:
-        contact = state.contacts[index]
-        touches = contact.touching == 1 and (contact.solver != COUPLING or contact.coupled.touching == 1)
-        if touches and contact.trait.lasts == 0:
-            fastest = max(fastest, contact.v_in)
-        index = contact.next
-    return fastest
 
 
 @kernel

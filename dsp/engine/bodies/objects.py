@@ -129,7 +129,9 @@ def ringing_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     spectral bank drops it. Nothing excites such a mode of a plate whose modes can be coupled.
     """
     frequency, sigma = frequency_of(state, obj, i), sigma_of(state, obj, i)
-    highest, weight = highest_of(state), _weight_of(state, obj, i)
+    # The weight of an object's mode i where it is heard.
+    weight = state.bank.weight[obj.first + i]
+    highest, weight = highest_of(state), (weight / MUTED if is_muted(state, obj, i) else weight)
     if i >= obj.unheard:
         return recurring(frequency, 0.5 * state.rate), sigma, weight
     if frequency > highest and obj.sheet >= 0:
@@ -137,13 +139,6 @@ def ringing_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     if frequency > highest:
         return recurring(frequency, 0.5 * state.rate), sigma + _FADE, MUTED * weight
     return frequency, sigma, weight
-
-
-@kernel
-def _weight_of(state: State, obj: Object, i: int) -> float:
-    """Return the weight of an object's mode i where it is heard."""
-    weight = state.bank.weight[obj.first + i]
-    return weight / MUTED if is_muted(state, obj, i) else weight
 
 
 @kernel
@@ -162,13 +157,6 @@ def weigh_anew(state: State, obj: Object, i: int, weight: float) -> None:
     bank.weight[at] = weight
     bank.y1[at] *= factor
     bank.y2[at] *= factor
-
-
-@kernel
-def share_felt(state: State, obj: Object, i: int, frequency: float) -> float:
-    """Return the share of its shape by which an object's mode i is felt that rings at a frequency (Hz): at a lower one
-    than its own, it yields as far as there."""
-    return frequency / frequency_of(state, obj, i) if frequency > highest_of(state) else 1.0
 
 
 @kernel

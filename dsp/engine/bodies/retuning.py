@@ -1,10 +1,12 @@
 """The coefficients of an object's modes, as it is tuned and as tense as it is now."""
 
 from ...native.jit import noinline_kernel
+from ...resonator.bank import MOBILITY, RESPONSES
 from ...resonator.click import set_click
-from ...resonator.coefficients import set_mode, set_unfelt, yield_less
+from ...resonator.coefficients import set_mode, yield_less
+from ...resonator.simd import LANES
 from ..memory.state import Object, State
-from .objects import is_felt, modes_of, relief_of, ringing_of, share_felt, weigh_anew
+from .objects import frequency_of, highest_of, is_felt, modes_of, relief_of, ringing_of, weigh_anew
 from .reshaping import reshape_mode
 
 
@@ -18,14 +20,19 @@ def retune(state: State, obj: Object, count: int) -> None:
             reshape_mode(state, obj, i)
         if is_felt(obj, i):
             frequency, sigma, weight = ringing_of(state, obj, i)
-            share = share_felt(state, obj, i, frequency)
+            # The share of its shape by which an object's mode i is felt that rings at a frequency (Hz): at a
+            # lower one than its own, it yields as far as there.
+            share = frequency / frequency_of(state, obj, i) if frequency > highest_of(state) else 1.0
             weigh_anew(state, obj, i, weight)
             set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
             if share != 1.0:
                 yield_less(modes, i, share)
         elif i < obj.bent:
             frequency, sigma, weight = relief_of(state, obj, i)
-            set_unfelt(modes, i, frequency, sigma, state.rate, weight)
+            # Give mode i coefficients as `set_mode` does, but no contact feels it.
+            set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
+            base = (i // LANES) * RESPONSES + i % LANES
+            modes.response[base + MOBILITY] = modes.response[base + MOBILITY + LANES] = 0.0
         elif modes.a2[i] == 0.0:  # not yet made: no setting changes it, and all of its modes are made at once
             bank, j = state.bank, obj.first + i
             if bank.frequency[j] > 0.0:

@@ -38,22 +38,23 @@ def mount(state: State, event: Event) -> None:
         place(sensor.point, event.mounted.position, obj)
 
 
-@kernel
-def clear_sensed(state: State) -> None:
-    """Begin a quantum in which no sensor senses anything."""
-    for k in range(state.output.sensors):
-        sensor = state.sensors[k]
-        for n in range(QUANTUM):
-            sensor.sensed[n] = 0.0
-
-
 @noinline_kernel
 def begin_sensing(state: State, obj: Object) -> None:
     """Prepare the sensors on an object for a quantum, before any force acts in it."""
     for k in range(SENSORS):
         sensor = state.sensors[k]
         if sensor.point.serial == obj.serial and (sensor.retuned != obj.retuned or obj.stretch != 0.0):
-            _know(state, obj, sensor)
+            # Find the weights of an object's modes as they are tuned now. Its reliefs, clicks and modes that are only
+            # felt are none.
+            bank = state.bank
+            sensor.retuned, sensor.count = obj.retuned, obj.felt
+            for i in range(obj.felt):
+                at = obj.first + i
+                shape = 0.0 if is_muted(state, obj, i) else _shape_of(state, obj, sensor, i)
+                set_sensed(
+                    sensor.rows, i, bank.a1[at], bank.a2[at], shape, bank.weight[at], state.rate,
+                    sensor.mounted.acceleration == 1,
+                )  # fmt: skip
 
 
 @noinline_kernel
@@ -77,21 +78,6 @@ def sense(state: State, obj: Object, frame: int) -> None:
             y1, y2 = bank.y1[obj.first : obj.first + n], bank.y2[obj.first : obj.first + n]
             sensor.sensed[frame] = sensor.pushed + sum_sensed(y1, y2, sensor.rows[0, :n], sensor.rows[1, :n])
             sensor.pushed = 0.0
-
-
-@kernel
-def _know(state: State, obj: Object, sensor: SensorState) -> None:
-    """Find the weights of an object's modes as they are tuned now. Its reliefs, clicks and modes that are only felt
-    are none."""
-    bank = state.bank
-    sensor.retuned, sensor.count = obj.retuned, obj.felt
-    for i in range(obj.felt):
-        at = obj.first + i
-        shape = 0.0 if is_muted(state, obj, i) else _shape_of(state, obj, sensor, i)
-        set_sensed(
-            sensor.rows, i, bank.a1[at], bank.a2[at], shape, bank.weight[at], state.rate,
-            sensor.mounted.acceleration == 1,
-        )  # fmt: skip
 
 
 @kernel

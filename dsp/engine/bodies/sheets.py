@@ -23,7 +23,6 @@ from ...karman.step import (
     prepare,
     set_constant,
     settle,
-    straighten,
     take,
 )
 from ...native.jit import kernel, noinline_kernel
@@ -38,7 +37,6 @@ from .objects import modes_of
 _AGAIN = 0.7  # of `least`: below, a plate is uncoupled
 _MOST_STRETCHED = 0.25  # of the energy: more must not be taken from the modes at once
 _LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
-_UNHEARD = 1e-9  # output
 _GIVEN, _GIVEN_STRUCK = 0.9999, 0.999  # of what modes have lost: how much they may get back, and in a contact
 _HELD = 0.1  # of the energy of a dome: one that a hand bends by more is held, and hardly swings
 _DRIFTS = 0.05  # s in which psi follows the grid's under a hand, which holds a dome so still that modes can't pay
@@ -66,7 +64,44 @@ def follow_sheets(state: State) -> None:
     for i in range(state.active):
         obj = state.objects[state.order[i]]
         if obj.sheet >= 0:
-            _follow(state, obj, state.sheets[obj.sheet])
+            # Couple or uncouple a plate, or go on.
+            sheet = state.sheets[obj.sheet]
+            if obj.spectral > 0 or (obj.live == 0 and obj.has_contact == 0) or couples_none(state):
+                _repay(state, obj, sheet)
+                uncouple(state, obj)
+                sheet.waits = 0
+            else:
+                ringing = energy_without_gains(state, obj)
+                # The energy (J) that strikers which touch it in this quantum, and the blows of swarms, may bring.
+                energy = 0.0
+                index = obj.contact
+                while index >= 0:
+                    contact = state.contacts[index]
+                    if contact.trait.swarms > 0:
+                        energy += state.swarms[contact.swarm].coming
+                    elif contact.touching == 1 or contact.start < state.position + QUANTUM:
+                        energy += 0.5 * contact.m * contact.v_in * contact.v_in
+                    index = contact.next
+                coming = energy
+                sheet.given = _GIVEN if coming == 0.0 else _GIVEN_STRUCK
+                if sheet.coupled == 0:
+                    if ringing + coming <= sheet.least:
+                        sheet.waits = 0
+                    elif state.coupled_sheets < COUPLED_SHEETS:
+                        _couple(state, obj, sheet, ringing + coming)
+                    elif sheet.waits == 0:
+                        sheet.waits = 1
+                        state.stats.nonlinear_dropped += 1
+                else:
+                    stored = 0.5 * (sheet.psi * sheet.psi - sheet.c0)
+                    sheet.energy = max(ringing + stored, 0.0)
+                    if not _is_left(state, obj, sheet, sheet.energy + coming):
+                        wanted = sheet.growth * (sheet.energy + coming)
+                        if wanted > sheet.c0 or (
+                            wanted < _LOWERED * sheet.c0 and sheet.psi * sheet.psi - sheet.c0 > -0.5 * wanted
+                        ):
+                            set_constant(sheet, wanted)
+                        _renew(state, obj, sheet)
     state.stats.nonlinear_active = state.coupled_sheets
 
 
@@ -76,36 +111,6 @@ def uncouple(state: State, obj: Object) -> None:
     if is_coupled(state, obj):
         state.sheets[obj.sheet].coupled = 0
         state.coupled_sheets -= 1
-
-
-@kernel
-def _follow(state: State, obj: Object, sheet: Sheet) -> None:
-    """Couple or uncouple a plate, or go on."""
-    if obj.spectral > 0 or (obj.live == 0 and obj.has_contact == 0) or couples_none(state):
-        _repay(state, obj, sheet)
-        uncouple(state, obj)
-        sheet.waits = 0
-        return
-    ringing = energy_without_gains(state, obj)
-    coming = _coming(state, obj)
-    sheet.given = _GIVEN if coming == 0.0 else _GIVEN_STRUCK
-    if sheet.coupled == 0:
-        if ringing + coming <= sheet.least:
-            sheet.waits = 0
-        elif state.coupled_sheets < COUPLED_SHEETS:
-            _couple(state, obj, sheet, ringing + coming)
-        elif sheet.waits == 0:
-            sheet.waits = 1
-            state.stats.nonlinear_dropped += 1
-        return
-    stored = 0.5 * (sheet.psi * sheet.psi - sheet.c0)
-    sheet.energy = max(ringing + stored, 0.0)
-    if _is_left(state, obj, sheet, sheet.energy + coming):
-        return
-    wanted = sheet.growth * (sheet.energy + coming)
-    if wanted > sheet.c0 or (wanted < _LOWERED * sheet.c0 and sheet.psi * sheet.psi - sheet.c0 > -0.5 * wanted):
-        set_constant(sheet, wanted)
-    _renew(state, obj, sheet)
 
 
 @kernel
@@ -143,21 +148,6 @@ def _repay(state: State, obj: Object, sheet: Sheet) -> None:
     for i in range(obj.first, obj.first + obj.live):
         state.bank.y1[i] *= left
         state.bank.y2[i] *= left
-
-
-@kernel
-def _coming(state: State, obj: Object) -> float:
-    """Return the energy (J) that strikers which touch an object in this quantum, and the blows of swarms, may bring."""
-    energy = 0.0
-    index = obj.contact
-    while index >= 0:
-        contact = state.contacts[index]
-        if contact.trait.swarms > 0:
-            energy += state.swarms[contact.swarm].coming
-        elif contact.touching == 1 or contact.start < state.position + QUANTUM:
-            energy += 0.5 * contact.m * contact.v_in * contact.v_in
-        index = contact.next
-    return energy
 
 
 @kernel
@@ -289,16 +279,3 @@ def take_bending(state: State, obj: Object, voice: View2D[float], frame: int) ->
     bent = state.sheets[obj.sheet].bent
     for side in range(2):
         voice[side, frame] -= bent[side, 0]
-
-
-@kernel
-def wind_up(state: State, obj: Object, voice: View2D[float], start: int, stop: int) -> None:
-    """Go on with that from frame `start` to `stop` for a plate that is no longer coupled, until it has faded."""
-    sheet = state.sheets[obj.sheet]
-    if sheet.bent[0, 0] == 0.0 and sheet.bent[1, 0] == 0.0:
-        return
-    for frame in range(start, stop):
-        take_bending(state, obj, voice, frame)
-        straighten(sheet, state.rate)
-    if abs(sheet.bent[0, 0]) + abs(sheet.bent[1, 0]) < _UNHEARD:
-        sheet.bent[0, 0] = sheet.bent[1, 0] = 0.0

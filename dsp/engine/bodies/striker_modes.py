@@ -8,7 +8,6 @@ from ...numerics.elementary import exp, log
 from ...resonator.bank import Modes, top_of
 from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode
-from ...resonator.simd import LANES
 from ...swarm.record import SIZES, Swarm
 from ...swarm.ringing import clicks_apart
 from ...swarm.times import FORM, uniform
@@ -26,7 +25,6 @@ AIR = 2.5
 4 mm, within 2 dB down to a quarter of the usual piece's frequency, and 5 dB to a ninth."""
 SQUARE = 13.49
 """omega a^2 sqrt(rho h/D) of a free square sheet's first mode (Leissa, Vibration of Plates, 1969)."""
-_SAME = 1e-9  # relative difference of radii that are one
 
 
 @kernel
@@ -34,31 +32,6 @@ def modes_of_voice(voice: Voice) -> Modes:
     """Return the modes of a voice."""
     n = voice.size
     return Modes(voice.y1[:n], voice.y2[:n], voice.a1[:n], voice.a2[:n], voice.balance[:n], voice.response)
-
-
-@kernel
-def become(state: State, voice: Voice, contact: Contact) -> None:
-    """Give a cleared voice the modes of a contact's striker."""
-    striker = state.strikers[contact.sound]
-    voice.size = striker.size
-    for i in range(striker.size):
-        voice.a1[i], voice.a2[i] = striker.a1[i], striker.a2[i]
-        voice.balance[i] = 1.0
-        voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
-    for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
-        voice.response[i] = striker.response[i]
-
-
-@kernel
-def resize(state: State, voice: Voice, contact: Contact) -> None:
-    """Retune a new voice's click to a rolling body of its radius, of the same form as the striker."""
-    striker = state.strikers[contact.sound]
-    ratio = state.rolls[contact.roll].target.radius / striker.radius if striker.clicks > 0 else 1.0
-    if abs(ratio - 1.0) > _SAME:
-        set_click(
-            modes_of_voice(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
-            striker.weight[0] * ratio,
-        )  # fmt: skip
 
 
 @kernel
@@ -99,7 +72,7 @@ def in_air(striker: Striker, swarm: Swarm, i: int, lower: float) -> tuple[float,
     """Return by how much more (1/s) a piece's mode decays, which is lower by a ratio than the usual piece's, than in
     that ratio, and the factor on how loud it is: by what it radiates.
 
-    The usual piece's first mode is that of a free square sheet, which tells its coincidence. A mode radiates no more
+    The usual piece's first mode is that of a free square plate, which gives its coincidence. A mode radiates no more
     than it loses, even where a gesture says another mass than the striker's.
     """
     radiates = 2.0 * math.pi * striker.weight[i] * striker.weight[i] / (_IMPEDANCE * swarm.bending * swarm.usual)

@@ -18,20 +18,23 @@ from ...native.typed import View2D
 from ...numerics.elementary import log
 from ...numerics.legendre import FALL, MOMENTS, RISE
 from ...numerics.random import STEP, mixed
-from ...resonator.bank import Modes, Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
+from ...resonator.bank import Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
+from ...resonator.click import set_click
 from ...resonator.simd import LANES
 from ...swarm.record import SOUNDS
 from ...swarm.ringing import kept_by, left_by
 from ..memory.filling import fill_voice
 from ..memory.quality import silence_of
 from ..memory.records import Contact
-from ..memory.state import BEHIND, COUPLING, ROLLING, Object, State
-from ..memory.striker_state import VOICES, Striker, Voice
-from ..output.fade import fade_length, going_on, left_of, pace_of, tilt_of
-from .striker_modes import become, modes_of_voice, rescale, resize
+from ..memory.state import BEHIND, COUPLING, Object, State
+from ..memory.striker_state import STRIKER_MODES, VOICES, Voice
+from ..output.fade import fade_length, left_of, tilt_of
+from .striker_modes import modes_of_voice, rescale
+
+_SAME = 1e-9  # relative difference of radii that are one
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
-_FINE = 2.0**40  # steps per m/s in which a velocity is told from another
+_FINE = 2.0**40  # steps per m/s to which velocities are distinguished
 _WIDTH = 0.15
 """The rms width of a narrow pulse over its duration: narrow ones reach more modes. It is 0.22 for an exponent of 1,
 0.19 for 1.5 and 0.16 for 2.5 without loss; only a loss mu v of 1 and more makes it narrower."""
@@ -48,7 +51,19 @@ def begin_striker(state: State, contact: Contact) -> None:
     for i in range(striker.clicks, striker.size):
         voice.struck[i] = left * striker.struck[i]
     if striker.momentum > 0.0:
-        voice.snap = contact.now.gain * _second_pulse(striker, contact)
+        # The momentum (N s) of the second pulse of a contact: it grows as a power of the velocity, and scatters. Equal
+        # blows at equal times are equal. A round body, which does not turn as it bounces, lands on the same spot again,
+        # so that its second pulses fall with its velocity. It gives the modes no more energy than the contact takes
+        # from the striker.
+        v, e = contact.v_in, contact.pulse.restitution
+        if contact.trait.falls == 0 or contact.target.irregularity > 0.0 or contact.spot == np.uint64(0):
+            contact.spot = mixed(np.uint64(np.int64(v * _FINE)) + mixed(np.uint64(np.int64(contact.start)) + STEP))
+        first = (np.float64(contact.spot >> np.uint64(11)) + 1.0) * 2.0**-53
+        second = np.float64(mixed(contact.spot + STEP) >> np.uint64(11)) * 2.0**-53
+        normal = math.sqrt(-2.0 * math.log(first)) * math.cos(2.0 * math.pi * second)
+        momentum: float = striker.momentum * v**striker.exponent * 10.0 ** (0.05 * striker.scatter * normal)
+        most = contact.m * v * math.sqrt(max(1.0 - e * e, 0.0) / (contact.trait.meets * striker.mobility))
+        voice.snap = contact.now.gain * min(momentum, most)
         voice.snap_at = contact.start + contact.fraction + striker.delay * state.rate
 
 
@@ -64,7 +79,14 @@ def roll_striker(state: State, contact: Contact) -> None:
         voice = state.voices[contact.voice]
         obj = state.objects[voice.slot]
         if not has_one and contact.trait.along == 1:
-            resize(state, voice, contact)
+            # Retune a new voice's click to a rolling body of its radius, of the same form as the striker.
+            striker = state.strikers[contact.sound]
+            ratio = state.rolls[contact.roll].target.radius / striker.radius if striker.clicks > 0 else 1.0
+            if abs(ratio - 1.0) > _SAME:
+                set_click(
+                    modes_of_voice(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
+                    striker.weight[0] * ratio,
+                )  # fmt: skip
         voice.driven = 1
         voice.share[0] = obj.level / (state.rolls[contact.roll].m if contact.trait.along == 1 else contact.m)
         if contact.solver != COUPLING:  # else its force comes sample by sample, with the gain
@@ -135,14 +157,6 @@ def drive_striker(state: State, contact: Contact) -> None:
 
 
 @kernel
-def release_voice(state: State, contact: Contact) -> None:
-    """Leave a contact's voice to itself: no force is to come, and another may take the row of those that came."""
-    if contact.voice >= 0:
-        state.voices[contact.voice].contact = state.voices[contact.voice].roll = -1
-        contact.voice = -1
-
-
-@kernel
 def _take_voice(state: State, contact: Contact, needed: bool) -> None:
     """Give a contact a voice where it has none: a free one, or the quietest of all if it is `needed`."""
     if contact.voice >= 0:
@@ -150,7 +164,19 @@ def _take_voice(state: State, contact: Contact, needed: bool) -> None:
     if state.voices_active == VOICES:
         if not needed:
             return
-        _cut_quietest(state)
+        # Free the voice that was the quietest in the last quantum.
+        quietest = 0
+        for i in range(1, VOICES):
+            if state.voices[i].loudness < state.voices[quietest].loudness:
+                quietest = i
+        obj = state.objects[state.voices[quietest].slot]
+        before = -1
+        index = obj.voice
+        while index != quietest:
+            before = index
+            index = state.voices[index].next
+        _free(state, obj, before, quietest)
+        state.stats.strikers_cut += 1
     index = state.free_voice[VOICES - 1 - state.voices_active]
     state.voices_active += 1
     voice = state.voices[index]
@@ -164,7 +190,15 @@ def _take_voice(state: State, contact: Contact, needed: bool) -> None:
     voice.roll = -1
     voice.loudness = _NEW
     voice.share[0] = share_of_blow(state, contact)
-    become(state, voice, contact)
+    # Give a cleared voice the modes of a contact's striker.
+    striker = state.strikers[contact.sound]
+    voice.size = striker.size
+    for i in range(striker.size):
+        voice.a1[i], voice.a2[i] = striker.a1[i], striker.a2[i]
+        voice.balance[i] = 1.0
+        voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
+    for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
+        voice.response[i] = striker.response[i]
 
 
 @kernel
@@ -186,37 +220,13 @@ def left_of_blow(state: State, contact: Contact) -> float:
     mass_ratio = contact.trait.meets * striker.mobility / striker.bends
     width = log(_WIDTH * pulse.duration / state.rate)
     kept, _, _ = kept_by(striker.bend, striker.bends, (mass_ratio, 0.0), (width, width), given, contact.a)
-    left: float = math.sqrt(kept * left_by(rigid, _ratio_of(contact)))
-    return left
-
-
-@kernel
-def _ratio_of(contact: Contact) -> float:
-    """Return the factor 1/(1 + m sum phi^2) on a striker's mass, of all modes of what it touches."""
+    # The factor 1/(1 + m sum phi^2) on a striker's mass, of all modes of what it touches.
     gives = 0.0
     for side in range(2):
         if contact.point[side].slot >= 0:
             gives += contact.point[side].give
-    return 1.0 / (1.0 + contact.m * gives)
-
-
-@kernel
-def _second_pulse(striker: Striker, contact: Contact) -> float:
-    """Return the momentum (N s) of the second pulse of a contact: it grows as a power of the velocity, and scatters.
-
-    Equal blows at equal times are equal. A round body, which does not turn as it bounces, lands on the same spot again,
-    so that its second pulses fall with its velocity. It gives the modes no more energy than the contact takes from the
-    striker.
-    """
-    v, e = contact.v_in, contact.pulse.restitution
-    if contact.trait.falls == 0 or contact.target.irregularity > 0.0 or contact.spot == np.uint64(0):
-        contact.spot = mixed(np.uint64(np.int64(v * _FINE)) + mixed(np.uint64(np.int64(contact.start)) + STEP))
-    first = (np.float64(contact.spot >> np.uint64(11)) + 1.0) * 2.0**-53
-    second = np.float64(mixed(contact.spot + STEP) >> np.uint64(11)) * 2.0**-53
-    normal = math.sqrt(-2.0 * math.log(first)) * math.cos(2.0 * math.pi * second)
-    momentum: float = striker.momentum * v**striker.exponent * 10.0 ** (0.05 * striker.scatter * normal)
-    most = contact.m * v * math.sqrt(max(1.0 - e * e, 0.0) / (contact.trait.meets * striker.mobility))
-    return min(momentum, most)
+    left: float = math.sqrt(kept * left_by(rigid, (1.0 / (1.0 + contact.m * gives))))
+    return left
 
 
 @noinline_kernel
@@ -239,11 +249,28 @@ def _ring_on(state: State, voice: Voice, out: View2D[float], frame: int, stop: i
     if voice.snap > 0.0:
         due = max(-math.floor(state.position - voice.snap_at), frame)
         if due == frame:
-            _snap(state, voice, modes, frame)
+            # Give a voice its second pulse, at its time in the sample that ends at a frame.
+            moments = state.scratch.moments
+            x = min(max(2.0 * (voice.snap_at - state.position - frame) + 1.0, -1.0), 1.0)
+            moments[0] = voice.snap
+            moments[1] = voice.snap * x
+            for n in range(1, MOMENTS - 1):
+                moments[n + 1] = RISE[n] * x * moments[n] - FALL[n] * moments[n - 1]
+            inject(modes, Point(voice.snapped, 0, 0, voice.share), moments)
+            voice.snap = 0.0
+            voice.driven = 1
         stop = min(stop, due) if due > frame else stop
     if voice.held_ratio > 0.0:
         stop = frame + 1
-        _hold(state, voice, modes)
+        # Give a voice the force that dies away over a sample.
+        moments = state.scratch.moments
+        for n in range(MOMENTS):
+            moments[n] = 0.0
+        q, u, v, w = voice.held_ratio, voice.held[0], voice.held[1], voice.held[2]
+        moments[0] = u
+        moments[1], _, _ = tilt_of(q, u, v, w)
+        inject(modes, Point(voice.struck, 0, 0, voice.share), moments)
+        voice.held[0], voice.held[1], voice.held[2] = q * (u + v + w), q * (v + 2.0 * w), q * w
         ring(modes, sound, frame, stop)
     elif voice.roll < 0:
         ring(modes, sound, frame, stop)
@@ -269,56 +296,6 @@ def _ring_on(state: State, voice: Voice, out: View2D[float], frame: int, stop: i
         energy += sound[0, n] * sound[0, n]
     voice.energy += energy
     return stop
-
-
-@kernel
-def let_voice_go(state: State, contact: Contact) -> None:
-    """Make the force on a contact's voice die away in a panic, so that its end makes no sound."""
-    if contact.voice < 0:
-        return
-    voice = state.voices[contact.voice]
-    gain = 1.0 if contact.solver == ROLLING else contact.now.gain  # a roll's share holds it
-    q, u, v, w = going_on(contact.forces, pace_of(contact.forces, state.rate), state.rate)
-    voice.held_ratio, voice.held[0], voice.held[1], voice.held[2] = q, gain * u, gain * v, gain * w
-
-
-@kernel
-def fade_voices(state: State, obj: Object) -> None:
-    """Fade all strikers that sound on an object, in a panic; drop their second pulses."""
-    index = obj.voice
-    while index >= 0:
-        voice = state.voices[index]
-        voice.snap = 0.0
-        voice.roll = -1
-        voice.fades = 1
-        index = voice.next
-
-
-@kernel
-def _hold(state: State, voice: Voice, modes: Modes) -> None:
-    """Give a voice the force that dies away over a sample."""
-    moments = state.scratch.moments
-    for n in range(MOMENTS):
-        moments[n] = 0.0
-    q, u, v, w = voice.held_ratio, voice.held[0], voice.held[1], voice.held[2]
-    moments[0] = u
-    moments[1], _, _ = tilt_of(q, u, v, w)
-    inject(modes, Point(voice.struck, 0, 0, voice.share), moments)
-    voice.held[0], voice.held[1], voice.held[2] = q * (u + v + w), q * (v + 2.0 * w), q * w
-
-
-@kernel
-def _snap(state: State, voice: Voice, modes: Modes, frame: int) -> None:
-    """Give a voice its second pulse, at its time in the sample that ends at a frame."""
-    moments = state.scratch.moments
-    x = min(max(2.0 * (voice.snap_at - state.position - frame) + 1.0, -1.0), 1.0)
-    moments[0] = voice.snap
-    moments[1] = voice.snap * x
-    for n in range(1, MOMENTS - 1):
-        moments[n + 1] = RISE[n] * x * moments[n] - FALL[n] * moments[n - 1]
-    inject(modes, Point(voice.snapped, 0, 0, voice.share), moments)
-    voice.snap = 0.0
-    voice.driven = 1
 
 
 @kernel
@@ -351,23 +328,6 @@ def silence_strikers(state: State, obj: Object) -> None:
     """End the sound of all strikers on an object."""
     while obj.voice >= 0:
         _free(state, obj, -1, obj.voice)
-
-
-@kernel
-def _cut_quietest(state: State) -> None:
-    """Free the voice that was the quietest in the last quantum."""
-    quietest = 0
-    for i in range(1, VOICES):
-        if state.voices[i].loudness < state.voices[quietest].loudness:
-            quietest = i
-    obj = state.objects[state.voices[quietest].slot]
-    before = -1
-    index = obj.voice
-    while index != quietest:
-        before = index
-        index = state.voices[index].next
-    _free(state, obj, before, quietest)
-    state.stats.strikers_cut += 1
 
 
 @kernel

@@ -12,7 +12,7 @@ from ...resonator.rows import Row, Work, at_time, course, filters_of, lay_rows
 from ...resonator.simd import LANES
 from ..bodies.objects import modes_of, point_of, shapes_of, weigh
 from ..bodies.surface import put
-from ..memory.records import Contact, ContactPoint
+from ..memory.records import Contact
 from ..memory.state import ROLLS, State
 from .coupled_rolls import keeps_rows, position_of, turns
 
@@ -144,32 +144,28 @@ def lay_answers(state: State, contact: Contact, other: Contact, moment: int, sam
     another's force is 1, or its own; or, for BENT, if 1 N that bent them is gone. Return where they begin (m)."""
     place = 0.0
     clear_rows(state)
+    work, moments = state.scratch.work, state.scratch.fine
     for side in range(2):
         for other_side in range(2):
             point, struck = contact.point[side], other.point[other_side]
             meet = point.slot >= 0 and point.slot == struck.slot
-            if meet and (side == other_side or contact.index != other.index):
-                place += _lay_answer(state, point, struck, moment, samples)
+            if not (meet and (side == other_side or contact.index != other.index)):
+                continue
+            obj = state.objects[point.slot]
+            modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
+            size = len(modes.y1)
+            moved = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
+            for i in range(2 * size):
+                work[i] = 0.0
+            for j in range(KEPT):
+                moments[j] = 1.0 if j == moment else 0.0
+            if moment == BENT:
+                moments[0] = 1.0 / state.rate
+            inject_kept(moved, point_of(state, obj, struck), moments)
+            if moment == BENT:
+                settle_under(moved)
+            else:
+                for i in range(size):
+                    moved.y1[i], moved.y2[i] = modes.a1[i] * moved.y1[i] + modes.a2[i] * moved.y2[i], moved.y1[i]
+            place += lay_point(state, samples, moved, point_of(state, obj, point))
     return place
-
-
-@kernel
-def _lay_answer(state: State, point: ContactPoint, struck: ContactPoint, moment: int, samples: int) -> float:
-    """Add how a point of an object moves after a force on another one to `rows`."""
-    obj, work, moments = state.objects[point.slot], state.scratch.work, state.scratch.fine
-    modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
-    size = len(modes.y1)
-    moved = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
-    for i in range(2 * size):
-        work[i] = 0.0
-    for j in range(KEPT):
-        moments[j] = 1.0 if j == moment else 0.0
-    if moment == BENT:
-        moments[0] = 1.0 / state.rate
-    inject_kept(moved, point_of(state, obj, struck), moments)
-    if moment == BENT:
-        settle_under(moved)
-    else:
-        for i in range(size):
-            moved.y1[i], moved.y2[i] = modes.a1[i] * moved.y1[i] + modes.a2[i] * moved.y2[i], moved.y1[i]
-    return lay_point(state, samples, moved, point_of(state, obj, point))

@@ -9,33 +9,20 @@ its own.
 import math
 
 from ...contact.block_choice import is_eased
-from ...contact.block_records import AT_BEGIN, AT_END, TOGETHER, Net, Tables
-from ...contact.block_tables import go_on_from_end, mix_tables, settle_tables, take_answers, take_missed
+from ...contact.block_records import AT_BEGIN, AT_END, TERMS, TOGETHER, Net, Tables
+from ...contact.block_tables import go_on_from_end, mix_tables, settle_tables, take_answers
 from ...contact.coupled import answer_of
 from ...native.jit import kernel, noinline_kernel
-from ...numerics.legendre import FINE
+from ...numerics.legendre import AHEAD, FINE
 from ...resonator.fed import LINE
 from ..bodies.surface import put
 from ..memory.records import Contact
 from ..memory.state import QUANTUM, State
 from .block_motion import BENT, lay_answers, whole_lanes
 from .contact_force import find_transfer, observe_points
-from .coupled_rolls import passed_by, position_of, turns
+from .coupled_rolls import position_of
 
-_FAR = 0.03  # rows of shapes that a body passes in a quantum, up to which its answer goes as a line within -60 dB
 _SAME = 1e-9  # of a path: places that differ by less are one
-
-
-@kernel
-def go_on_lines(state: State, net: Net) -> bool:
-    """True if bodies of a net move over their objects, each one way in the quantum, and not far: tables go as lines
-    between its ends."""
-    near = net.moves == 1 and net.lasts == 0
-    for i in range(net.size):
-        contact = state.contacts[net.contact[i]]
-        if contact.travel > 0.0:
-            near = near and passed_by(state, contact) < _FAR and not turns(contact, 0, QUANTUM)
-    return near
 
 
 @kernel
@@ -151,7 +138,13 @@ def _settle_with(state: State, net: Net, i: int, j: int, samples: int) -> None:
     if bends_under(other):
         place = lay_answers(state, contact, other, BENT, samples)
         own = contact.coupled.period**2 / contact.m if i == j else 0.0
-        take_missed(tables, state.scratch.rows, place, own)
+        # Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the rows
+        # of their motion if they are let go.
+        tables.missed[0] = state.scratch.rows[(TERMS - 1) * AHEAD] - place + tables.within[0, 0] - 0.5 * own
+        for k in range(1, TERMS):
+            tables.missed[k] = (
+                state.scratch.rows[(k - 1) * AHEAD] + tables.within[k, 0] - (0.5 * own if k == 1 else 0.0)
+            )
 
 
 @kernel

@@ -16,7 +16,7 @@ import math
 from ...contact.accuracy import IN_BLOCKS
 from ...contact.block import begin_block, end_block, forget_energy, renew_block, step_blocks
 from ...contact.block_choice import is_followed, is_long, is_soft
-from ...contact.block_records import SOFT_TERMS, TERMS, TOGETHER, Block, Net
+from ...contact.block_records import SOFT_TERMS, TERMS, TOGETHER, Net
 from ...contact.block_tables import feel, take_rows
 from ...contact.lanes import takes_law
 from ...native.jit import kernel, noinline_kernel
@@ -33,15 +33,17 @@ from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
 from .block_motion import clear_rows, lay_contact, lay_moving, whole_lanes
-from .block_places import bends_under, go_on_lines, put_amid, settle_net
+from .block_places import bends_under, put_amid, settle_net
 from .contact_force import observe_points
 from .contact_list import acts, take_place, take_room_again
-from .coupled_rolls import PASSED, passed_by
+from .coupled_rolls import PASSED, passed_by, turns
 from .flights import release_spent
 from .presses import press
 from .rolls import feed_of, register_roll
 from .slides import rubs
 from .trace import trace_press, trace_roll
+
+_FAR = 0.03  # rows of shapes that a body passes in a quantum, up to which its answer goes as a line within -60 dB
 
 _FEWEST = 8  # frames that are worth a block
 
@@ -57,7 +59,13 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
         net.end, obj.in_lanes, obj.resumes = obj.in_lanes, -1, QUANTUM
         _conclude(state, net, frame, net.stop)
     elif begin_net(state, slot, frame, False):
-        _solve(state, net, frame)
+        # Solve the contacts of a net from a frame on, as far as can be, or for a sample under friction.
+        stop = frame + 1 if net.rubs == 1 else net.stop
+        if net.size == 1:
+            run_alone(state, frame, stop)
+        else:
+            net.end = _run(state, net, net.size, frame, stop)
+        _conclude(state, net, frame, stop)
 
 
 @kernel
@@ -91,17 +99,6 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
 
 
 @kernel
-def _solve(state: State, net: Net, frame: int) -> None:
-    """Solve the contacts of a net from a frame on, as far as can be, or for a sample under friction."""
-    stop = frame + 1 if net.rubs == 1 else net.stop
-    if net.size == 1:
-        run_alone(state, frame, stop)
-    else:
-        net.end = _run(state, net, net.size, frame, stop)
-    _conclude(state, net, frame, stop)
-
-
-@kernel
 def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
     """End a block that was to be solved up to a frame, or leave it so that it goes on."""
     for i in range(net.size):
@@ -111,9 +108,20 @@ def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
             obj = state.objects[net.object[i]]
             obj.laid, obj.resumes = net.begin, net.end
     else:
-        _leave(state, net, net.end)
-        # Say when the objects of a net whose block ends at a frame are to be looked at again.
+        # End the blocks of a net's contacts, which are solved up to a frame.
         end = net.end
+        for i in range(net.size):
+            contact = state.contacts[net.contact[i]]
+            block = state.blocks[net.block[i]]
+            end_block(block, contact.coupled)
+            if contact.trait.along == 1:
+                contact.led = 1 if end < net.stop else 0
+                if end < net.stop and block.laid > 0:
+                    roll_back(state.rolls[contact.roll], contact.coupled, block)
+                if end < net.stop and contact.travel > 0.0:
+                    contact.unsettled = 1  # its force moves on, and leaves it elsewhere
+            state.steps_taken += end - net.begin
+        # Say when the objects of a net whose block ends at a frame are to be looked at again.
         apart = 0
         for i in range(net.objects):
             apart = max(apart, state.objects[net.object[i]].apart)
@@ -131,7 +139,29 @@ def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
 def _hand_on_all(state: State, net: Net, frame: int) -> None:
     """Hand on the forces of a net's contacts from a frame on, as far as they are solved."""
     for i in range(net.size):
-        _hand_on(state, state.contacts[net.contact[i]], frame)
+        # Hand on the force of a contact from a frame on, as far as it is solved: to the record of contacts, to a
+        # striker that sounds, and with its gain to the modes.
+        contact = state.contacts[net.contact[i]]
+        fed = feed_of(state, contact)
+        if contact.ahead > frame and state.objects[contact.point[0].slot].ahead == 0:
+            for n in range(QUANTUM):
+                if not frame <= n < contact.ahead:
+                    for k in range(KEPT):
+                        fed[n, k] = 0.0
+            register_roll(state, contact.index)
+            if bends_under(contact):
+                press_striker(state, contact)
+            feed_striker(state, contact)
+        if bends_under(contact):
+            trace_press(state, contact, fed, (frame, contact.ahead))
+        else:
+            trace_roll(state, contact, fed, (frame, contact.ahead), 0)
+        for n in range(max(frame, contact.ahead - len(contact.forces)), contact.ahead):
+            note_force(contact.forces, fed[n, 0] * state.rate)
+        if contact.now.gain != 1.0:
+            for n in range(frame, contact.ahead):
+                for k in range(KEPT):
+                    fed[n, k] *= contact.now.gain
     for i in range(net.objects):
         state.objects[net.object[i]].ahead |= net.end > frame
 
@@ -281,7 +311,12 @@ def _look(state: State, net: Net) -> bool:
     """True if a block follows all contacts. A body that moves over its object, and has
     no tables between the quantum's ends, is put where it is amid the block: its force is answered as there."""
     follows = True
-    net.between = 1 if go_on_lines(state, net) else 0
+    near = net.moves == 1 and net.lasts == 0
+    for i in range(net.size):
+        contact = state.contacts[net.contact[i]]
+        if contact.travel > 0.0:
+            near = near and passed_by(state, contact) < _FAR and not turns(contact, 0, QUANTUM)
+    net.between = 1 if near else 0
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
         if contact.travel > 0.0 and net.between == 0:
@@ -328,7 +363,25 @@ def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
         if n > net.begin:
             feel(state.blocks, net, size, n - 1 - net.begin)
         for i in range(size):
-            net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]], n, stop)
+            # Lay the path under a contact over the sample that ends at a frame, or press it on, as it is solved
+            # up to another frame.
+            contact = state.contacts[net.contact[i]]
+            block = state.blocks[net.block[i]]
+            if contact.trait.held == 1:
+                press(contact, n)
+            if contact.trait.along == 0:
+                net.share[i] = 1.0
+            else:
+                roll = state.rolls[contact.roll]
+                if contact.led == 0 and block.even == 1:
+                    roll_evenly(roll, block, contact.coupled.period, stop - n)
+                    net.share[i] = share_of(roll)
+                else:
+                    if contact.led == 0:
+                        lead_coupled_roll(roll, contact.coupled, 0.0)
+                    contact.led = 0
+                    project_path(contact.coupled, block)
+                    net.share[i] = share_of(roll)
         if size == 1:
             taken = step_blocks(state.contacts, state.blocks, net, 1, n - net.begin)
         else:
@@ -340,64 +393,3 @@ def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
             for k in range(KEPT):
                 feed[k] = moments[k] = net.share[i] * moments[k]
     return stop
-
-
-@kernel
-def _leave(state: State, net: Net, end: int) -> None:
-    """End the blocks of a net's contacts, which are solved up to a frame."""
-    for i in range(net.size):
-        contact = state.contacts[net.contact[i]]
-        block = state.blocks[net.block[i]]
-        end_block(block, contact.coupled)
-        if contact.trait.along == 1:
-            contact.led = 1 if end < net.stop else 0
-            if end < net.stop and block.laid > 0:
-                roll_back(state.rolls[contact.roll], contact.coupled, block)
-            if end < net.stop and contact.travel > 0.0:
-                contact.unsettled = 1  # its force moves on, and leaves it elsewhere
-        state.steps_taken += end - net.begin
-
-
-@kernel
-def _lead(state: State, contact: Contact, block: Block, frame: int, stop: int) -> float:
-    """Lay the path under a contact over the sample that ends at a frame, or press it on, as it is solved up to another
-    frame; return the share of its force that the object gets."""
-    if contact.trait.held == 1:
-        press(contact, frame)
-    if contact.trait.along == 0:
-        return 1.0
-    roll = state.rolls[contact.roll]
-    if contact.led == 0 and block.even == 1:
-        roll_evenly(roll, block, contact.coupled.period, stop - frame)
-        return share_of(roll)
-    if contact.led == 0:
-        lead_coupled_roll(roll, contact.coupled, 0.0)
-    contact.led = 0
-    project_path(contact.coupled, block)
-    return share_of(roll)
-
-
-@kernel
-def _hand_on(state: State, contact: Contact, frame: int) -> None:
-    """Hand on the force of a contact from a frame on, as far as it is solved: to the record of contacts, to a striker
-    that sounds, and with its gain to the modes."""
-    fed = feed_of(state, contact)
-    if contact.ahead > frame and state.objects[contact.point[0].slot].ahead == 0:
-        for n in range(QUANTUM):
-            if not frame <= n < contact.ahead:
-                for k in range(KEPT):
-                    fed[n, k] = 0.0
-        register_roll(state, contact.index)
-        if bends_under(contact):
-            press_striker(state, contact)
-        feed_striker(state, contact)
-    if bends_under(contact):
-        trace_press(state, contact, fed, (frame, contact.ahead))
-    else:
-        trace_roll(state, contact, fed, (frame, contact.ahead), 0)
-    for n in range(max(frame, contact.ahead - len(contact.forces)), contact.ahead):
-        note_force(contact.forces, fed[n, 0] * state.rate)
-    if contact.now.gain != 1.0:
-        for n in range(frame, contact.ahead):
-            for k in range(KEPT):
-                fed[n, k] *= contact.now.gain

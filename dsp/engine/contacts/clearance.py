@@ -14,7 +14,7 @@ from ...resonator.mode import energy_of
 from ..bodies.objects import modes_of, reach_of
 from ..bodies.sheets import is_coupled
 from ..memory.quality import keeps_strikers
-from ..memory.records import Contact, ContactPoint
+from ..memory.records import Contact
 from ..memory.state import COUPLING, Object, State
 from .contact_list import KEPT_ASIDE
 from .solver_choice import moved_by
@@ -31,7 +31,21 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
-            far, fast, change = _reach(state, obj, point)
+            # Bounds of an object's motion where it is touched: displacement (m), velocity (m/s) and acceleration
+            # (m/s^2). Coupled modes take energy from each other: of them only that is known, or may come in this
+            # quantum.
+            if obj.live == 0:
+                far, fast, change = 0.0, 0.0, 0.0
+            elif not is_coupled(state, obj):
+                far, fast, change = reach_of(state, obj, point)
+            else:
+                sheet = state.sheets[obj.sheet]
+                twice = 2.0 * sheet.c0 / sheet.growth * obj.amplified
+                far, fast, change = (
+                    math.sqrt(twice * point.compliance) / obj.settings.tune,
+                    math.sqrt(twice * point.give),
+                    math.inf,
+                )
             given, kicked = _given_by_others(state, contact, side, far) if keeps_strikers(state) else (0.0, 0.0)
             distance += far / contact.now.gain
             speed += fast / contact.now.gain
@@ -45,22 +59,6 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
         contact.coupled.motion[0] = contact.coupled.position + distance  # at most
         acceleration = math.inf  # the gap's rate is not known
     return apart_for(contact.coupled, farthest, speed, acceleration, faster)
-
-
-@kernel
-def _reach(state: State, obj: Object, point: ContactPoint) -> tuple[float, float, float]:
-    """Return bounds of an object's motion where it is touched: displacement (m), velocity (m/s) and acceleration
-    (m/s^2).
-
-    Coupled modes take energy from each other: of them only that is known, or may come in this quantum.
-    """
-    if obj.live == 0:
-        return 0.0, 0.0, 0.0
-    if not is_coupled(state, obj):
-        return reach_of(state, obj, point)
-    sheet = state.sheets[obj.sheet]
-    twice = 2.0 * sheet.c0 / sheet.growth * obj.amplified
-    return math.sqrt(twice * point.compliance) / obj.settings.tune, math.sqrt(twice * point.give), math.inf
 
 
 @kernel
@@ -128,21 +126,20 @@ def _given_by_others(state: State, contact: Contact, side: int, far: float) -> t
             energy += 0.5 * other.m * fast * fast
             speed += min(moved_by(contact, other) * contact.v_in * contact.now.gain, 2.0 * fast)
         elif index != contact.index and (other.touching == 1 and other.trait.lasts == 1 and other.solver == COUPLING):
-            stored = _stored(other, far) * other.now.gain * other.now.gain
+            # The energy (J) of a body that leans on an object: that of its motion and of its compression, and the work
+            # of what pushes it as it follows the object so far (m).
+            coupled = other.coupled
+            compression = max(coupled.motion[0], 0.0)
+            moving = 0.5 * coupled.m * coupled.v * coupled.v
+            stored = (
+                (moving + elastic(compression, coupled.k, coupled.a) + max(coupled.push, 0.0) * (compression + far))
+                * other.now.gain
+                * other.now.gain
+            )
             energy += stored
             speed += math.sqrt(2.0 * stored * give)
         index = other.next
     return energy, speed
-
-
-@kernel
-def _stored(contact: Contact, far: float) -> float:
-    """Return the energy (J) of a body that leans on an object: that of its motion and of its compression, and the work
-    of what pushes it as it follows the object so far (m)."""
-    coupled = contact.coupled
-    compression = max(coupled.motion[0], 0.0)
-    moving = 0.5 * coupled.m * coupled.v * coupled.v
-    return moving + elastic(compression, coupled.k, coupled.a) + max(coupled.push, 0.0) * (compression + far)
 
 
 @kernel

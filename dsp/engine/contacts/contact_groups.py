@@ -1,5 +1,7 @@
 """Coupled contacts are solved sample by sample, those that share objects together."""
 
+import math
+
 from ...contact.coupled import answer_of
 from ...contact.coupled_group import step_together
 from ...contact.coupled_records import GROUP, CoupledGroup
@@ -7,14 +9,19 @@ from ...contact.coupled_step import HELD
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import FINE
+from ...resonator.fed import LINE
+from ...schema import POSITION
+from ..bodies.surface import glides, put_behind
 from ..memory.quality import holds_steps
 from ..memory.records import Contact
-from ..memory.state import COUPLING, State
+from ..memory.state import COUPLING, QUANTUM, State
 from .contact_force import drive, find_transfer, gain_of, observe_points
 from .contact_list import acts, share_object
 from .coupled_rolls import lead_roll
-from .presses import move_press, press
+from .presses import press
 from .solver_choice import choose_tolerance, count_steps, price_of
+
+_PLACE_GLIDE = POSITION.glide  # s
 
 
 @noinline_kernel
@@ -36,7 +43,19 @@ def solve_groups(state: State, frame: int) -> None:
     candidates = state.scratch.candidates
     for i in range(count):
         if candidates[i] >= 0:
-            _gather(state, i, count)
+            # Put a candidate and all that share objects with it, and with these, into `together`; they are
+            # candidates no more. More than GROUP see each other one after the other, and so do those whose forces
+            # are held.
+            group = state.scratch.together
+            group.size = 0
+            _join(group, candidates, i)
+            member = 0
+            while member < group.size:
+                for k in range(count):
+                    free = group.size < GROUP and candidates[k] >= 0
+                    if free and _see_each_other(state.contacts[group.member[member]], state.contacts[candidates[k]]):
+                        _join(group, candidates, k)
+                member += 1
             _solve(state, frame)
 
 
@@ -48,24 +67,6 @@ def solve_alone(state: State, contact: Contact, frame: int) -> None:
     state.scratch.together.size = 1
     state.scratch.together.member[0] = contact.index
     _solve(state, frame)
-
-
-@kernel
-def _gather(state: State, first: int, count: int) -> None:
-    """Put a candidate and all that share objects with it, and with these, into `together`; they are candidates no more.
-
-    More than GROUP see each other one after the other, and so do those whose forces are held.
-    """
-    group, candidates = state.scratch.together, state.scratch.candidates
-    group.size = 0
-    _join(group, candidates, first)
-    member = 0
-    while member < group.size:
-        for i in range(count):
-            free = group.size < GROUP and candidates[i] >= 0
-            if free and _see_each_other(state.contacts[group.member[member]], state.contacts[candidates[i]]):
-                _join(group, candidates, i)
-        member += 1
 
 
 @kernel
@@ -107,7 +108,13 @@ def _solve(state: State, frame: int) -> None:
             lead_roll(state, contact)
         if contact.trait.held == 1:
             press(contact, frame)
-            move_press(state, contact, frame)
+            # Put a coupled striker that is pressed on where it is amid the sample that ends at a frame; at a
+            # surface, and for how objects answer it, where it was at the first of LINE samples.
+            if glides(contact):
+                left = (QUANTUM - frame - 0.5) / (_PLACE_GLIDE * state.rate)
+                anew = frame % LINE == 0
+                put_behind(state, contact, math.expm1(left), anew)
+                contact.unsettled |= int(anew)
         observe_points(state, contact)
         if contact.coupled.tolerance == HELD and not holds_steps(state):
             state.stats.over_budget += 1
@@ -125,7 +132,11 @@ def _solve(state: State, frame: int) -> None:
         for k in range(group.size):
             for j in range(group.size):
                 if k != j and (group.known[k] == 0 or group.known[j] == 0):
-                    _find_answer(state, group, k, j)
+                    # Find how the points of contact i answer the force of contact j: on all objects that both touch.
+                    contact, other = state.contacts[group.member[k]], state.contacts[group.member[j]]
+                    find_transfer(state, contact, other)
+                    gain = gain_of(state, other) / contact.now.gain
+                    answer_of(state.scratch.receptance, gain / state.rate, group.answer[k, j])
         for k in range(group.size):
             group.known[k] = state.contacts[group.member[k]].settled
             group.gain[k] = gain_of(state, state.contacts[group.member[k]])
@@ -140,12 +151,3 @@ def _solve(state: State, frame: int) -> None:
             state.scratch.fine[n] = gain * contact.moments[n]
         if contact.trait.slips == 0:  # else friction comes first
             drive(state, contact)
-
-
-@kernel
-def _find_answer(state: State, group: CoupledGroup, i: int, j: int) -> None:
-    """Find how the points of contact i answer the force of contact j: on all objects that both touch."""
-    contact, other = state.contacts[group.member[i]], state.contacts[group.member[j]]
-    find_transfer(state, contact, other)
-    gain = gain_of(state, other) / contact.now.gain
-    answer_of(state.scratch.receptance, gain / state.rate, group.answer[i, j])

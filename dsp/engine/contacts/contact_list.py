@@ -8,7 +8,6 @@ from ...native.atomics import fence, store_release
 from ...native.jit import kernel
 from ...native.records import clear_record, fill_bytes
 from ...numerics.random import STEP, mixed
-from ..bodies.strikers import release_voice
 from ..memory.commands import Event
 from ..memory.filling import fill_roll, fill_swarm
 from ..memory.records import Contact
@@ -208,7 +207,10 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     contact.gesture = 0
     state.last_command[index] = 0
     release_modes(state, contact)
-    release_voice(state, contact)
+    # Leave a contact's voice to itself: no force is to come, and another may take the row of those that came.
+    if contact.voice >= 0:
+        state.voices[contact.voice].contact = state.voices[contact.voice].roll = -1
+        contact.voice = -1
     stats = state.stats
     stats.contacts_active -= 1
     state.free_contact[len(state.contacts) - 1 - stats.contacts_active] = index

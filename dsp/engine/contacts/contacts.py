@@ -10,16 +10,28 @@ import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
-from ...rolling.body import change_law
+from ...numerics.legendre import KEPT
+from ...rolling.body import weigh
 from ...schema import BY_POINT, POINT, STEERABLE, gestures_steered_by
 from ..bodies.strikers import roll_striker
 from ..bodies.surface import PLACES, THERE, put, put_other
 from ..memory.order import wake
 from ..memory.quality import coarseness_of, holds_steps, must_wait
 from ..memory.records import Contact
-from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING, Object, State
-from .abreast import hand_on, waits_for_others
-from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
+from ..memory.state import (
+    BEHIND,
+    CLOSED,
+    COUPLING,
+    END_NO_ROOM,
+    END_RESTED,
+    END_STOPPED,
+    LEAD,
+    QUANTUM,
+    ROLLING,
+    Object,
+    State,
+)
+from .contact_force import apply_contact_force, begin_contact, couple_pulse, observe_points, update_mode_count
 from .contact_groups import solve_alone
 from .contact_list import (
     KEPT_ASIDE,
@@ -32,13 +44,15 @@ from .contact_list import (
     schedule_contact,
     take_out,
 )
+from .coupled_rolls import LEAVING
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
-from .presses import add_static, glide_push, lay_on
+from .presses import add_static, glide_push
 from .rests import bear_load, begin_rest, keep_resting
-from .rolls import feed_on, feed_out
-from .slides import choose_again, lead_slide, leaves_dashpot, rub, rubs
+from .rolls import feed_of, feed_on, move_on, register_roll
+from .slides import choose_again, lead_slide, rub, rubs
 from .solver_choice import is_moved
 from .swarms import delay_swarm, has_run_out, swarm_on
+from .trace import trace_roll
 
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 
@@ -73,7 +87,29 @@ def update_contacts(state: State, obj: Object) -> None:
                     put_other(state, contact)
                     contact.unsettled = 1
             if contact.trait.rolls == 1 or contact.trait.held == 1 or contact.trait.rests == 1:
-                _take_law(state, contact)
+                # Give a roll, a press or a rest the contact law that it is steered to, for the whole quantum: what its
+                # spring stores changes between steps alone.
+                coupled = contact.coupled
+                mu = now.dissipation if contact.w == 0.0 else contact.mu
+                same = contact.k == now.stiffness and contact.mu == mu and contact.a == now.exponent
+                if not (same and (contact.m == now.mass or contact.trait.rolls == 1)):
+                    contact.k, contact.mu, contact.a = now.stiffness, mu, now.exponent
+                    coupled.k, coupled.a = contact.k, contact.a
+                    coupled.mu = mu if contact.w == 0.0 else coupled.mu
+                    if contact.trait.rolls == 1:
+                        roll = state.rolls[contact.roll]
+                        # Give a body that rolls another contact law.
+                        a = contact.a
+                        roll.k, roll.mu, roll.a = contact.k, mu, a
+                        roll.energy_share = 1.0 / (a + 1.0)
+                        if roll.stiffness > 0.0:
+                            weigh(roll)
+                        coupled.k, coupled.rest_compression = roll.stiffness, roll.rest_compression
+                    elif contact.m != now.mass:
+                        contact.m = coupled.m = now.mass
+                        contact.unsettled = 1
+                    if contact.trait.rests == 1 and contact.touching == 1:
+                        bear_load(contact)
         # Tie the objects of a contact together; forget one that is gone; note where modes are retuned.
         other = contact.point[1]
         if other.slot >= 0:
@@ -103,29 +139,6 @@ def update_contacts(state: State, obj: Object) -> None:
                 if contact.point[1].slot >= 0:
                     state.objects[contact.point[1].slot].has_contact = 1
         index = after
-
-
-@kernel
-def _take_law(state: State, contact: Contact) -> None:
-    """Give a roll, a press or a rest the contact law that it is steered to, for the whole quantum: what its spring
-    stores changes between steps alone."""
-    now, coupled = contact.now, contact.coupled
-    mu = now.dissipation if contact.w == 0.0 else contact.mu
-    same = contact.k == now.stiffness and contact.mu == mu and contact.a == now.exponent
-    if same and (contact.m == now.mass or contact.trait.rolls == 1):
-        return
-    contact.k, contact.mu, contact.a = now.stiffness, mu, now.exponent
-    coupled.k, coupled.a = contact.k, contact.a
-    coupled.mu = mu if contact.w == 0.0 else coupled.mu
-    if contact.trait.rolls == 1:
-        roll = state.rolls[contact.roll]
-        change_law(roll, contact.k, mu, contact.a)
-        coupled.k, coupled.rest_compression = roll.stiffness, roll.rest_compression
-    elif contact.m != now.mass:
-        contact.m = coupled.m = now.mass
-        contact.unsettled = 1
-    if contact.trait.rests == 1 and contact.touching == 1:
-        bear_load(contact)
 
 
 @kernel
@@ -199,36 +212,44 @@ def _roll_on(state: State, index: int) -> bool:
     if contact.trait.slips == 1:
         lead_slide(state, contact, changed)
     if contact.solver == COUPLING:
-        return _roll_on_coupled(state, contact, changed)
+        # Bring a roll or slide that feels all modes to a new quantum.
+        if changed:
+            contact.unsettled = 1
+        if contact.trait.rolls == 1:
+            since = roll.t - (state.position - 1 - contact.origin) / state.rate  # the quantum's beginning
+            contact.rolled = roll.s - roll.modulated_speed * since
+            contact.rolls = QUANTUM * roll.modulated_speed / state.rate
+        contact.m = roll.m
+        contact.ahead = 0
+        state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
+        roll.impacts = contact.coupled.contacts - 1
+        roll_striker(state, contact)
+        return roll.ended == 1
     roll.path.coarseness = coarseness_of(state)
-    ends = leaves_dashpot(state, contact)
-    if not ends and waits_for_others(state, index):
-        return False
+    ends = contact.trait.slips == 1 and state.slides[contact.roll].feels == LEAVING
     met = roll.impacts
     if ends:
-        feed_out(state, contact)
+        # End a body's force with the frames that are computed.
+        feed = state.feeds[contact.roll]
+        move_on(state, contact, BEHIND + LEAD)
+        for n in range(BEHIND + LEAD, len(feed)):
+            for k in range(KEPT):
+                feed[n, k] = 0.0
     else:
         feed_on(state, contact)
-    hand_on(state, index, roll.impacts - met)
-    return roll.ended == 1
-
-
-@kernel
-def _roll_on_coupled(state: State, contact: Contact, changed: bool) -> bool:
-    """Bring a roll or slide that feels all modes to a new quantum; true if it has come to its end. `changed`: it acts
-    on other modes than before."""
-    roll = state.rolls[contact.roll]
-    if changed:
-        contact.unsettled = 1
+    # Hand the force on to what it drives.
+    feed = feed_of(state, contact)
     if contact.trait.rolls == 1:
-        since = roll.t - (state.position - 1 - contact.origin) / state.rate  # the quantum's beginning
-        contact.rolled = roll.s - roll.modulated_speed * since
-        contact.rolls = QUANTUM * roll.modulated_speed / state.rate
-    contact.m = roll.m
-    contact.ahead = 0
-    state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
-    roll.impacts = contact.coupled.contacts - 1
-    roll_striker(state, contact)
+        ahead = roll.t - (state.position - 1 + QUANTUM - contact.origin) / state.rate
+        contact.rolled += contact.rolls
+        contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
+    state.stats.impacts += roll.impacts - met
+    trace_roll(state, contact, feed, (0, QUANTUM), 1)
+    for n in range(len(contact.forces)):
+        contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
+    if roll.ended == 0:
+        register_roll(state, index)
+        roll_striker(state, contact)
     return roll.ended == 1
 
 
@@ -261,7 +282,11 @@ def _begin(state: State, contact: Contact, frame: int) -> bool:
     contact.begun = float(state.position + frame)
     if begin_rest(state, contact) if contact.trait.rests == 1 else begin_contact(state, contact, is_pushed(contact)):
         if contact.trait.held == 1:
-            lay_on(state, contact)
+            # Begin to press a striker on where it begins to touch, with no force yet.
+            observe_points(state, contact)
+            contact.push = 0.0
+            glide_push(state, contact, state.position - 1 + QUANTUM - contact.start - contact.fraction)
+            add_static(state, contact, contact.push)
         return True
     report_end(state, contact.gesture, END_NO_ROOM)
     return False

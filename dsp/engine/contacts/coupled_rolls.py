@@ -1,7 +1,7 @@
 """Rolls and slides that feel the modes of the object under them.
 
-On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
-solved a quantum at a time where it can be (blocks.py). Where it can't, and the object hardly gives way, where steps
+On an object that yields a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
+solved a quantum at a time where it can be (blocks.py). Where it can't, and the object hardly yields, where steps
 are held, where `/budget` has no room or too few steps, and under a bow the object is a dashpot, which costs as much for
 any number of modes (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is
 off by -15 to -40 dB.
@@ -13,8 +13,8 @@ steps than the sum of each, and a force that is held among them gains energy.
 All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
 fits in none touches its object.
 
-The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
-that are faster hardly move meanwhile. So sum m phi^2/(1 + (omega/omega_c)^2) tells by how much the object is lighter
+The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower yield, those
+that are faster hardly move meanwhile. So sum m phi^2/(1 + (omega/omega_c)^2) gives by how much the object is lighter
 than rigid. Over a uniform density of modes that is m omega_c/Z, with 1/Z the mean of their mobility.
 """
 
@@ -64,12 +64,21 @@ PASSED = 1e-3
 
 @noinline_kernel
 def couple_roll(state: State, contact: Contact) -> None:
-    """Couple a roll or slide that begins to the objects that it touches, if they give way enough."""
+    """Couple a roll or slide that begins to the objects that it touches, if they yield enough."""
     level, roll = state.choices.accuracy, state.rolls[contact.roll]
     mass, gravity = roll.target.mass, roll.target.gravity
     omega_c = math.sqrt(contact.a * gravity / compression_at(mass * gravity, contact.k, contact.a))
-    mobility, greatest = _mobility(state, contact, omega_c)
-    roll.mobility = mobility / omega_c
+    # Sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's way.
+    obj = state.objects[contact.point[0].slot]
+    mean = greatest = 0.0
+    places = _PLACES if contact.travel > 0.0 else 1
+    for n in range(places):
+        put(state, obj, contact, n / (_PLACES - 1.0) if places > 1 else contact.now.position)
+        here = _mobility_here(state, contact, omega_c)
+        mean += here / places
+        greatest = max(greatest, here)
+    put(state, obj, contact, contact.now.position)
+    roll.mobility = mean / omega_c
     gives = mass * greatest
     gives_way = gives > GIVING[level]
     roll.brief = BRIEF if level < _FINE or gives_way else 0.0
@@ -112,20 +121,7 @@ def _needed(state: State, contact: Contact, turn: float, fits: bool) -> float:
     many as the stiffest, on an object that is as light against all of them. From TOGETHER others on they are more than
     there can be.
     """
-    count, together = _count_beside(state, contact), 1
-    if count >= TOGETHER:
-        return math.inf
-    if not fits:
-        together += count
-        for i in range(1, together):
-            turn = max(turn, swing_of(state.contacts[state.scratch.candidates[i]].coupled))
-    per_radian: float = STEPS_A_RADIAN[state.choices.accuracy]
-    return price_of(together) * (1.0 + per_radian * turn * math.sqrt(together))
-
-
-@noinline_kernel
-def _count_beside(state: State, contact: Contact) -> int:
-    """Return how many coupled contacts, up to TOGETHER, share objects with one, or with another of them."""
+    # List the coupled contacts, up to TOGETHER others, that share objects with it, or with another of them.
     found, count, before = state.scratch.candidates, 1, 0
     found[0] = contact.index
     while before < count <= TOGETHER:
@@ -142,7 +138,15 @@ def _count_beside(state: State, contact: Contact) -> int:
                     found[count] = index
                     count += 1
                 index = other.next
-    return count - 1
+    if count > TOGETHER:
+        return math.inf
+    together = 1
+    if not fits:
+        together = count
+        for i in range(1, together):
+            turn = max(turn, swing_of(state.contacts[found[i]].coupled))
+    per_radian: float = STEPS_A_RADIAN[state.choices.accuracy]
+    return price_of(together) * (1.0 + per_radian * turn * math.sqrt(together))
 
 
 @kernel
@@ -165,22 +169,6 @@ def _stiffens(contact: Contact, force: float) -> float:
     """Return how the square of a contact's swing goes with the force (N) that presses it on."""
     power: float = max(force, LEAST) ** (1.0 - 1.0 / contact.a)
     return power
-
-
-@kernel
-def _mobility(state: State, contact: Contact, omega_c: float) -> tuple[float, float]:
-    """Return sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's
-    way."""
-    obj = state.objects[contact.point[0].slot]
-    mean = greatest = 0.0
-    places = _PLACES if contact.travel > 0.0 else 1
-    for n in range(places):
-        put(state, obj, contact, n / (_PLACES - 1.0) if places > 1 else contact.now.position)
-        here = _mobility_here(state, contact, omega_c)
-        mean += here / places
-        greatest = max(greatest, here)
-    put(state, obj, contact, contact.now.position)
-    return mean, greatest
 
 
 @kernel
@@ -261,16 +249,6 @@ def keeps_line(contact: Contact, rows: int, frame: int) -> bool:
     """True if what rolls or slides keeps its rows of shapes over the LINE frames about one."""
     begin = frame // LINE * LINE
     return keeps_rows(rows, position_of(contact, begin), position_of(contact, begin + LINE))
-
-
-@kernel
-def line_position_of(contact: Contact, rows: int, frame: int) -> float:
-    """Return the position of what rolls or slides, as a line for LINE frames where it keeps its rows of shapes."""
-    if not keeps_line(contact, rows, frame):
-        return position_of(contact, frame)
-    begin = frame // LINE * LINE
-    here = position_of(contact, begin)
-    return here + (frame - begin) / LINE * (position_of(contact, begin + LINE) - here)
 
 
 @kernel

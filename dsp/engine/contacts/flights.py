@@ -83,7 +83,14 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
     elif samples == math.inf:
-        _keep(state, contact, now)
+        # Keep a striker that has left for good in flight for a while, as another one may throw the object after it.
+        away = max(_AFAR + coupled.position, 0.0) / max(-coupled.v, _AFAR / _KEPT)
+        contact.gone_at = min(contact.gone_at, now + math.floor(away * state.rate) + 1.0)
+        give_room_back(state, contact)
+        contact.aside = KEPT_ASIDE
+        fly_on(coupled, contact.gone_at - now)
+        contact.start = int(contact.gone_at) + QUANTUM  # it is forgotten before: see is_gone
+        contact.fraction = 0.0
         return True
     bounces = contact.trait.falls == 1 and contact.gone_at == math.inf and coupled.v < 0.0
     if bounces and coupled.v * coupled.v > 2.0 * contact.target.gravity * _CLEAR * contact.reach:
@@ -120,19 +127,6 @@ def _is_over(contact: Contact, now: float, samples: float) -> bool:
 
 
 @kernel
-def _keep(state: State, contact: Contact, now: float) -> None:
-    """Keep a striker that has left for good in flight for a while, as another one may throw the object after it."""
-    coupled = contact.coupled
-    away = max(_AFAR + coupled.position, 0.0) / max(-coupled.v, _AFAR / _KEPT)
-    contact.gone_at = min(contact.gone_at, now + math.floor(away * state.rate) + 1.0)
-    give_room_back(state, contact)
-    contact.aside = KEPT_ASIDE
-    fly_on(coupled, contact.gone_at - now)
-    contact.start = int(contact.gone_at) + QUANTUM  # it is forgotten before: see is_gone
-    contact.fraction = 0.0
-
-
-@kernel
 def is_gone(state: State, contact: Contact) -> bool:
     """True if a striker has left that nothing caught up with in the time for which it was kept."""
     return contact.aside == KEPT_ASIDE and state.position >= contact.gone_at
@@ -151,28 +145,22 @@ def call_back(state: State, obj: Object, frame: int) -> None:
             if contact.aside == KEPT_ASIDE and energy < 0.0:
                 energy = energy_beside(state, obj, contact)  # it is the same for all that have left
             if contact.aside == 1 or not is_beyond(contact, obj, energy, contact.gone_at - now):
-                _call_back(state, contact, now)
+                # Advance a striker unseen, from a time in samples on, for no longer than it surely stays apart.
+                until = contact.gone_at if contact.aside == KEPT_ASIDE else float(contact.start)
+                if not until <= now:
+                    _fly(state, contact, until, now - until)
+                    samples = min(flight(state, contact, False), until - now)
+                    _fly(state, contact, now, samples)
+                    if now + samples < until:
+                        contact.start = int(now + samples)
+                        contact.gone_at = math.inf if contact.aside == KEPT_ASIDE else contact.gone_at
+                        contact.aside = 1
         if acts(state, index) and before >= 0 and not acts(state, before):
             take_out(state, obj, before, index)
             append_contact(state, obj, index)
         else:
             before = index
         index = after
-
-
-@kernel
-def _call_back(state: State, contact: Contact, now: float) -> None:
-    """Advance a striker unseen, from a time in samples on, for no longer than it surely stays apart."""
-    until = contact.gone_at if contact.aside == KEPT_ASIDE else float(contact.start)
-    if until <= now:
-        return
-    _fly(state, contact, until, now - until)
-    samples = min(flight(state, contact, False), until - now)
-    _fly(state, contact, now, samples)
-    if now + samples < until:
-        contact.start = int(now + samples)
-        contact.gone_at = math.inf if contact.aside == KEPT_ASIDE else contact.gone_at
-        contact.aside = 1
 
 
 @kernel

@@ -59,42 +59,30 @@ def _run(state: State, count: int) -> None:
     for n in range(QUANTUM):
         for i in range(count):
             if lanes.ended[i] < 0:
-                _lay(state, i, n)
+                # Lay sample n under a lane's contact: what its forces did to it, and its path.
+                contact, block = state.contacts[lanes.contact[i]], state.blocks[lanes.block[i]]
+                if n > 0 and n % TILE == 0:
+                    feel_tile(block, lanes, i, QUANTUM, n)
+                if contact.trait.along == 1:
+                    roll_evenly(state.rolls[contact.roll], block, contact.coupled.period, QUANTUM - n)
+                lay_line(lanes, i, block, n)
         waits = step_lanes(lanes, n % TILE) if count > 1 else step_lane(lanes, n % TILE)
         for i in range(count):
             if lanes.ended[i] < 0:
                 if waits > 0 and lanes.taken[i] == 0 and not take_by_itself(lanes, i):
                     _leave(state, i, n)
                 else:
-                    _hand_on(state, i, n)
+                    # Hand on the moments of the share of a lane's force over sample n that drives its object.
+                    share = share_driven(state, state.contacts[lanes.contact[i]])
+                    feed, felt = state.feeds[lanes.block[i], BEHIND + n], SOFT_TERMS * (n % TILE)
+                    for j in range(len(feed)):
+                        feed[j] = 0.0
+                    for j in range(SOFT_TERMS):
+                        feed[j] = lanes.felt[felt + j, i] = share * lanes.moments[j, i]
     for i in range(count):
         if lanes.ended[i] < 0:
             _leave(state, i, QUANTUM)
         state.objects[lanes.slot[i]].in_lanes = lanes.ended[i]
-
-
-@kernel
-def _lay(state: State, i: int, n: int) -> None:
-    """Lay sample n under a lane's contact: what its forces did to it, and its path."""
-    lanes = state.scratch.lanes
-    contact, block = state.contacts[lanes.contact[i]], state.blocks[lanes.block[i]]
-    if n > 0 and n % TILE == 0:
-        feel_tile(block, lanes, i, QUANTUM, n)
-    if contact.trait.along == 1:
-        roll_evenly(state.rolls[contact.roll], block, contact.coupled.period, QUANTUM - n)
-    lay_line(lanes, i, block, n)
-
-
-@kernel
-def _hand_on(state: State, i: int, n: int) -> None:
-    """Hand on the moments of the share of a lane's force over sample n that drives its object."""
-    lanes = state.scratch.lanes
-    share = share_driven(state, state.contacts[lanes.contact[i]])
-    feed, felt = state.feeds[lanes.block[i], BEHIND + n], SOFT_TERMS * (n % TILE)
-    for j in range(len(feed)):
-        feed[j] = 0.0
-    for j in range(SOFT_TERMS):
-        feed[j] = lanes.felt[felt + j, i] = share * lanes.moments[j, i]
 
 
 @kernel

@@ -2,32 +2,19 @@
 place that is steered.
 
 It is taken sample by sample, from the instant at which the striker is laid on: a light one that bounces under it would
-tell where the quanta begin. What bends under a press that moves by quanta would ring.
+show where the quanta begin. What bends under a press that moves by quanta would ring.
 """
 
 import math
 
 from ...contact.coupled_flight import fly_on
 from ...native.jit import kernel
-from ...resonator.fed import LINE
-from ...schema import FORCE, POSITION
-from ..bodies.surface import glides, put_behind
+from ...schema import FORCE
 from ..memory.records import Contact
 from ..memory.state import QUANTUM, State
-from .contact_force import observe_points
 
 _GLIDE = FORCE.glide  # s: also of a striker's weight
-_PLACE_GLIDE = POSITION.glide  # s
 _REACHED = 1e-12  # N: as near to its target a push has reached it
-
-
-@kernel
-def lay_on(state: State, contact: Contact) -> None:
-    """Begin to press a striker on where it begins to touch, with no force yet."""
-    observe_points(state, contact)
-    contact.push = 0.0
-    glide_push(state, contact, state.position - 1 + QUANTUM - contact.start - contact.fraction)
-    add_static(state, contact, contact.push)
 
 
 @kernel
@@ -49,17 +36,6 @@ def press(contact: Contact, frame: int) -> None:
     less = -gap * coupled.period**3 / (12.0 * coupled.m * _GLIDE)
     coupled.position -= less
     coupled.motion[0] -= less
-
-
-@kernel
-def move_press(state: State, contact: Contact, frame: int) -> None:
-    """Put a coupled striker that is pressed on where it is amid the sample that ends at a frame; at a surface, and for
-    how objects answer it, where it was at the first of LINE samples."""
-    if glides(contact):
-        left = (QUANTUM - frame - 0.5) / (_PLACE_GLIDE * state.rate)
-        anew = frame % LINE == 0
-        put_behind(state, contact, math.expm1(left), anew)
-        contact.unsettled |= int(anew)
 
 
 @kernel

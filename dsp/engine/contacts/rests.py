@@ -99,7 +99,16 @@ def settle_rests(state: State) -> None:
     for i in range(state.active):
         index = state.objects[state.order[i]].contact
         while index >= 0:
-            _look_at(state, state.contacts[index])
+            # Say whether the objects of a contact can't sleep: it acts on them, a rest swings, or they ring.
+            contact = state.contacts[index]
+            acts = contact.touching == 1 or contact.start < state.position + QUANTUM
+            rests = contact.trait.rests == 1 and contact.touching == 1
+            moves = acts and not (rests and _is_still(contact))
+            for side in range(2):
+                if contact.point[side].slot >= 0:
+                    obj = state.objects[contact.point[side].slot]
+                    if moves or (rests and obj.restless == 0 and _rings(state, obj)):
+                        obj.restless = 1
             index = state.contacts[index].next
     while _spread(state):
         pass
@@ -118,21 +127,21 @@ def settle_rests(state: State) -> None:
                             if contact.point[1].slot >= 0:
                                 obj.shares_contact = 1
                 elif contact.asleep == 0:
-                    _fall_asleep(state, contact)
+                    # Put a rest and the modes of its objects to rest, from this quantum on.
+                    coupled = contact.coupled
+                    contact.asleep = 1
+                    give_place_back(state, contact)
+                    contact.ahead = QUANTUM
+                    contact.forces[:] = 0.0
+                    coupled.v = 0.0
+                    coupled.motion[0] = coupled.position = coupled.rest_compression
+                    for side in range(2):
+                        if contact.point[side].slot >= 0:
+                            obj = state.objects[contact.point[side].slot]
+                            for mode in range(obj.first, obj.first + obj.live):
+                                state.bank.y1[mode] = state.bank.y2[mode] = 0.0
+                            obj.live = obj.has_contact = 0
             index = contact.next
-
-
-@kernel
-def _look_at(state: State, contact: Contact) -> None:
-    """Say whether the objects of a contact can't sleep: it acts on them, a rest swings, or they ring."""
-    acts = contact.touching == 1 or contact.start < state.position + QUANTUM
-    rests = contact.trait.rests == 1 and contact.touching == 1
-    moves = acts and not (rests and _is_still(contact))
-    for side in range(2):
-        if contact.point[side].slot >= 0:
-            obj = state.objects[contact.point[side].slot]
-            if moves or (rests and obj.restless == 0 and _rings(state, obj)):
-                obj.restless = 1
 
 
 @kernel
@@ -166,21 +175,3 @@ def _spread(state: State) -> bool:
                 one.restless = other.restless = max(one.restless, other.restless)
             index = contact.next
     return spread
-
-
-@kernel
-def _fall_asleep(state: State, contact: Contact) -> None:
-    """Put a rest and the modes of its objects to rest, from this quantum on."""
-    coupled = contact.coupled
-    contact.asleep = 1
-    give_place_back(state, contact)
-    contact.ahead = QUANTUM
-    contact.forces[:] = 0.0
-    coupled.v = 0.0
-    coupled.motion[0] = coupled.position = coupled.rest_compression
-    for side in range(2):
-        if contact.point[side].slot >= 0:
-            obj = state.objects[contact.point[side].slot]
-            for i in range(obj.first, obj.first + obj.live):
-                state.bank.y1[i] = state.bank.y2[i] = 0.0
-            obj.live = obj.has_contact = 0

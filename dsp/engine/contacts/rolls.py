@@ -1,11 +1,12 @@
 """The ringing of objects from contact to contact, driven meanwhile by the bodies that roll on them.
 
-A roll is computed LEAD frames ahead of its sound, so that one number a frame tells the modes its force (see
+A roll is computed LEAD frames ahead of its sound, so that one number a frame passes its force to the modes (see
 resonator/fed.py); a click's modes, which answer in another way, get its moments. New values of a roll take effect as
 much later. A roll that feels all modes is computed with them instead (coupled_rolls.py).
 """
 
 from ...contact.block_records import TOGETHER
+from ...karman.step import straighten
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View, View2D
 from ...numerics.legendre import KEPT
@@ -16,12 +17,14 @@ from ...resonator.sizes import LEAST_FED, REACH
 from ...rolling.body import fill_roll
 from ..bodies.objects import modes_of, shapes_of
 from ..bodies.sensing import push_sensed
-from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending, wind_up
+from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending
 from ..bodies.surface import put
 from ..memory.records import Contact, Through
 from ..memory.state import BEHIND, LEAD, QUANTUM, ROLLS, Object, State
 from ..output.mix import sides_of
 from .coupled_rolls import keeps_line, put_on_line
+
+_UNHEARD = 1e-9  # output
 
 
 @noinline_kernel
@@ -29,25 +32,10 @@ def feed_on(state: State, contact: Contact) -> None:
     """Compute a rolling or sliding body's force up to LEAD frames behind this quantum's end."""
     roll, feed = state.rolls[contact.roll], state.feeds[contact.roll]
     new = BEHIND + LEAD if roll.piece >= 0 else BEHIND
-    since = begin_of(state, contact, new)
+    # The time (s) since a gesture began at the first of the frames to be fed, which has a number of `new`.
+    since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate
     move_on(state, contact, new)
     fill_roll(roll, since, state.rate, feed[new:])
-
-
-@kernel
-def feed_out(state: State, contact: Contact) -> None:
-    """End a body's force with the frames that are computed."""
-    feed = state.feeds[contact.roll]
-    move_on(state, contact, BEHIND + LEAD)
-    for n in range(BEHIND + LEAD, len(feed)):
-        for k in range(KEPT):
-            feed[n, k] = 0.0
-
-
-@kernel
-def begin_of(state: State, contact: Contact, new: int) -> float:
-    """Return the time (s) since a gesture began at the first of the frames to be fed, which has a number of `new`."""
-    return (state.position - 1 - contact.origin + new - BEHIND) / state.rate
 
 
 @kernel
@@ -88,7 +76,16 @@ def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: i
     if not is_coupled(state, obj):
         _ring_on(state, obj, voice, start, stop)
         if obj.sheet >= 0:
-            wind_up(state, obj, voice, start, stop)
+            # Go on with that from frame `start` to `stop` for a plate that is no longer coupled, until it has
+            # faded.
+            sheet = state.sheets[obj.sheet]
+            if sheet.bent[0, 0] == 0.0 and sheet.bent[1, 0] == 0.0:
+                return
+            for frame in range(start, stop):
+                take_bending(state, obj, voice, frame)
+                straighten(sheet, state.rate)
+            if abs(sheet.bent[0, 0]) + abs(sheet.bent[1, 0]) < _UNHEARD:
+                sheet.bent[0, 0] = sheet.bent[1, 0] = 0.0
     elif obj.rolls_head >= 0:
         for frame in range(start, stop):
             _ring_on(state, obj, voice, frame, frame + 1)
@@ -117,8 +114,7 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
         else:
             ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return
-    # True if a roll on an object moves over it.
-    moves = False
+    moves = False  # whether a roll on it moves over it
     entry = obj.rolls_head
     while entry >= 0:
         contact = state.contacts[entry // 2]
@@ -128,8 +124,26 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
     while frame < stop:
         end = stop
         if moves:
-            end = min(stop, frame - frame % LINE + LINE) if _go_on_lines(state, obj, frame) else frame + 1
-        count, driven = _drivers(state, obj, frame)
+            keep = True
+            entry = obj.rolls_head
+            while entry >= 0:
+                contact = state.contacts[entry // 2]
+                keep = keep and (entry % 2 == 1 or contact.travel == 0.0 or keeps_line(contact, obj.rows, frame))
+                entry = contact.point[entry % 2].next_roll
+            end = min(stop, frame - frame % LINE + LINE) if keep else frame + 1
+        # List the rolls on an object as they are at a frame, and how they move, in `drivers`.
+        count = driven = 0
+        entry = obj.rolls_head
+        while entry >= 0:
+            contact = state.contacts[entry // 2]
+            point = contact.point[entry % 2]
+            if contact.trait.swarms > 0:
+                count = _list_swarm(state, obj, contact, count)
+            elif contact.roll >= 0:  # else it was a press that has ended in this quantum
+                _drive(state, state.scratch.drivers[count], contact, entry % 2, frame)
+                count += 1
+            driven = point.modes
+            entry = point.next_roll
         if obj.sensors > 0:
             # Tell an object's sensors of the rolls on it over the sample before a frame.
             for j in range(count):
@@ -141,61 +155,51 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
             frame = end
             continue
         fed = min(driven, obj.felt // LANES * LANES) if is_fed(state, obj) else 0
-        _ring_others(state, obj, voice, driven, frame, end)
+        # Begin a voice with an object's modes from number `first` on: they ring by themselves.
+        if driven < obj.live:
+            ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
+        else:
+            for side in range(2):
+                for n in range(frame, end):
+                    voice[side, n] = 0.0
         if fed > 0:
-            _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
+            # Add up the forces of those drivers that stay at one place, in `blows`.
+            scratch, places = state.scratch, 0
+            for j in range(count):
+                driver = scratch.drivers[j]
+                samples = _samples_of(state, driver)
+                k = 0
+                while k < places and not _acts_alike(driver, scratch.drivers[scratch.placed[k]]):
+                    k += 1
+                if k == places:
+                    scratch.placed[k] = j
+                    places += 1
+                    for n in range(frame, end):
+                        scratch.blows[k, n] = 0.0
+                for n in range(frame, end):
+                    scratch.blows[k, n] += samples[REACH - 1 + n]
+            # Ring an object's first `fed` modes under rolls at some places, by one number a frame; add to its voice.
+            work, shape = state.scratch.work, shapes_of(state, obj)
+            room = len(work) // (2 * places) // LANES * LANES
+            first = 0
+            while first < fed:
+                size = min(room, fed - first)
+                modes = modes_of(state, obj, first, first + size)
+                for k in range(places):
+                    driver = scratch.drivers[scratch.placed[k]]
+                    where = Point(shape, obj.size, driver.row, driver.weights)
+                    lay_blows(modes.response, where, driver.drift, moves, first, work, 2 * k * size, size)
+                ring_fed(modes, work, scratch.blows, places, moves, voice, frame, end)
+                first += size
         if driven > fed:
             _ring_driven(state, obj, voice, count, fed, driven, frame, end)
         frame = end
 
 
 @kernel
-def _ring_others(state: State, obj: Object, voice: View2D[float], first: int, start: int, stop: int) -> None:
-    """Begin a voice with an object's modes from number `first` on: they ring by themselves."""
-    if first < obj.live:
-        ring(modes_of(state, obj, first, obj.live), voice, start, stop)
-        return
-    for side in range(2):
-        for n in range(start, stop):
-            voice[side, n] = 0.0
-
-
-@kernel
 def is_fed(state: State, obj: Object) -> bool:
     """True if an object's own modes get the rolls on it by one number a frame."""
     return obj.felt >= LEAST_FED and obj.ahead == 0 and obj.rolls_head >= 0
-
-
-@kernel
-def _go_on_lines(state: State, obj: Object, frame: int) -> bool:
-    """True if all rolls on an object keep their rows of shapes over the LINE frames about one."""
-    keep = True
-    entry = obj.rolls_head
-    while entry >= 0:
-        contact = state.contacts[entry // 2]
-        keep = keep and (entry % 2 == 1 or contact.travel == 0.0 or keeps_line(contact, obj.rows, frame))
-        entry = contact.point[entry % 2].next_roll
-    return keep
-
-
-@kernel
-def _place_blows(state: State, count: int, frame: int, end: int) -> int:
-    """Add up the forces of those drivers that stay at one place, in `blows`; how many places there are."""
-    scratch, places = state.scratch, 0
-    for j in range(count):
-        driver = scratch.drivers[j]
-        samples = _samples_of(state, driver)
-        k = 0
-        while k < places and not _acts_alike(driver, scratch.drivers[scratch.placed[k]]):
-            k += 1
-        if k == places:
-            scratch.placed[k] = j
-            places += 1
-            for n in range(frame, end):
-                scratch.blows[k, n] = 0.0
-        for n in range(frame, end):
-            scratch.blows[k, n] += samples[REACH - 1 + n]
-    return places
 
 
 @kernel
@@ -232,25 +236,6 @@ def _acts_alike(a: Driver, b: Driver) -> bool:
 
 
 @kernel
-def _ring_fed(
-    state: State, obj: Object, voice: View2D[float], places: int, fed: int, frame: int, end: int, moves: bool
-) -> None:
-    """Ring an object's first `fed` modes under rolls at some places, by one number a frame; add to its voice."""
-    scratch, work, shape = state.scratch, state.scratch.work, shapes_of(state, obj)
-    room = len(work) // (2 * places) // LANES * LANES
-    first = 0
-    while first < fed:
-        size = min(room, fed - first)
-        modes = modes_of(state, obj, first, first + size)
-        for k in range(places):
-            driver = scratch.drivers[scratch.placed[k]]
-            where = Point(shape, obj.size, driver.row, driver.weights)
-            lay_blows(modes.response, where, driver.drift, moves, first, work, 2 * k * size, size)
-        ring_fed(modes, work, scratch.blows, places, moves, voice, frame, end)
-        first += size
-
-
-@kernel
 def _ring_driven(
     state: State, obj: Object, voice: View2D[float], count: int, first: int, last: int, frame: int, end: int
 ) -> None:
@@ -281,25 +266,6 @@ def _ring_driven(
             for i in range(4):
                 driver.weights[i] += frames * driver.drift[i]
         frame += frames
-
-
-@kernel
-def _drivers(state: State, obj: Object, frame: int) -> tuple[int, int]:
-    """List the rolls on an object as they are at a frame, and how they move, in `drivers`: how many, and how many modes
-    they drive."""
-    count = driven = 0
-    entry = obj.rolls_head
-    while entry >= 0:
-        contact = state.contacts[entry // 2]
-        point = contact.point[entry % 2]
-        if contact.trait.swarms > 0:
-            count = _list_swarm(state, obj, contact, count)
-        elif contact.roll >= 0:  # else it was a press that has ended in this quantum
-            _drive(state, state.scratch.drivers[count], contact, entry % 2, frame)
-            count += 1
-        driven = point.modes
-        entry = point.next_roll
-    return count, driven
 
 
 @kernel
@@ -344,7 +310,14 @@ def add_through(state: State, obj: Object, voice: View2D[float]) -> None:
         contact = state.contacts[entry // 2]
         point, through = contact.point[entry % 2], state.through[contact.roll, entry % 2]
         if contact.trait.swarms > 0:
-            _add_through_places(state, obj, contact, voice)
+            # Add what of a swarm's forces goes straight into an object's voice, over a quantum.
+            own = state.scratch.taps[0]
+            for j in range(_list_swarm(state, obj, contact, 0)):
+                grain = state.scratch.drivers[j]
+                now = state.through[grain.feed, 0]
+                _know_through(state, obj, contact.point[0].modes, grain.row, now)
+                _weigh_taps(grain, now, own)
+                _hear(own, own, state.samples[grain.feed], voice)
             entry = point.next_roll
             continue
         moves = entry % 2 == 0 and contact.travel > 0.0
@@ -364,18 +337,6 @@ def _weigh_taps(driver: Driver, through: Through, taps: View2D[float]) -> None:
             taps[side, k] = 0.0
             for i in range(4):
                 taps[side, k] += driver.weights[i] * through.taps[i, side, k]
-
-
-@kernel
-def _add_through_places(state: State, obj: Object, contact: Contact, voice: View2D[float]) -> None:
-    """Add what of a swarm's forces goes straight into an object's voice, over a quantum."""
-    taps = state.scratch.taps[0]
-    for j in range(_list_swarm(state, obj, contact, 0)):
-        driver = state.scratch.drivers[j]
-        through = state.through[driver.feed, 0]
-        _know_through(state, obj, contact.point[0].modes, driver.row, through)
-        _weigh_taps(driver, through, taps)
-        _hear(taps, taps, state.samples[driver.feed], voice)
 
 
 @kernel

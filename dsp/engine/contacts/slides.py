@@ -85,12 +85,6 @@ def choose_again(state: State, contact: Contact) -> None:
 
 
 @kernel
-def leaves_dashpot(state: State, contact: Contact) -> bool:
-    """True if what slides on a dashpot is to feel the modes from the next quantum on: its force ends."""
-    return contact.trait.slips == 1 and state.slides[contact.roll].feels == LEAVING
-
-
-@kernel
 def _sweep_of(contact: Contact) -> float:
     """Return the sweep (m/s) that is requested."""
     return contact.target.sweep if contact.target.sweep >= 0.0 else contact.target.speed
@@ -162,9 +156,46 @@ def rub(state: State, contact: Contact, frame: int) -> None:
     slide, scratch = state.slides[contact.roll], state.scratch
     friction = slide.friction
     if slide.stale == 1 or slide.moved == 1:
-        _settle(state, contact)
+        # Tell a slide's friction where it is, and how the objects give way there; their modes only if these are others.
+        slide.along, slide.position = contact.target.along, contact.now.position
+        keep_spot(contact, slide.spot)
+        for n in range(FINE):
+            scratch.receptance[n] = 0.0
+        for side in range(2):
+            point = contact.point[side]
+            if point.slot < 0:
+                continue
+            obj = state.objects[point.slot]
+            if side == 0:
+                put(state, obj, contact, position_of(contact, 0.5 * QUANTUM))
+                if point.on_surface == 1 and obj.faces > 0:
+                    direct(state, obj, contact, 0)
+                slide.directed = point.directed
+            slide.modes[side] = min(point.modes, SLID)
+            slide.row[side] = point.row
+            for n in range(4):
+                slide.weights[side, n] = point.weights[n]
+            modes = modes_of(state, obj, 0, slide.modes[side])
+            where = point_of(state, obj, point)
+            if slide.stale == 1:
+                set_rows(modes, state.bank.weight[obj.first : obj.first + obj.size], slide.rows[side], SLID)
+            set_shapes(slide.modes[side], where, slide.along, slide.rows[side], SLID)
+            velocity_response(modes, slide.rows[side], SLID, scratch.work, scratch.fine)
+            for n in range(FINE):
+                scratch.receptance[n] += scratch.fine[n]
+            find_static(state, contact, side, obj, slide.modes[side])
+        respond_along(slide.friction, scratch.receptance)
+        slide.stale = slide.moved = 0
     if contact.solver == COUPLING:
-        _look_beside(state, contact, frame)
+        # Tell friction of the normal force over the sample that ends at a frame, beyond its weight: as a line.
+        block = state.blocks[contact.roll]
+        scale = state.rate / slide.along
+        first, second = block.moments[0], block.moments[1]
+        if contact.ahead <= frame:
+            scale *= share_of(state.rolls[contact.roll])
+            first, second = contact.moments[0], contact.moments[1]
+        slide.friction.beside[0] = scale * (first - 3.0 * second)
+        slide.friction.beside[1] = scale * 6.0 * second
     _drive(state, contact, frame)
     third = end = mean = moment = 0.0
     for side in range(2):
@@ -185,46 +216,48 @@ def rub(state: State, contact: Contact, frame: int) -> None:
     else:
         whole = step_whole(friction, third, end, mean, moment)
     if not whole:
-        _observe(state, contact)
+        # Find the velocity of the points over the sample in full.
+        for n in range(FINE):
+            scratch.observed[n] = 0.0
+        for side in range(2):
+            if contact.point[side].slot >= 0:
+                modes = modes_of(state, state.objects[contact.point[side].slot], 0, slide.modes[side])
+                observe_velocity(modes, slide.rows[side], SLID, scratch.work, scratch.fine)
+                for n in range(FINE):
+                    scratch.observed[n] += scratch.fine[n] / contact.now.gain
         step_located(friction, scratch.observed, scratch.fine)
     force = friction.start + 0.5 * friction.slope if whole else scratch.fine[0] * state.rate
     slide.pull += (force - slide.pull) / (_MEAN * state.rate)
-    _inject(state, contact, whole, state.position + frame - 1)
-
-
-@kernel
-def _settle(state: State, contact: Contact) -> None:
-    """Tell a slide's friction where it is, and how the objects give way there; their modes only if these are others."""
-    slide, scratch = state.slides[contact.roll], state.scratch
-    slide.along, slide.position = contact.target.along, contact.now.position
-    keep_spot(contact, slide.spot)
-    for n in range(FINE):
-        scratch.receptance[n] = 0.0
-    for side in range(2):
-        point = contact.point[side]
-        if point.slot < 0:
-            continue
-        obj = state.objects[point.slot]
-        if side == 0:
-            put(state, obj, contact, position_of(contact, 0.5 * QUANTUM))
-            if point.on_surface == 1 and obj.faces > 0:
-                direct(state, obj, contact, 0)
-            slide.directed = point.directed
-        slide.modes[side] = min(point.modes, SLID)
-        slide.row[side] = point.row
-        for n in range(4):
-            slide.weights[side, n] = point.weights[n]
-        modes = modes_of(state, obj, 0, slide.modes[side])
-        where = point_of(state, obj, point)
-        if slide.stale == 1:
-            set_rows(modes, state.bank.weight[obj.first : obj.first + obj.size], slide.rows[side], SLID)
-        set_shapes(slide.modes[side], where, slide.along, slide.rows[side], SLID)
-        velocity_response(modes, slide.rows[side], SLID, scratch.work, scratch.fine)
+    # Inject friction's force over the sample into the modes.
+    sample = state.position + frame - 1
+    scale = contact.now.gain * slide.along
+    first = (friction.start + 0.5 * friction.slope) / state.rate
+    second = friction.slope / (6.0 * state.rate)
+    if not whole:
+        first, second = scratch.fine[0], scratch.fine[1]
+    trace_friction(state, contact, sample, slide, first, second, whole)
+    if contact.solver == COUPLING:
+        contact.coupled.motion[0] -= first * friction.whole_mean / slide.along  # the point has moved meanwhile
+        if contact.ahead > sample + 1 - state.position:
+            add_beside(state.blocks[contact.roll], contact.coupled, slide.along * first, slide.along * second)
+    first *= scale
+    second *= scale
+    if not whole:
         for n in range(FINE):
-            scratch.receptance[n] += scratch.fine[n]
-        find_static(state, contact, side, obj, slide.modes[side])
-    respond_along(slide.friction, scratch.receptance)
-    slide.stale = slide.moved = 0
+            scratch.fine[n] *= scale
+    for side in range(2):
+        if contact.point[side].slot < 0:
+            continue
+        obj = state.objects[contact.point[side].slot]
+        modes = modes_of(state, obj, 0, slide.modes[side])
+        directed = slide.directed if side == 0 else 0
+        where = shapes_at(state, obj, slide.row[side], slide.weights[side], directed)
+        if obj.sensors > 0:
+            push_sensed(state, obj, where, slide.modes[side], first)
+        if whole:
+            inject_line(modes, where, first, second)
+        else:
+            inject_fine(modes, where, scratch.fine)
 
 
 @kernel
@@ -255,69 +288,8 @@ def _own_force(state: State, contact: Contact, frame: int) -> float:
 
 
 @kernel
-def _look_beside(state: State, contact: Contact, frame: int) -> None:
-    """Tell friction of the normal force over the sample that ends at a frame, beyond its weight: as a line."""
-    slide, block = state.slides[contact.roll], state.blocks[contact.roll]
-    scale = state.rate / slide.along
-    first, second = block.moments[0], block.moments[1]
-    if contact.ahead <= frame:
-        scale *= share_of(state.rolls[contact.roll])
-        first, second = contact.moments[0], contact.moments[1]
-    slide.friction.beside[0] = scale * (first - 3.0 * second)
-    slide.friction.beside[1] = scale * 6.0 * second
-
-
-@kernel
 def _force_of_press(state: State, slide: Slide) -> float:
     """Return the force (N) of the press that a slide's friction feels, over the last sample."""
     if slide.pressed < 0 or state.contacts[slide.pressed].gesture != slide.press:
         return 0.0
     return max(state.contacts[slide.pressed].forces[0], 0.0)
-
-
-@kernel
-def _observe(state: State, contact: Contact) -> None:
-    """Find the velocity of the points over the sample in full."""
-    slide, scratch = state.slides[contact.roll], state.scratch
-    for n in range(FINE):
-        scratch.observed[n] = 0.0
-    for side in range(2):
-        if contact.point[side].slot >= 0:
-            modes = modes_of(state, state.objects[contact.point[side].slot], 0, slide.modes[side])
-            observe_velocity(modes, slide.rows[side], SLID, scratch.work, scratch.fine)
-            for n in range(FINE):
-                scratch.observed[n] += scratch.fine[n] / contact.now.gain
-
-
-@kernel
-def _inject(state: State, contact: Contact, whole: bool, sample: int) -> None:
-    """Inject friction's force over the sample into the modes."""
-    slide, scratch = state.slides[contact.roll], state.scratch
-    friction, scale = slide.friction, contact.now.gain * slide.along
-    first = (friction.start + 0.5 * friction.slope) / state.rate
-    second = friction.slope / (6.0 * state.rate)
-    if not whole:
-        first, second = scratch.fine[0], scratch.fine[1]
-    trace_friction(state, contact, sample, slide, first, second, whole)
-    if contact.solver == COUPLING:
-        contact.coupled.motion[0] -= first * friction.whole_mean / slide.along  # the point has moved meanwhile
-        if contact.ahead > sample + 1 - state.position:
-            add_beside(state.blocks[contact.roll], contact.coupled, slide.along * first, slide.along * second)
-    first *= scale
-    second *= scale
-    if not whole:
-        for n in range(FINE):
-            scratch.fine[n] *= scale
-    for side in range(2):
-        if contact.point[side].slot < 0:
-            continue
-        obj = state.objects[contact.point[side].slot]
-        modes = modes_of(state, obj, 0, slide.modes[side])
-        directed = slide.directed if side == 0 else 0
-        where = shapes_at(state, obj, slide.row[side], slide.weights[side], directed)
-        if obj.sensors > 0:
-            push_sensed(state, obj, where, slide.modes[side], first)
-        if whole:
-            inject_line(modes, where, first, second)
-        else:
-            inject_fine(modes, where, scratch.fine)

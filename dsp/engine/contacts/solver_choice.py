@@ -1,6 +1,6 @@
 """The choice of a contact's solver: the cheapest whose error is known to be small enough (contact/accuracy.py).
 
-The closed form of a rigid wall, with an effective mass where the objects give way, if a striker is light or slow
+The closed form of a rigid wall, with an effective mass where the objects yield, if a striker is light or slow
 against them and they are quiet; otherwise the contact is coupled to their modes (contact/coupled.py).
 """
 
@@ -9,7 +9,6 @@ import math
 from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
 from ...contact.closed_form import begin_pulse, find_nodes, find_power
 from ...contact.coupled_step import HELD
-from ...contact.pulse_record import Pulse
 from ...native.jit import kernel
 from ...schema import VELOCITY
 from ..bodies.objects import is_felt, pitch_of, reach_of, shape_at
@@ -17,7 +16,7 @@ from ..memory.quality import holds_steps
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import CLOSED, COUPLING, State
 
-_RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
+_RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes give the spectrum, beyond it is as good as 0
 _BURST = 256  # times its steps per sample that a coupled contact may need at once: a blow at `exact` takes 4,000
 _BURST_OF_ALL = 1024  # the same of all coupled contacts, in a quantum
 _CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
@@ -181,22 +180,18 @@ def soften_pulse(state: State, contact: Contact, mass_ratio: float, seen_mass_ra
         return
     pulse = contact.pulse
     ratio = 1.0 / (1.0 + seen_mass_ratio)
-    _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))
+    # Scale a pulse's times.
+    shorter = ratio ** (1.0 / (pulse.exponent + 1.0))
+    pulse.duration *= shorter
+    for i in range(len(pulse.node_time)):
+        pulse.node_time[i] *= shorter
+    for phase in range(2):
+        pulse.phase_time[phase] *= shorter
+        for i in range(len(pulse.time_series[phase])):
+            pulse.time_series[phase, i] *= shorter
     if (1.0 + pulse.restitution) * (1.0 + mass_ratio) > 2.0 * (1.0 + seen_mass_ratio):
         ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + _seen_mass_ratio(state, contact))))
     pulse.momentum *= ratio
-
-
-@kernel
-def _shorten(pulse: Pulse, ratio: float) -> None:
-    """Scale a pulse's times."""
-    pulse.duration *= ratio
-    for i in range(len(pulse.node_time)):
-        pulse.node_time[i] *= ratio
-    for phase in range(2):
-        pulse.phase_time[phase] *= ratio
-        for i in range(len(pulse.time_series[phase])):
-            pulse.time_series[phase, i] *= ratio
 
 
 @kernel

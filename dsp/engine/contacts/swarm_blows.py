@@ -32,7 +32,7 @@ from ...swarm.pieces import (
     size_at,
     size_of,
 )
-from ...swarm.record import BACK, BATCH, CLICKS, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Pulses, Swarm
+from ...swarm.record import BACK, BATCH, CLICKS, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Swarm
 from ...swarm.ringing import clicks_apart, kept_of, left_by
 from ...swarm.times import PLACE, SIZE, take_blows, uniform
 from ..memory.commands import NUMBERS
@@ -114,11 +114,49 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
 def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> None:
     """Lay blows onto the grids, or make them contacts of their own."""
     rate, sizes, mass = state.rate / swarm.every, swarm.sized == 1, swarm.together * mean_mass(swarm)
-    stream = STREAM * mass, STREAM * _flow_beside(state, swarm)
+    # How many kilograms a second other swarms bring to a swarm's object.
+    total = 0.0
+    for k in range(SWARMS):
+        other = state.swarms[k]
+        if other.used == 1 and other.slot == swarm.slot:
+            total += other.flow
+    stream = STREAM * mass, STREAM * max(total - swarm.flow, 0.0)
     for n in range(blows.count):
-        _weigh_blow(state, contact, swarm, blows, n, stream)
+        # Find a blow's momentum, its width (ln of samples) and its middle (in that) by how its place yields; the
+        # momentum is 0 where it becomes a contact of its own.
+        table, mass, v, loss = state.pulses.tables[swarm.table], blows.mass[n], blows.v[n], blows.loss[n]
+        ratio, width, asked = _yielded(swarm, blows, n, stream[0] * blows.rate[n] + stream[1])
+        width += swarm.log_rate
+        blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
+        swarm.energy += 0.5 * mass * v * v
+        if asked > _HEAVY and contact.trait.breaks == 0 and _may_be_contact(state, swarm, blows.time[n], log(mass * v)):
+            _become_contact(state, contact, blows, n)
+            blows.momentum[n] = 0.0
+        else:
+            state.stats.impacts += 1
+            blows.momentum[n] = (
+                (blows.heard[n] if swarm.pieces > 0 else known_of(table.momentum, loss)) * ratio * mass * v
+            )
+            if swarm.law == DROPS:
+                blows.momentum[n] *= blows.heard[n]
+            if width > _WIDEST:
+                # As loud at frequencies above the longer pulse's, and less below: it begins as t^(power - 1).
+                power = 1.5 if swarm.law == DROPS else swarm.a + 1.0
+                blows.momentum[n] *= exp(power * (_WIDEST - width))
     if sizes and swarm.cracked == swarm.pieces == 0:
-        _share_blows(state, swarm, blows)
+        # Find what grains that ring take of their blows: the factor on the momentum, and by how much ln of the width is
+        # less. Both are those of rigid ones where they do not ring.
+        if swarm.bends == 0:
+            for n in range(BATCH):
+                blows.alike[n], blows.shorter[n] = 1.0, 0.0
+        else:
+            table, varied = state.pulses.tables[swarm.table], swarm.finer > ONE_SIZE
+            for n in range(BATCH):
+                given = known_of(table.momentum, blows.loss[n])
+                size = size_of(swarm, blows.mass[n]) if varied else 0.0
+                mass_ratio = 1.0 if varied else blows.mass[n] / swarm.m
+                kept, blows.shorter[n] = kept_of(swarm, mass_ratio, blows.width[n] - swarm.log_rate - size, given)
+                blows.alike[n] = math.sqrt(left_by(given, blows.ratio[n]) * kept)
     origin = (contact.origin - state.position + swarm.lead) / swarm.every + _EARLY
     for n in range(BATCH):
         blows.at[n] = origin + blows.time[n] * rate + blows.at[n] * exp(blows.width[n])
@@ -133,27 +171,24 @@ def _lay_blows(state: State, contact: Contact, swarm: Swarm, blows: Blows) -> No
         if sizes:
             c, alike = _size_of_blow(state, contact, swarm, blows, n, width - swarm.log_rate)
             if clicks_apart(swarm) and state.strikers[contact.sound].clicks > 0:
-                _click(contact, swarm, blows, n, c, state.pulses, at)
+                # Lay a pulse onto the grid of a grain's or a piece's click: all of its blow moves it, as a whole.
+                step, heard, mass = SIZES + c // (SIZES // CLICKS), 1.0, blows.mass[n]
+                if swarm.pieces > 0:
+                    heard = blows.toward[n] * heard_above(blows.toward[n] * TILT)
+                    mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
+                elif swarm.finer <= ONE_SIZE:
+                    mass = swarm.m
+                pushes = blows.momentum[n] * heard * swarm.m * math.exp(3.0 * size_at(swarm, step)) / mass
+                end = lay_pulse(
+                    state.pulses, swarm.table, swarm.size_grid[step], at, blows.width[n], blows.loss[n], pushes
+                )
+                swarm.size_busy[step] = max(swarm.size_busy[step], end)
             width -= blows.shorter[n]
             _ring(state, swarm, c, at, width, loss, alike * momentum)
             if swarm.pieces > 0 and blows.below[n] >= 0:
                 c, alike = _size_of_piece(state, contact, swarm, blows, n, blows.below[n])
                 _ring(state, swarm, c, at, width, loss, MIDDLE * alike * momentum)
         swarm.impulse += momentum
-
-
-@kernel
-def _click(contact: Contact, swarm: Swarm, blows: Blows, n: int, size: int, pulses: Pulses, at: float) -> None:
-    """Lay a pulse onto the grid of a grain's or a piece's click: all of its blow moves it, as a whole."""
-    c, heard, mass = SIZES + size // (SIZES // CLICKS), 1.0, blows.mass[n]
-    if swarm.pieces > 0:
-        heard = blows.toward[n] * heard_above(blows.toward[n] * TILT)
-        mass = contact.trait.meets * swarm.mass_of[piece_of(blows.number[n])]
-    elif swarm.finer <= ONE_SIZE:
-        mass = swarm.m
-    momentum = blows.momentum[n] * heard * swarm.m * math.exp(3.0 * size_at(swarm, c)) / mass
-    end = lay_pulse(pulses, swarm.table, swarm.size_grid[c], at, blows.width[n], blows.loss[n], momentum)
-    swarm.size_busy[c] = max(swarm.size_busy[c], end)
 
 
 @kernel
@@ -164,17 +199,6 @@ def _ring(state: State, swarm: Swarm, c: int, at: float, width: float, loss: flo
 
 
 @kernel
-def _flow_beside(state: State, swarm: Swarm) -> float:
-    """Return how many kilograms a second other swarms bring to a swarm's object."""
-    total = 0.0
-    for k in range(SWARMS):
-        other = state.swarms[k]
-        if other.used == 1 and other.slot == swarm.slot:
-            total += other.flow
-    return max(total - swarm.flow, 0.0)
-
-
-@kernel
 def _yielded(swarm: Swarm, blows: Blows, n: int, flow: float) -> tuple[float, float, float]:
     """Return what `yielding` does of a blow, in a stream of a flow (kg/s) as the stream's share has it."""
     if swarm.places == 0:
@@ -182,31 +206,6 @@ def _yielded(swarm: Swarm, blows: Blows, n: int, flow: float) -> tuple[float, fl
     where = blows.place[n]
     ratio, width, asked = yielding(swarm, where, blows.mass[n], blows.width[n])
     return ratio / (1.0 + ratio * flow * swarm.slow[where]), width, asked
-
-
-@kernel
-def _weigh_blow(
-    state: State, contact: Contact, swarm: Swarm, blows: Blows, n: int, stream: tuple[float, float]
-) -> None:
-    """Find a blow's momentum, its width (ln of samples) and its middle (in that) by how its place yields; the momentum
-    is 0 where it becomes a contact of its own. stream: kg, and kg/s of other swarms: the mean mass, and what they
-    bring, as the stream's share has them."""
-    table, mass, v, loss = state.pulses.tables[swarm.table], blows.mass[n], blows.v[n], blows.loss[n]
-    ratio, width, asked = _yielded(swarm, blows, n, stream[0] * blows.rate[n] + stream[1])
-    width += swarm.log_rate
-    blows.at[n], blows.width[n], blows.ratio[n] = known_of(table.middle, loss), min(width, _WIDEST), ratio
-    swarm.energy += 0.5 * mass * v * v
-    if asked > _HEAVY and contact.trait.breaks == 0 and _may_be_contact(state, swarm, blows.time[n], log(mass * v)):
-        _become_contact(state, contact, blows, n)
-        blows.momentum[n] = 0.0
-        return
-    state.stats.impacts += 1
-    blows.momentum[n] = (blows.heard[n] if swarm.pieces > 0 else known_of(table.momentum, loss)) * ratio * mass * v
-    if swarm.law == DROPS:
-        blows.momentum[n] *= blows.heard[n]
-    if width > _WIDEST:  # as loud at frequencies above the longer pulse's, and less below: it begins as t^(power - 1)
-        power = 1.5 if swarm.law == DROPS else swarm.a + 1.0
-        blows.momentum[n] *= exp(power * (_WIDEST - width))
 
 
 @kernel
@@ -250,23 +249,6 @@ def _left_to(state: State, swarm: Swarm, blows: Blows, n: int) -> float:
     """Return the factor on a blow's momentum that moves what rings, by the energy that the object leaves it."""
     given = known_of(state.pulses.tables[swarm.table].momentum, blows.loss[n])
     return math.sqrt(left_by(given, blows.ratio[n])) if swarm.bends > 0 else 1.0
-
-
-@kernel
-def _share_blows(state: State, swarm: Swarm, blows: Blows) -> None:
-    """Find what grains that ring take of their blows: the factor on the momentum, and by how much ln of the width is
-    less. Both are those of rigid ones where they do not ring."""
-    if swarm.bends == 0:
-        for n in range(BATCH):
-            blows.alike[n], blows.shorter[n] = 1.0, 0.0
-        return
-    table, varied = state.pulses.tables[swarm.table], swarm.finer > ONE_SIZE
-    for n in range(BATCH):
-        given = known_of(table.momentum, blows.loss[n])
-        size = size_of(swarm, blows.mass[n]) if varied else 0.0
-        mass_ratio = 1.0 if varied else blows.mass[n] / swarm.m
-        kept, blows.shorter[n] = kept_of(swarm, mass_ratio, blows.width[n] - swarm.log_rate - size, given)
-        blows.alike[n] = math.sqrt(left_by(given, blows.ratio[n]) * kept)
 
 
 @kernel

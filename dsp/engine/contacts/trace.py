@@ -3,11 +3,12 @@
 from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel
 from ...native.typed import View, View2D
+from ...resonator.fed import LINE
 from ..bodies.strikers import left_of_blow, share_of_blow
 from ..memory.records import Contact, Slide
-from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
+from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State
 from ..memory.striker_state import Voice
-from .coupled_rolls import line_position_of, share_driven
+from .coupled_rolls import keeps_line, position_of, share_driven
 
 
 @kernel
@@ -65,7 +66,13 @@ def trace_roll(state: State, contact: Contact, feed: View2D[float], frames: tupl
         return
     rows = state.objects[contact.point[0].slot].rows
     for n in range(frames[0], frames[1]):
-        place = line_position_of(contact, rows, n)
+        # The position of what rolls or slides, as a line for LINE frames where it keeps its rows of shapes.
+        if not keeps_line(contact, rows, n):
+            place = position_of(contact, n)
+        else:
+            begin = n // LINE * LINE
+            here = position_of(contact, begin)
+            place = here + (n - begin) / LINE * (position_of(contact, begin + LINE) - here)
         entry = _trace_moving(state, contact, state.position + n - 1, place, 1.0, feed[n])
         if entry >= 0:
             state.trace.entries[entry].fed = fed
@@ -195,7 +202,17 @@ def _entry(state: State, contact: Contact, sample: int, impulse: float, met: tup
     for k in range(TRACED_MOMENTS - 1):
         entry.moments[k] = 0.0
     entry.gain = contact.now.gain
-    _tell_striker(state, contact, entry)
+    # Tell of an entry's striker how it sounds.
+    entry.sound, entry.share, entry.ratio, entry.left = -1, 0.0, 1.0, 1.0
+    if contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial:
+        striker = state.strikers[contact.sound]
+        entry.sound = contact.sound
+        if contact.trait.along == 1:
+            roll = state.rolls[contact.roll]
+            entry.share = state.objects[contact.point[0].slot].level / roll.m
+            entry.ratio = roll.target.radius / striker.radius if striker.clicks > 0 else 1.0
+        else:
+            entry.share, entry.left = share_of_blow(state, contact), left_of_blow(state, contact)
     return index
 
 
@@ -203,19 +220,3 @@ def _entry(state: State, contact: Contact, sample: int, impulse: float, met: tup
 def _publish(state: State) -> None:
     """Publish the last entry, for Python to read."""
     store_release(state.trace.written, 0, state.trace.written[0] + 1)
-
-
-@kernel
-def _tell_striker(state: State, contact: Contact, entry: Trace) -> None:
-    """Tell of an entry's striker how it sounds."""
-    entry.sound, entry.share, entry.ratio, entry.left = -1, 0.0, 1.0, 1.0
-    if contact.sound < 0 or state.strikers[contact.sound].serial != contact.sound_serial:
-        return
-    striker = state.strikers[contact.sound]
-    entry.sound = contact.sound
-    if contact.trait.along == 1:
-        roll = state.rolls[contact.roll]
-        entry.share = state.objects[contact.point[0].slot].level / roll.m
-        entry.ratio = roll.target.radius / striker.radius if striker.clicks > 0 else 1.0
-    else:
-        entry.share, entry.left = share_of_blow(state, contact), left_of_blow(state, contact)

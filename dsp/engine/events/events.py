@@ -35,7 +35,7 @@ from ..memory.commands import (
 )
 from ..memory.order import wake
 from ..memory.ramp_list import takes_time
-from ..memory.state import END_GONE, NOTES, QUANTUM, RING, Choices, Object, Queue, State
+from ..memory.state import END_GONE, NOTES, QUANTUM, RING, State
 from ..output.late import furnish
 from ..output.space_lines import leave_space, listen, place_object
 from ..panic import let_fade
@@ -62,7 +62,11 @@ def take_commands(state: State) -> None:
         if time < state.position:
             if time >= 0.0 or command.has_clock == 1:
                 period = 1e-9 * state.clock.period if command.has_clock == 1 else 1.0 / state.rate
-                _count_late(state, (state.position - time) * period)
+                # Count an event that came after its time.
+                seconds = (state.position - time) * period
+                state.stats.late += 1
+                state.stats.late_last = seconds
+                state.stats.late_worst = max(state.stats.late_worst, seconds)
             command.has_clock = 0
         if time < state.position or command.has_clock == 1:
             # Past events and those for now keep the order in which they came; one with a clock is looked at at once.
@@ -99,14 +103,6 @@ def _amend(state: State, command: Event) -> None:
 
 
 @kernel
-def _count_late(state: State, seconds: float) -> None:
-    """Count an event that came after its time."""
-    state.stats.late += 1
-    state.stats.late_last = seconds
-    state.stats.late_worst = max(state.stats.late_worst, seconds)
-
-
-@kernel
 def take_due(state: State) -> int:
     """Remove the next event of this quantum from the queue: its index in the pool, or -1. Events for objects that are
     gone are dropped; those for objects that are yet to come wait."""
@@ -125,8 +121,25 @@ def take_due(state: State) -> int:
         event = queue.events[index]
         # If the clock was set back meanwhile, an event that was overtaken comes now: notes are in order.
         event.time = queue.last_time = max(event.time, queue.last_time)
-        _let_pieces_fall(state, event)
-        ignored = _is_ignored(state, event)
+        # Say that pieces of what breaks fall on nothing, which is as they are, if what they were to fall on is gone.
+        if event.kind == KIND_GESTURE and state.traits[event.what].breaks == 1 and event.by_serial > 0:
+            never = _is_gone(state, event.by_slot, event.by_serial)
+            if never or _is_gone(state, event.slot, event.serial):
+                values = event.values
+                event.slot, event.serial, values.stage = event.by_slot, event.by_serial, 2.0
+                values.stiffness, values.dissipation = values.own_stiffness, values.own_dissipation
+                values.level = values.own_level
+            event.by_slot = event.by_serial = 0
+        if event.kind == KIND_STEER:
+            ignored = not is_steered(state, event)
+        elif event.kind == KIND_STOP:
+            ignored = not is_running(state, event.gesture)
+        else:
+            rests = event.kind == KIND_GESTURE and state.traits[event.what].rests == 1
+            if rests and event.by_serial > 0 and _is_gone(state, event.by_slot, event.by_serial):
+                ignored = True
+            else:
+                ignored = event.serial > 0 and event.kind != KIND_NEW and _is_gone(state, event.slot, event.serial)
         _note(state, event.number, -1.0 if ignored else event.time)
         if not ignored:
             return index
@@ -165,32 +178,6 @@ def _is_early(state: State, event: Event) -> bool:
     if event.waits_until < 0.0:
         event.waits_until = state.position + _PATIENCE * state.rate
     return state.position < event.waits_until
-
-
-@kernel
-def _let_pieces_fall(state: State, event: Event) -> None:
-    """Say that pieces of what breaks fall on nothing, which is as they are, if what they were to fall on is gone."""
-    if event.kind == KIND_GESTURE and state.traits[event.what].breaks == 1 and event.by_serial > 0:
-        never = _is_gone(state, event.by_slot, event.by_serial)
-        if never or _is_gone(state, event.slot, event.serial):
-            values = event.values
-            event.slot, event.serial, values.stage = event.by_slot, event.by_serial, 2.0
-            values.stiffness, values.dissipation = values.own_stiffness, values.own_dissipation
-            values.level = values.own_level
-        event.by_slot = event.by_serial = 0
-
-
-@kernel
-def _is_ignored(state: State, event: Event) -> bool:
-    """True if an event is meant for an object or a gesture that is gone, or nothing rests on what is."""
-    if event.kind == KIND_STEER:
-        return not is_steered(state, event)
-    if event.kind == KIND_STOP:
-        return not is_running(state, event.gesture)
-    rests = event.kind == KIND_GESTURE and state.traits[event.what].rests == 1
-    if rests and event.by_serial > 0 and _is_gone(state, event.by_slot, event.by_serial):
-        return True
-    return event.serial > 0 and event.kind != KIND_NEW and _is_gone(state, event.slot, event.serial)
 
 
 @kernel
@@ -237,13 +224,50 @@ def carry_out(state: State, event: Event) -> None:
     elif kind == KIND_RESHAPE:
         reshape(state, state.objects[event.slot], int(event.value))
     elif kind == KIND_PLACE:
-        _place(state.objects[event.slot], event)
+        # Give an object a gain of its own in a channel, or have its pan place it again.
+        obj = state.objects[event.slot]
+        place = obj.place
+        obj.returns = int(obj.spectral > 0)
+        place.has_own = int(event.channel >= 0)
+        if event.channel >= 0:
+            place.own[event.channel] = event.value
     elif kind == KIND_MOUNT:
         mount(state, event)
     elif kind in (KIND_POSE, KIND_LISTEN, KIND_FURNISH):
-        _tell_space(state, event)
+        # Tell space of an object's place, of the listener or of walls.
+        told = event.told
+        if event.kind == KIND_FURNISH:
+            furnish(state, told.values)
+        elif event.kind == KIND_LISTEN:
+            listen(state, told, event.time, event.value == 1.0)
+        elif event.value == 0.0:
+            leave_space(state, event.slot)
+        else:
+            place_object(state, event.slot, told.pose, event.time, told.over * state.rate)
     elif kind == KIND_NEW:
-        _new(state, event)
+        # Make the object whose modes and shapes Python has laid out.
+        obj = state.objects[event.slot]
+        clear_record(obj)
+        obj.used = 1
+        obj.serial = event.serial
+        obj.first, obj.size = event.layout.first, event.layout.size
+        obj.table, obj.rows = event.layout.table, event.layout.rows
+        obj.surface, obj.faces, obj.block = event.layout.surface, event.layout.faces, event.layout.block
+        obj.felt, obj.bent, obj.unheard = event.layout.felt, event.layout.bent, event.layout.unheard
+        obj.level = event.layout.level
+        obj.glide, obj.cone = event.layout.glide, event.layout.cone
+        obj.sheet = event.layout.sheet
+        obj.amplified = obj.amplitude = obj.lowered = obj.stiffened = 1.0
+        obj.reshaped = -1
+        obj.settings = event.settings
+        obj.stale_modes = obj.size
+        obj.contact = obj.voice = -1
+        ask_gains(state, obj)
+        for channel in range(state.output.channels):
+            obj.place.gain[channel] = obj.place.asked[channel]
+        for i in range(obj.first, obj.first + obj.size):
+            state.bank.a2[i] = 0.0
+        wake(state, event.slot)
     elif kind == KIND_FREE:
         obj = state.objects[event.slot]
         obj.dying = 2 if event.value != 0.0 else 1
@@ -251,102 +275,34 @@ def carry_out(state: State, event: Event) -> None:
     elif kind == KIND_PANIC:
         _panic(state, event.order)
     elif kind == KIND_RELEVEL:
-        _forget_levels(state.queue, event)
+        # Forget what arrived before, and still waits, to have a gesture follow macros and make-up.
+        queue = state.queue
+        kept = 0
+        for i in range(queue.size):
+            other = queue.events[queue.heap[i]]
+            follows = other.kind == KIND_STEER and other.follows == 1 and other.gesture == event.gesture
+            if not follows or other.order > event.order:
+                swap(queue, kept, i)
+                kept += 1
+        queue.size = kept
+        order_heap(queue)
     elif kind == KIND_SYNC:
         state.stats.synced = int(event.value)
     elif kind == KIND_GAIN:
         if not takes_time(state, event, 0, 0):
             state.choices.gain = event.value
-    else:
-        _choose(state.choices, event)
-
-
-@kernel
-def _tell_space(state: State, event: Event) -> None:
-    """Tell space of an object's place, of the listener or of walls."""
-    told = event.told
-    if event.kind == KIND_FURNISH:
-        furnish(state, told.values)
-    elif event.kind == KIND_LISTEN:
-        listen(state, told, event.time, event.value == 1.0)
-    elif event.value == 0.0:
-        leave_space(state, event.slot)
-    else:
-        place_object(state, event.slot, told.pose, event.time, told.over * state.rate)
-
-
-@kernel
-def _choose(choices: Choices, event: Event) -> None:
-    """Change how the engine computes."""
-    if event.kind == KIND_QUALITY:
-        choices.quality = int(event.value)
+    elif event.kind == KIND_QUALITY:
+        state.choices.quality = int(event.value)
     elif event.kind == KIND_ACCURACY:
-        choices.accuracy = int(event.value)
+        state.choices.accuracy = int(event.value)
     elif event.kind == KIND_BANK:
-        choices.bank = int(event.value)
+        state.choices.bank = int(event.value)
     elif event.kind == KIND_BUDGET:
-        choices.budget = event.budget
+        state.choices.budget = event.budget
     elif event.kind == KIND_LIMITER:
-        choices.limiter = int(event.value)
+        state.choices.limiter = int(event.value)
     elif event.kind == KIND_HEADROOM:
-        choices.headroom = int(event.value)
-
-
-@kernel
-def _place(obj: Object, event: Event) -> None:
-    """Give an object a gain of its own in a channel, or have its pan place it again."""
-    place = obj.place
-    obj.returns = int(obj.spectral > 0)
-    place.has_own = int(event.channel >= 0)
-    if event.channel >= 0:
-        place.own[event.channel] = event.value
-
-
-@kernel
-def _new(state: State, event: Event) -> None:
-    """Make the object whose modes and shapes Python has laid out."""
-    obj = state.objects[event.slot]
-    clear_record(obj)
-    obj.used = 1
-    obj.serial = event.serial
-    obj.first, obj.size = event.layout.first, event.layout.size
-    obj.table, obj.rows = event.layout.table, event.layout.rows
-    obj.surface, obj.faces, obj.block = event.layout.surface, event.layout.faces, event.layout.block
-    obj.felt, obj.bent, obj.unheard = event.layout.felt, event.layout.bent, event.layout.unheard
-    obj.level = event.layout.level
-    obj.glide, obj.cone = event.layout.glide, event.layout.cone
-    obj.sheet = event.layout.sheet
-    obj.amplified = obj.amplitude = obj.lowered = obj.stiffened = 1.0
-    obj.reshaped = -1
-    obj.settings = event.settings
-    obj.stale_modes = obj.size
-    obj.contact = obj.voice = -1
-    ask_gains(state, obj)
-    for channel in range(state.output.channels):
-        obj.place.gain[channel] = obj.place.asked[channel]
-    for i in range(obj.first, obj.first + obj.size):
-        state.bank.a2[i] = 0.0
-    wake(state, event.slot)
-
-
-@kernel
-def _forget_levels(queue: Queue, event: Event) -> None:
-    """Forget what arrived before, and still waits, to have a gesture follow macros and make-up."""
-    kept = 0
-    for i in range(queue.size):
-        other = queue.events[queue.heap[i]]
-        follows = other.kind == KIND_STEER and other.follows == 1 and other.gesture == event.gesture
-        if not follows or other.order > event.order:
-            swap(queue, kept, i)
-            kept += 1
-    queue.size = kept
-    order_heap(queue)
-
-
-@kernel
-def _outlasts(kind: int) -> bool:
-    """True if a command is carried out after a panic, too, that it arrived before."""
-    return kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH)
+        state.choices.headroom = int(event.value)
 
 
 @kernel
@@ -356,7 +312,9 @@ def _panic(state: State, order: int) -> None:
     kept = 0
     for i in range(queue.size):
         event = queue.events[queue.heap[i]]
-        if event.order > order or _outlasts(event.kind):
+        if event.order > order or (
+            event.kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH)
+        ):
             swap(queue, kept, i)
             kept += 1
         else:

@@ -12,7 +12,7 @@ from ...native.typed import View
 from ...rolling.body import begin_roll
 from ...rolling.surface import begin_surface
 from ...schema import GESTURES
-from ...schema_records import VALUES, Values
+from ...schema_records import VALUES
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
 from ..bodies.surface import direct, put_at
@@ -23,7 +23,6 @@ from ..contacts.slides import begin_slide
 from ..contacts.swarms import begin_swarm, has_room_for_swarm
 from ..memory.commands import IN_VALUES, Event
 from ..memory.quality import coarseness_of
-from ..memory.records import Contact
 from ..memory.state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING, Object, State
 from .steering import steer_existing
 
@@ -54,9 +53,82 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         index = take_contact(state)
         state.last_command[index] = 0 if trait.single == 1 else state.queue.carried_out
         contact = state.contacts[index]
-        _describe(state, contact, event)
+        # Make a contact what a command says.
+        values = event.values
+        contact.kind = event.what
+        contact.trait = state.traits[event.what]
+        contact.gesture = event.gesture
+        contact.command = event.number
+        contact.v_in, contact.impulse = values.velocity, values.impulse
+        contact.m = contact.trait.meets * values.mass
+        contact.k, contact.mu, contact.a = values.stiffness, values.dissipation, values.exponent
+        if values.restitution > 0.0:
+            contact.w, contact.mu = loss_of(values.restitution), 0.0
+        if contact.impulse > 0.0:
+            contact.v_in = speed_of_impulse(contact.impulse, contact.m, contact.mu, values.restitution)
+        # Say which object is touched, and which one touches it, if one does.
+        touched, other = contact.point[0], contact.point[1]
+        touched.slot, touched.serial = event.slot, event.serial
+        touched.on_surface = int(values.on_surface)
+        _point_along(contact.direction[0], values.direction_x, values.direction_y, values.direction_z)
+        _point_along(contact.direction[1], values.by_direction_x, values.by_direction_y, values.by_direction_z)
+        other.slot, other.serial = event.by_slot, event.by_serial
+        partner = state.objects[other.slot]
+        if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:
+            other.on_surface = int(values.by_on_surface)
+            if other.on_surface == 1 and partner.faces > 0:
+                put_at(state, partner, other, values.by_x, values.by_y, values.by_z)
+                direct(state, partner, contact, 1)
+            else:
+                place(other, values.by_position, partner)
+        else:
+            other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
+        contact.until = contact.gone_at = math.inf
+        contact.origin = event.time
+        contact.elapsed = values.delay
+        contact.random = np.uint64(values.seed)
+        contact.roll = -1
+        contact.solver = CLOSED
+        # Say which striker's modes sound with a contact, if it has any, and have them ready.
+        contact.sound = contact.voice = -1
+        if values.sound_serial > 0.0:
+            contact.sound, contact.sound_serial = int(values.sound), int(values.sound_serial)
+            striker = state.strikers[contact.sound]
+            state.stats.strikers_cut += striker.serial != contact.sound_serial
+            if striker.prepared == 0 and striker.serial == contact.sound_serial:
+                prepare(striker, state.rate)
+        for i in range(len(IN_VALUES)):
+            set_field(contact.target, i, field(values, IN_VALUES[i]))
+        contact.level = values.level
+        contact.target.gain *= values.level
+        # Set the force that pushes a striker on: its weight, or a hand, which is laid on.
+        target = contact.target
+        contact.has_weight = int(values.weight)
+        if contact.trait.falls == 1:
+            contact.push = contact.push_target = contact.m * target.gravity
+        elif contact.trait.rests == 1:
+            target.gain = 1.0
+        elif contact.trait.held == 1:
+            contact.push_target = target.force
+            target.gain = 1.0  # a hand that is softer is one that presses less
+        contact.now = contact.target
         if trait.along == 1:
-            _begin_along(state, contact, event)
+            # Give a striker that moves along a surface its body and its surface.
+            contact.roll = take_roll(state)
+            stats.rolls_active += 1
+            contact.solver = ROLLING
+            contact.touching = 1
+            state.contact_count += 1
+            contact.number = state.contact_count
+            contact.travel = values.travel
+            roll = state.rolls[contact.roll]
+            begin_surface(roll.path.surface, event.surface, int(values.seed))
+            roll.target = contact.target
+            if contact.trait.slips == 1:
+                state.slides[contact.roll].press = int(values.press)
+                begin_slide(state, contact)
+            begin_roll(roll, 0, contact.k, contact.mu, contact.a, values.corners, coarseness_of(state))
+            couple_roll(state, contact)
         if trait.swarms > 0:
             begin_swarm(state, contact, event)
         begin_gesture(contact.kind, state, contact, event)
@@ -82,85 +154,6 @@ def _has_room(state: State, event: Event) -> bool:
 
 
 @kernel
-def _describe(state: State, contact: Contact, event: Event) -> None:
-    """Make a contact what a command says."""
-    values = event.values
-    contact.kind = event.what
-    contact.trait = state.traits[event.what]
-    contact.gesture = event.gesture
-    contact.command = event.number
-    contact.v_in, contact.impulse = values.velocity, values.impulse
-    contact.m = contact.trait.meets * values.mass
-    contact.k, contact.mu, contact.a = values.stiffness, values.dissipation, values.exponent
-    if values.restitution > 0.0:
-        contact.w, contact.mu = loss_of(values.restitution), 0.0
-    if contact.impulse > 0.0:
-        contact.v_in = speed_of_impulse(contact.impulse, contact.m, contact.mu, values.restitution)
-    _choose_points(state, contact, event)
-    contact.until = contact.gone_at = math.inf
-    contact.origin = event.time
-    contact.elapsed = values.delay
-    contact.random = np.uint64(values.seed)
-    contact.roll = -1
-    contact.solver = CLOSED
-    _choose_sound(state, contact, values)
-    for i in range(len(IN_VALUES)):
-        set_field(contact.target, i, field(values, IN_VALUES[i]))
-    contact.level = values.level
-    contact.target.gain *= values.level
-    _push(contact, values)
-    contact.now = contact.target
-
-
-@kernel
-def _push(contact: Contact, values: Values) -> None:
-    """Set the force that pushes a striker on: its weight, or a hand, which is laid on."""
-    target = contact.target
-    contact.has_weight = int(values.weight)
-    if contact.trait.falls == 1:
-        contact.push = contact.push_target = contact.m * target.gravity
-    elif contact.trait.rests == 1:
-        target.gain = 1.0
-    elif contact.trait.held == 1:
-        contact.push_target = target.force
-        target.gain = 1.0  # a hand that is softer is one that presses less
-
-
-@kernel
-def _choose_sound(state: State, contact: Contact, values: Values) -> None:
-    """Say which striker's modes sound with a contact, if it has any, and have them ready."""
-    contact.sound = contact.voice = -1
-    if values.sound_serial > 0.0:
-        contact.sound, contact.sound_serial = int(values.sound), int(values.sound_serial)
-        striker = state.strikers[contact.sound]
-        state.stats.strikers_cut += striker.serial != contact.sound_serial
-        if striker.prepared == 0 and striker.serial == contact.sound_serial:
-            prepare(striker, state.rate)
-
-
-@kernel
-def _choose_points(state: State, contact: Contact, event: Event) -> None:
-    """Say which object is touched, and which one touches it, if one does."""
-    touched, other = contact.point[0], contact.point[1]
-    touched.slot, touched.serial = event.slot, event.serial
-    touched.on_surface = int(event.values.on_surface)
-    values = event.values
-    _point_along(contact.direction[0], values.direction_x, values.direction_y, values.direction_z)
-    _point_along(contact.direction[1], values.by_direction_x, values.by_direction_y, values.by_direction_z)
-    other.slot, other.serial = event.by_slot, event.by_serial
-    partner = state.objects[other.slot]
-    if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:
-        other.on_surface = int(event.values.by_on_surface)
-        if other.on_surface == 1 and partner.faces > 0:
-            put_at(state, partner, other, event.values.by_x, event.values.by_y, event.values.by_z)
-            direct(state, partner, contact, 1)
-        else:
-            place(other, event.values.by_position, partner)
-    else:
-        other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
-
-
-@kernel
 def _point_along(way: View[float], x: float, y: float, z: float) -> None:
     """Make a vector, of zeros, one of length 1, or leave it."""
     most = max(abs(x), abs(y), abs(z))
@@ -168,24 +161,3 @@ def _point_along(way: View[float], x: float, y: float, z: float) -> None:
         x, y, z = x / most, y / most, z / most  # whose squares are no 0
         length = math.sqrt(x * x + y * y + z * z)
         way[0], way[1], way[2] = x / length, y / length, z / length
-
-
-@kernel
-def _begin_along(state: State, contact: Contact, event: Event) -> None:
-    """Give a striker that moves along a surface its body and its surface."""
-    values, stats = event.values, state.stats
-    contact.roll = take_roll(state)
-    stats.rolls_active += 1
-    contact.solver = ROLLING
-    contact.touching = 1
-    state.contact_count += 1
-    contact.number = state.contact_count
-    contact.travel = values.travel
-    roll = state.rolls[contact.roll]
-    begin_surface(roll.path.surface, event.surface, int(values.seed))
-    roll.target = contact.target
-    if contact.trait.slips == 1:
-        state.slides[contact.roll].press = int(values.press)
-        begin_slide(state, contact)
-    begin_roll(roll, 0, contact.k, contact.mu, contact.a, values.corners, coarseness_of(state))
-    couple_roll(state, contact)

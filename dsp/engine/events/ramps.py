@@ -49,7 +49,13 @@ def _goes_on(state: State, ramp: Ramp) -> bool:
         return False
     if ramp.begun == 0:
         ramp.begun = 1
-        ramp.first = _value_of(state, ramp)
+        # The value that a ramp's parameter was last set to.
+        if ramp.kind == KIND_GAIN:
+            ramp.first = state.choices.gain
+        elif ramp.kind == KIND_STEER:
+            ramp.first = target_of(state, state.contacts[ramp.place], ramp.parameter)
+        else:
+            ramp.first = field(state.objects[ramp.place].settings, ramp.parameter)
     left = ramp.end - (state.position + QUANTUM)
     if left > 0.0:
         _set_value(state, ramp, _between(ramp, 1.0 - left / (ramp.end - ramp.begin)))
@@ -89,16 +95,6 @@ def _goes_by_ratios(ramp: Ramp) -> bool:
     if ramp.kind == KIND_STEER:
         return _STEERED_BY_RATIOS[ramp.parameter]
     return _SET_BY_RATIOS[ramp.parameter]
-
-
-@kernel
-def _value_of(state: State, ramp: Ramp) -> float:
-    """Return the value that a ramp's parameter was last set to."""
-    if ramp.kind == KIND_GAIN:
-        return state.choices.gain
-    if ramp.kind == KIND_STEER:
-        return target_of(state, state.contacts[ramp.place], ramp.parameter)
-    return field(state.objects[ramp.place].settings, ramp.parameter)
 
 
 @kernel

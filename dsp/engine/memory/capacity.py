@@ -14,7 +14,7 @@ FACE = 14
 """Values of a surface's triangle beside mode shapes: the row of its first corner, that row's corner and the next two
 (m), the middle of the sphere about them and its radius."""
 USUAL_OBJECTS = min(512, OBJECTS)
-"""Room for objects where nothing else is asked for."""
+"""Room for objects where nothing else is requested."""
 USUAL_MODES = min(131_072, MODES)
 DIRECTED = CAPACITY.directed
 """Most modes of an object that a contact with a direction acts on."""

@@ -1,7 +1,7 @@
 """The clock: which sample is whose time, by a delay-locked loop on the times at which the callback is entered.
 
 Blocks are requested in bursts and too late by up to milliseconds; the loop follows the device's mean pace, and so
-tells the time of a sample to a fraction of one. After F. Adriaensen, "Using a DLL to filter time", Linux Audio
+gives the time of a sample to a fraction of one. After F. Adriaensen, "Using a DLL to filter time", Linux Audio
 Conference 2005.
 """
 

@@ -22,7 +22,14 @@ def fill_unused(state: State) -> None:
     if state.filler == 0:
         return
     if state.position == 0:
-        _fill_places(state)
+        for i in range(len(state.contacts)):
+            fill_contact(state, i)
+        for i in range(ROLLS - _NEXT, ROLLS):
+            fill_roll(state, i)
+        for i in range(SWARMS):
+            fill_swarm(state, i)
+        for i in range(VOICES):
+            fill_voice(state, i)
     # A list of an object's rolls goes through contacts that have ended within a quantum.
     free = len(state.contacts) - state.stats.contacts_active
     for i in range(max(free - _NEXT, 0), free):
@@ -42,8 +49,6 @@ def fill_unused(state: State) -> None:
     fill_bytes(scratch.drift, byte)
     fill_bytes(scratch.room, byte)
     fill_bytes(scratch.receptance, byte)
-    fill_bytes(scratch.abreast, byte)
-    scratch.abreast.count = 0  # of those that wait, none between quanta
     fill_bytes(scratch.drivers, byte)
     fill_bytes(scratch.blows, byte)
     clear_record(scratch.batch)  # blows that were not drawn go through the same loops: they must be numbers
@@ -53,15 +58,8 @@ def fill_unused(state: State) -> None:
     fill_bytes(scratch.striker, byte)
     fill_bytes(scratch.bank, byte)
     fill_bytes(scratch.candidates, byte)
-    _fill_group(state)
-    if state.coupled_sheets > 0:
-        fill_bytes(state.space, byte)
-
-
-@kernel
-def _fill_group(state: State) -> None:
-    """Fill what contacts that are solved together need within a sample: their answers to each other stay."""
-    group, byte = state.scratch.together, state.filler
+    # Fill what contacts that are solved together need within a sample: their answers to each other stay.
+    group = state.scratch.together
     fill_bytes(group.observed, byte)
     fill_bytes(group.moments, byte)
     fill_bytes(group.touches, byte)
@@ -79,18 +77,8 @@ def _fill_group(state: State) -> None:
     fill_bytes(group.sought, byte)
     fill_bytes(group.event, byte)
     fill_bytes(group.path, byte)
-
-
-@kernel
-def _fill_places(state: State) -> None:
-    for i in range(len(state.contacts)):
-        fill_contact(state, i)
-    for i in range(ROLLS - _NEXT, ROLLS):
-        fill_roll(state, i)
-    for i in range(SWARMS):
-        fill_swarm(state, i)
-    for i in range(VOICES):
-        fill_voice(state, i)
+    if state.coupled_sheets > 0:
+        fill_bytes(state.space, byte)
 
 
 @kernel

@@ -51,7 +51,7 @@ class Contact(Record):
     modes: int  # that a coupled contact counts for in the budget
     aside: int  # 1: it flies, and counts for nothing; 2: it has left, and is kept for a while
     light: int  # 1: what it touches is lighter than the striker
-    unsettled: int  # 1: a coupled contact must be told the receptance of the objects
+    unsettled: int  # 1: a coupled contact needs the receptance of the objects anew
     settled: int  # number of that receptance, of no other contact's nor of an earlier one
     solved: int  # 1: a coupled contact's `moments` over the coming sample are known
     moments: Annotated[View[float], FINE]  # N s
@@ -66,7 +66,7 @@ class Contact(Record):
     w: float  # mu v_in, where a restitution was given: each contact then has a mu of its own; else 0
     now: Steered  # what can be steered, gliding
     target: Steered  # to this
-    level: float  # by which a gain that is asked for counts: its make-up; of pieces, so that all sound alike; else 1
+    level: float  # by which a gain that is requested counts: its make-up; of pieces, so that all sound alike; else 1
     start: int  # sample at or before the contact's beginning
     fraction: float  # from there to the beginning
     origin: float  # samples: when the gesture began

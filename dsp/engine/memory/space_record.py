@@ -16,7 +16,7 @@ PATHS = 7
 """Ways of a sound to the listener: the direct one, and by each of six walls."""
 LATE_LINES = 16
 WALLS_TOLD = 12
-"""Numbers that a command tells of the walls and of the late part."""
+"""Numbers of a command for the walls and the late part."""
 LATE_FRAMES = 16_384
 """Frames of each line of the late part. A power of two."""
 

@@ -19,7 +19,6 @@ from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
 from ...resonator.bank import RESPONSES, Driver
 from ...resonator.simd import LANES
 from ...resonator.sizes import HALF, REACH, ROOM_FOR_FACTORS, ROOM_FOR_ROWS
-from ...rolling.abreast_record import Abreast
 from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits
@@ -175,7 +174,7 @@ class Object(Record):
     deflection: float  # J: energy that its bend under pushes would have at its own tension
     lent: float  # J: energy that its bends under blows lost to retuning, and may get again
     stretch: float  # that rise now; 0 where nobody would hear it
-    detuned: int  # 1: modes answer forces as at another stretch, and must be told if they are touched
+    detuned: int  # 1: modes answer forces as at another stretch, and must be set if they are touched
     sheet: int  # place of a plate whose modes can be coupled, -1: it is none
     contact: int  # head of its list of contacts, -1: none
     voice: int  # head of its list of strikers that sound, -1: none
@@ -259,7 +258,6 @@ class Scratch(Record):
     drift: Annotated[View[float], 4]  # of a point's weights
     room: Annotated[View[float], ROOM_FOR_ROWS]  # to lay them out
     receptance: Annotated[View[float], FINE]
-    abreast: Abreast  # bodies that roll or slide by samples, together
     drivers: Annotated[View[Driver], DRIVEN]  # of the rolls and swarms on one object, at one time
     blows: Annotated[View2D[float], DRIVEN, QUANTUM]  # their forces by one number a frame, those at one place together
     batch: Blows  # of a swarm, that are drawn together
@@ -314,7 +312,7 @@ class Output(Record):
     gain: Annotated[View[float], 2]  # of everything, gliding: at the quantum's beginning and end
     silent: int  # 1: nothing sounded in the last quantum
     turn: int  # which of two quanta of stems was computed last
-    stems: Annotated[View4D[float], 2, STEMS, MOST_CHANNELS, QUANTUM]  # each slot's share, where they are asked for
+    stems: Annotated[View4D[float], 2, STEMS, MOST_CHANNELS, QUANTUM]  # each slot's share, where they are requested
     stem_sounds: Annotated[View2D[int], 2, STEMS]  # 1: that is not silence
 
 
@@ -392,7 +390,7 @@ class State(Record):
     ]  # number of the event that was last about a gesture that lasts; 0: none
     contact_count: int  # numbers given to contacts so far
     steps_taken: int  # by coupled contacts in this quantum
-    settled_count: int  # and to the receptances that coupled contacts were told
+    settled_count: int  # and to the receptances that coupled contacts have
     oldest_running: int  # the least of these that may go on in this quantum
     rolls: Annotated[View[Roll], ROLLS]
     blocks: Annotated[View[Block], ROLLS]  # of those that feel all modes

@@ -94,13 +94,24 @@ def hear_late(state: State) -> None:
             late.memory[k] = taken + late.pole[k] * (late.memory[k] - taken)
             lines[k] = late.feedback[k] * late.memory[k]
             energy += lines[k] * lines[k]
-        _spread(lines)
+        # Exchange what is in the lines by a Hadamard matrix, which keeps its energy.
+        step = 1
+        while step < LATE_LINES:
+            for k in range(LATE_LINES):
+                if k & step == 0:
+                    a, b = lines[k], lines[k + step]
+                    lines[k], lines[k + step] = a + b, a - b
+            step *= 2
+        for k in range(LATE_LINES):
+            lines[k] /= 4.0
         for channel in range(channels):
             order = int(math.sqrt(channel + 0.5)) if space.layout == 2 else 0
             total = scale * left / math.sqrt(2.0 * order + 1.0) * lines[channel % LATE_LINES]
             output.mix[channel, n] += math.sqrt(1.0 * LATE_LINES) * total
         for k in range(LATE_LINES):
-            late.sound[k, late.at % LATE_FRAMES] = lines[k] + _sign(k) * late.input * late.fed[n]
+            late.sound[k, late.at % LATE_FRAMES] = (
+                lines[k] + (1.0 - 2.0 * (k & k >> 1 & 1 ^ k >> 2 & k >> 3 & 1)) * late.input * late.fed[n]
+            )
         late.at += 1
     late.energy = energy
     if energy > _SILENCE:
@@ -110,23 +121,3 @@ def hear_late(state: State) -> None:
             late.memory[k] = 0.0
             for n in range(LATE_FRAMES):
                 late.sound[k, n] = 0.0
-
-
-@kernel
-def _sign(k: int) -> float:
-    """Return the sign with which a delay is fed."""
-    return 1.0 - 2.0 * (k & k >> 1 & 1 ^ k >> 2 & k >> 3 & 1)
-
-
-@kernel
-def _spread(lines: View[float]) -> None:
-    """Exchange what is in the lines by a Hadamard matrix, which keeps its energy."""
-    step = 1
-    while step < LATE_LINES:
-        for k in range(LATE_LINES):
-            if k & step == 0:
-                a, b = lines[k], lines[k + step]
-                lines[k], lines[k + step] = a + b, a - b
-        step *= 2
-    for k in range(LATE_LINES):
-        lines[k] /= 4.0

@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from ...native.jit import kernel, noinline_kernel
-from ...native.typed import View, View2D
-from ..memory.state import QUANTUM, Output, State
+from ...native.jit import noinline_kernel
+from ...native.typed import View2D
+from ..memory.state import QUANTUM, State
 
 _ATTACK = 1.0 / QUANTUM  # the most that the gain falls per frame
 _RELEASE = 0.1  # s
@@ -45,30 +45,8 @@ def limit(state: State) -> None:
     output = state.output
     if output.delay == 0:
         return
-    lowest = _exchange(output, state.choices.limiter == 1)
-    if lowest == 1.0 and output.limit == 1.0:
-        return
-    gain = state.scratch.voices[0, 0]  # free by now
-    _ramp(output.allowed, gain)
-    release = 1.0 - math.exp(-1.0 / (_RELEASE * state.rate))
-    held, limited = output.limit, state.stats.limited
-    for n in range(QUANTUM):
-        held = min(gain[n], held + (1.0 - held) * release)
-        state.stats.limited += held < 1.0
-        state.stats.limit_lowest = min(state.stats.limit_lowest, held)
-        for channel in range(output.channels):
-            output.mix[channel, n] *= held
-            if output.allowed[n] < 1.0:  # rounding
-                output.mix[channel, n] = min(max(output.mix[channel, n], -CEILING), CEILING)
-    output.limit = 1.0 if held > _OVER else held
-    for i in range(state.active if state.stats.limited > limited else 0):
-        obj = state.objects[state.order[i]]
-        obj.limited_energy += obj.energy
-
-
-@kernel
-def _exchange(output: Output, on: bool) -> float:
-    """Exchange the mix for the one that was held; return the lowest gain that a frame of either allows."""
+    # Exchange the mix for the one that was held.
+    on = state.choices.limiter == 1
     mix, held, allowed = output.mix, output.held, output.allowed
     loudest = 0.0
     for n in range(QUANTUM):
@@ -80,7 +58,19 @@ def _exchange(output: Output, on: bool) -> float:
         allowed[QUANTUM + n] = min(_AIM / peak, 1.0) if on and peak > _AIM else 1.0
     if on and max(loudest, output.loudest) > _NEAR:
         for channel in range(output.channels):
-            _look_between(held[channel], mix[channel], allowed)
+            # Lower what the frames about each peak between samples allow, as far as the samples that it follows from
+            # are there.
+            for frame in range(QUANTUM - _HALF, 2 * QUANTUM - _HALF):
+                peak = 0.0
+                for k in range(_BETWEEN):
+                    value = 0.0
+                    for tap in range(2 * _HALF):
+                        at = frame + 1 - _HALF + tap
+                        value += _WEIGHTS[k, tap] * (held[channel][at] if at < QUANTUM else mix[channel][at - QUANTUM])
+                    peak = max(peak, abs(value))
+                if peak > _AIM:
+                    allowed[frame] = min(allowed[frame], _AIM / peak)
+                    allowed[frame + 1] = min(allowed[frame + 1], _AIM / peak)
     output.loudest = loudest
     lowest = 1.0
     for n in range(2 * QUANTUM):
@@ -88,31 +78,26 @@ def _exchange(output: Output, on: bool) -> float:
     for channel in range(output.channels):
         for n in range(QUANTUM):
             mix[channel, n], held[channel, n] = held[channel, n], mix[channel, n]
-    return lowest
-
-
-@kernel
-def _look_between(held: View[float], coming: View[float], allowed: View[float]) -> None:
-    """Lower what the frames about each peak between samples allow, as far as the samples that it follows from are
-    there."""
-    for frame in range(QUANTUM - _HALF, 2 * QUANTUM - _HALF):
-        peak = 0.0
-        for k in range(_BETWEEN):
-            value = 0.0
-            for tap in range(2 * _HALF):
-                at = frame + 1 - _HALF + tap
-                value += _WEIGHTS[k, tap] * (held[at] if at < QUANTUM else coming[at - QUANTUM])
-            peak = max(peak, abs(value))
-        if peak > _AIM:
-            allowed[frame] = min(allowed[frame], _AIM / peak)
-            allowed[frame + 1] = min(allowed[frame + 1], _AIM / peak)
-
-
-@kernel
-def _ramp(allowed: View[float], gain: View[float]) -> None:
-    """Fill the gain of the frames that leave: what all frames allow, with a line down to each, from the last one on."""
+    if lowest == 1.0 and output.limit == 1.0:
+        return
+    gain = state.scratch.voices[0, 0]  # free by now
+    # Fill the gain of the frames that leave: what all frames allow, with a line down to each, from the last one on.
     ahead = 1.0
     for n in range(2 * QUANTUM - 1, -1, -1):
-        ahead = min(ahead + _ATTACK, allowed[n])
+        ahead = min(ahead + _ATTACK, output.allowed[n])
         if n < QUANTUM:
             gain[n] = ahead
+    release = 1.0 - math.exp(-1.0 / (_RELEASE * state.rate))
+    turned, limited = output.limit, state.stats.limited
+    for n in range(QUANTUM):
+        turned = min(gain[n], turned + (1.0 - turned) * release)
+        state.stats.limited += turned < 1.0
+        state.stats.limit_lowest = min(state.stats.limit_lowest, turned)
+        for channel in range(output.channels):
+            output.mix[channel, n] *= turned
+            if output.allowed[n] < 1.0:  # rounding
+                output.mix[channel, n] = min(max(output.mix[channel, n], -CEILING), CEILING)
+    output.limit = 1.0 if turned > _OVER else turned
+    for i in range(state.active if state.stats.limited > limited else 0):
+        obj = state.objects[state.order[i]]
+        obj.limited_energy += obj.energy

@@ -1,7 +1,7 @@
 """Space: the sound of objects with a place travels in lines to a listener, by several ways."""
 
 from ...native.jit import kernel, noinline_kernel
-from ..memory.space_record import KNOTS, LINES, Line
+from ..memory.space_record import KNOTS, LINES
 from ..memory.state import QUANTUM, State
 from .fade import fade_length
 from .late import hear_late, let_walls_come
@@ -28,7 +28,35 @@ def hear_space(state: State) -> None:
         space.late.fed[n] = 0.0
     for n in range(LINES):
         if space.lines[n].used == 1:
-            _hear_line(state, space.lines[n], end)
+            # Hear a line in this quantum, and note where its object is at the end of it.
+            line = space.lines[n]
+            obj = state.objects[line.slot]
+            if line.left == 0 and (obj.used == 0 or obj.serial != line.serial):
+                line.left = 1
+            sound = space.sounds[state.position // QUANTUM & (KNOTS - 1), line.number]
+            if line.written == 0:
+                for frame in range(QUANTUM):
+                    sound[frame] = 0.0
+            line.written = 0
+            if line.left == 0:
+                pose_at(line.pose, float(end))
+            knot = end // QUANTUM & (KNOTS - 1)
+            before = end // QUANTUM - 1 & (KNOTS - 1)
+            for i in range(3):
+                if space.knots[before, line.number, i] != line.pose.now[i]:
+                    line.moved_at = end
+                space.knots[knot, line.number, i] = line.pose.now[i]
+            straight = line.paths[0]
+            known, begin = straight.known, straight.place
+            heard = False
+            for p in range(1 + space.walls):
+                heard |= hear_path(state, line, line.paths[p], p, end)
+            if space.late.on == 1:
+                feed_late(state, line, begin if known == 1 else straight.place - QUANTUM, straight.place)
+            if heard:
+                state.stats.sounding += 1
+            elif line.left == 1:
+                line.used = 0
     if space.walls_change == 2:
         for n in range(QUANTUM):
             space.late.fed[n] *= (n + 1) / QUANTUM
@@ -42,16 +70,10 @@ def hear_space(state: State) -> None:
     if space.fading == 1:
         space.faded += QUANTUM
         if space.faded >= fade_length(state.rate):
-            _forget_before(state)
-
-
-@kernel
-def _forget_before(state: State) -> None:
-    """End a fade: what left before the panic is gone."""
-    space = state.surroundings
-    space.fading = 0
-    for n in range(LINES):
-        space.lines[n].since = max(space.lines[n].since, space.panicked)
+            # End a fade: what left before the panic is gone.
+            space.fading = 0
+            for n in range(LINES):
+                space.lines[n].since = max(space.lines[n].since, space.panicked)
 
 
 @kernel
@@ -60,36 +82,3 @@ def let_space_fade(state: State) -> None:
     space = state.surroundings
     if space.on == 1:
         space.fading, space.faded, space.panicked = 1, 0, state.position
-
-
-@kernel
-def _hear_line(state: State, line: Line, end: int) -> None:
-    """Hear a line in this quantum, and note where its object is at the end of it."""
-    space = state.surroundings
-    obj = state.objects[line.slot]
-    if line.left == 0 and (obj.used == 0 or obj.serial != line.serial):
-        line.left = 1
-    sound = space.sounds[state.position // QUANTUM & (KNOTS - 1), line.number]
-    if line.written == 0:
-        for n in range(QUANTUM):
-            sound[n] = 0.0
-    line.written = 0
-    if line.left == 0:
-        pose_at(line.pose, float(end))
-    knot = end // QUANTUM & (KNOTS - 1)
-    before = end // QUANTUM - 1 & (KNOTS - 1)
-    for i in range(3):
-        if space.knots[before, line.number, i] != line.pose.now[i]:
-            line.moved_at = end
-        space.knots[knot, line.number, i] = line.pose.now[i]
-    straight = line.paths[0]
-    known, begin = straight.known, straight.place
-    heard = False
-    for p in range(1 + space.walls):
-        heard |= hear_path(state, line, line.paths[p], p, end)
-    if space.late.on == 1:
-        feed_late(state, line, begin if known == 1 else straight.place - QUANTUM, straight.place)
-    if heard:
-        state.stats.sounding += 1
-    elif line.left == 1:
-        line.used = 0

@@ -9,7 +9,7 @@ from ..memory.quality import is_left_out
 from ..memory.space_record import FRAMES, KNOTS, LINES, PATHS, Line, Pose, Space
 from ..memory.state import QUANTUM, Object, State
 from ..memory.told import Told
-from .mix import add_share
+from .mix import sides_of
 
 _SILENCE = 1e-9  # amplitude of a sample that is none
 
@@ -127,7 +127,31 @@ def add_voice(state: State, slot: int, voice: View2D[float]) -> None:
     if travels(state, slot):
         send_off(state, slot, voice)
     else:
-        add_share(state, slot, voice)
+        # Add an object's voice with its gains to the mix, and to its stem where stems are kept.
+        output, scratch, obj = state.output, state.scratch, state.objects[slot]
+        for channel in range(output.channels):
+            before = obj.place.before[channel]
+            step = (obj.place.gain[channel] - before) / QUANTUM
+            if before == 0.0 and step == 0.0:
+                continue
+            side = min(channel, sides_of(state) - 1)
+            for n in range(QUANTUM):
+                scratch.share[n] = voice[side, n] * (before + (n + 1) * step)
+            for n in range(QUANTUM):
+                output.mix[channel, n] += scratch.share[n]
+            # The sum of squares: of eight that do not wait for one another.
+            share, energy = scratch.share, 0.0
+            for n in range(0, QUANTUM, 8):
+                a, b, c, d, e, f, g, h = (
+                    share[n], share[n + 1], share[n + 2], share[n + 3],
+                    share[n + 4], share[n + 5], share[n + 6], share[n + 7],
+                )  # fmt: skip
+                energy += ((a * a + b * b) + (c * c + d * d)) + ((e * e + f * f) + (g * g + h * h))
+            obj.energy += energy
+            if output.stems_on == 1:
+                output.stem_sounds[output.turn, slot] = 1
+                for n in range(QUANTUM):
+                    output.stems[output.turn, slot, channel, n] += scratch.share[n]
 
 
 @noinline_kernel

@@ -41,7 +41,25 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
     space, rate = state.surroundings, state.rate
     comes = wall > 0 and path.known == 0 and space.walls_change == 2
     if path.known == 1 and path.still == 1 and _stays(space, line) and not (wall > 0 and space.walls_change == 1):
-        return _hear_still(state, line, path)
+        # Hear a way on which nothing has changed since the quantum before.
+        begin = path.place
+        path.place += QUANTUM
+        if line.last <= begin - TAPS:
+            return False
+        for channel in range(state.output.channels):
+            space.asked[channel] = path.gain[channel]
+        for ear in range(2):
+            space.aim[ear], space.aim[2 + ear] = path.longer[ear], path.shadow[ear]
+        if space.fading == 1:
+            _lay_places(space.places, begin, 1.0, path.place, 1.0)
+        for ear in range(2 if space.layout == 1 else 1):
+            place = min(begin - path.longer[ear], state.position - _SOONEST)
+            whole = math.floor(place)
+            _copy(space, line, whole - (TAPS // 2 - 1), QUANTUM + TAPS, state.position + QUANTUM)
+            read_steady(space.window, place - whole, space.taps, space.heard[ear], QUANTUM)
+        _filter(state, path, path.air[0], path.air[1])
+        _mix_path(state, line, path)
+        return True
     found = space.weights  # room for 7
     begin, slope = path.place, path.slope
     place = _departed(space, line, rate, wall, begin + slope * QUANTUM if path.known == 1 else 1e300, float(end), found)
@@ -68,7 +86,19 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
         _settle(state, path, first, second)
         return False
     if jumps:
-        _read_jump(state, line, path, begin, slope, place, later)
+        # Read a line whose object or listener has jumped: from the old way to the new one by a fade.
+        _lay_places(space.places, begin, slope, begin + slope * QUANTUM, slope)
+        _read(state, line, path.longer, path.longer, space.heard)
+        for ear in range(2):
+            for n in range(QUANTUM):
+                space.other[ear, n] = space.heard[ear, n]
+        _lay_places(space.places, place - later * QUANTUM, later, place, later)
+        _read(state, line, space.aim, space.aim, space.heard)
+        for ear in range(2):
+            for n in range(QUANTUM):
+                u = (n + 1) / QUANTUM
+                share = u * u * (3.0 - 2.0 * u)
+                space.heard[ear, n] = space.other[ear, n] + share * (space.heard[ear, n] - space.other[ear, n])
     else:
         _lay_places(space.places, begin, slope, place, later)
         _read(state, line, path.longer, space.aim, space.heard)
@@ -100,56 +130,27 @@ def _stays(space: Space, line: Line) -> bool:
 
 
 @kernel
-def _hear_still(state: State, line: Line, path: Path) -> bool:
-    """Hear a way on which nothing has changed since the quantum before."""
-    space = state.surroundings
-    begin = path.place
-    path.place += QUANTUM
-    if line.last <= begin - TAPS:
-        return False
-    for channel in range(state.output.channels):
-        space.asked[channel] = path.gain[channel]
-    for ear in range(2):
-        space.aim[ear], space.aim[2 + ear] = path.longer[ear], path.shadow[ear]
-    if space.fading == 1:
-        _lay_places(space.places, begin, 1.0, path.place, 1.0)
-    for ear in range(2 if space.layout == 1 else 1):
-        place = min(begin - path.longer[ear], state.position - _SOONEST)
-        whole = math.floor(place)
-        _copy(space, line, whole - (TAPS // 2 - 1), QUANTUM + TAPS, state.position + QUANTUM)
-        read_steady(space.window, place - whole, space.taps, space.heard[ear], QUANTUM)
-    _filter(state, path, path.air[0], path.air[1])
-    _mix_path(state, line, path)
-    return True
-
-
-@kernel
-def _place_at(space: Space, line: Line, time: float, wall: int, out: View[float]) -> None:
-    """Find where an object, or its image behind a wall (0: itself), was at a time (samples), in out[:3], and its
-    velocity in m a sample, in out[3:6]."""
-    knot = math.floor(time / QUANTUM)
-    share = time / QUANTUM - knot
-    here, there = int(knot) & (KNOTS - 1), (int(knot) + 1) & (KNOTS - 1)
-    for i in range(3):
-        a, b = space.knots[here, line.number, i], space.knots[there, line.number, i]
-        out[i] = a + share * (b - a)
-        out[3 + i] = (b - a) / QUANTUM
-    if wall > 0:
-        # Of a floor there is one wall, below; of a box those below and above along each axis.
-        axis = 2 if space.walls == 1 else (wall - 1) // 2
-        side = space.low[axis] if space.walls == 1 or (wall - 1) % 2 == 0 else space.high[axis]
-        out[axis] = 2.0 * side - out[axis]
-        out[3 + axis] = -out[3 + axis]
-
-
-@kernel
 def _departed(space: Space, line: Line, rate: float, wall: int, guess: float, end: float, out: View[float]) -> float:
     """Return when that left which arrives at a time `end` (samples), by Newton's method; `out` has room for 7: the way
     from listener to source, the source's velocity, and the distance (m)."""
     frames = rate / space.speed
     place = min(max(guess, end - _LONGEST), end - _SOONEST)
     for _ in range(_ROUNDS):
-        _place_at(space, line, place, wall, out)
+        # Find where an object, or its image behind a wall (0: itself), was at a time (samples), in out[:3], and its
+        # velocity in m a sample, in out[3:6].
+        knot = math.floor(place / QUANTUM)
+        share = place / QUANTUM - knot
+        here, there = int(knot) & (KNOTS - 1), (int(knot) + 1) & (KNOTS - 1)
+        for i in range(3):
+            a, b = space.knots[here, line.number, i], space.knots[there, line.number, i]
+            out[i] = a + share * (b - a)
+            out[3 + i] = (b - a) / QUANTUM
+        if wall > 0:
+            # Of a floor there is one wall, below; of a box those below and above along each axis.
+            axis = 2 if space.walls == 1 else (wall - 1) // 2
+            side = space.low[axis] if space.walls == 1 or (wall - 1) % 2 == 0 else space.high[axis]
+            out[axis] = 2.0 * side - out[axis]
+            out[3 + axis] = -out[3 + axis]
         square = along = 0.0
         for i in range(3):
             out[i] -= space.listener.now[i]
@@ -172,7 +173,13 @@ def _aim(state: State, path: Path, wall: int, found: View[float]) -> tuple[float
     far = found[6]
     share = (0.0 if space.walls_change == 1 else space.reflected) if wall > 0 else 1.0
     gain = share / max(far, NEAREST)
-    ahead, left, up = _turned(space.listener.now, found[0] / far, found[1] / far, found[2] / far)
+    # A direction in the axes of a pose: ahead, left and up.
+    x = found[0] / far
+    y = found[1] / far
+    z = found[2] / far
+    w, i, j, k = space.listener.now[3], -space.listener.now[4], -space.listener.now[5], -space.listener.now[6]
+    a, b, c = 2.0 * (j * z - k * y), 2.0 * (k * x - i * z), 2.0 * (i * y - j * x)
+    ahead, left, up = x + w * a + j * c - k * b, y + w * b + k * a - i * c, z + w * c + i * b - j * a
     channels = state.output.channels
     for channel in range(channels):
         space.asked[channel] = 0.0
@@ -204,14 +211,6 @@ def _aim(state: State, path: Path, wall: int, found: View[float]) -> tuple[float
     if abs(first - path.air[0]) + abs(second - path.air[1]) < _SAME:
         return path.air[0], path.air[1]
     return first, second
-
-
-@kernel
-def _turned(pose: View[float], x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return a direction in the axes of a pose: ahead, left and up."""
-    w, i, j, k = pose[3], -pose[4], -pose[5], -pose[6]
-    a, b, c = 2.0 * (j * z - k * y), 2.0 * (k * x - i * z), 2.0 * (i * y - j * x)
-    return x + w * a + j * c - k * b, y + w * b + k * a - i * c, z + w * c + i * b - j * a
 
 
 @kernel
@@ -302,24 +301,6 @@ def _copy(space: Space, line: Line, first: int, count: int, end: int) -> None:
 
 
 @kernel
-def _read_jump(state: State, line: Line, path: Path, begin: float, slope: float, place: float, later: float) -> None:
-    """Read a line whose object or listener has jumped: from the old way to the new one by a fade."""
-    space = state.surroundings
-    _lay_places(space.places, begin, slope, begin + slope * QUANTUM, slope)
-    _read(state, line, path.longer, path.longer, space.heard)
-    for ear in range(2):
-        for n in range(QUANTUM):
-            space.other[ear, n] = space.heard[ear, n]
-    _lay_places(space.places, place - later * QUANTUM, later, place, later)
-    _read(state, line, space.aim, space.aim, space.heard)
-    for ear in range(2):
-        for n in range(QUANTUM):
-            u = (n + 1) / QUANTUM
-            share = u * u * (3.0 - 2.0 * u)
-            space.heard[ear, n] = space.other[ear, n] + share * (space.heard[ear, n] - space.other[ear, n])
-
-
-@kernel
 def _filter(state: State, path: Path, first: float, second: float) -> None:
     """Filter what was read as the air and the head do, and fade what left before a panic."""
     space = state.surroundings
@@ -336,22 +317,17 @@ def _filter(state: State, path: Path, first: float, second: float) -> None:
         else:
             memory[1] = heard[QUANTUM - 1]
         if space.layout == 1:
-            _shade(state, path, ear)
+            # Filter what an ear heard as the head's shadow does, which goes from one to another over the quantum.
+            heard = state.surroundings.heard[ear]
+            two, corner = 2.0 * state.rate, 2.0 * space.speed / space.head
+            scale = 1.0 / (corner + two)
+            low, high = corner * scale, two * scale
+            more = (space.aim[2 + ear] - path.shadow[ear]) / QUANTUM * high
+            begin, previous = path.shadow[ear] * high + more, memory[2]
+            memory[2] = heard[QUANTUM - 1]
+            memory[3] = run_filter(heard, low + begin, low - begin, more, previous, high - low, memory[3])
             path.longer[ear], path.shadow[ear] = space.aim[ear], space.aim[2 + ear]
     path.air[0], path.air[1] = first, second
-
-
-@kernel
-def _shade(state: State, path: Path, ear: int) -> None:
-    """Filter what an ear heard as the head's shadow does, which goes from one to another over the quantum."""
-    space, heard, memory = state.surroundings, state.surroundings.heard[ear], path.memory[ear]
-    two, corner = 2.0 * state.rate, 2.0 * space.speed / space.head
-    scale = 1.0 / (corner + two)
-    low, high = corner * scale, two * scale
-    more = (space.aim[2 + ear] - path.shadow[ear]) / QUANTUM * high
-    first, previous = path.shadow[ear] * high + more, memory[2]
-    memory[2] = heard[QUANTUM - 1]
-    memory[3] = run_filter(heard, low + first, low - first, more, previous, high - low, memory[3])
 
 
 @kernel

@@ -69,7 +69,7 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
 
     coupled_rows: list[Row] = []
     for i, band in enumerate(comparison.BANDS):
-        yield f"objects that give way: sum r of {band[0]:g} to {band[1]:g}", 0.6 + 0.05 * i
+        yield f"objects that yield: sum r of {band[0]:g} to {band[1]:g}", 0.6 + 0.05 * i
         coupled_rows += tables.coupled_rows(band, extent)
     tables.write(folder / "coupled.csv", coupled_rows)
 

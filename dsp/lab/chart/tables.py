@@ -1,4 +1,4 @@
-"""The study's tables: errors, failures, contacts with objects that give way, rebounds."""
+"""The study's tables: errors, failures, contacts with objects that yield, rebounds."""
 
 import csv
 import math
@@ -43,7 +43,7 @@ class Extent:
     most_steps: int  # of a contact: the oversampling goes no higher
     repeats: int  # of a measurement of cost
     points: int  # scattered over all parameters
-    contacts: int  # with objects that give way, per band
+    contacts: int  # with objects that yield, per band
     coupled_oversamplings: tuple[int, ...]  # of the sampled methods on those contacts
     coupled_repeats: int  # of a measurement of cost on those contacts
     bowed_every: int  # of the positions, accelerations and forces of a bow
@@ -190,7 +190,7 @@ def counts(found: Failures) -> list[Row]:
 
 
 def coupled_rows(band: tuple[float, float], extent: Extent) -> Iterator[Row]:
-    """Yield rows of every solver on contacts with objects that give way, their sum r from the band."""
+    """Yield rows of every solver on contacts with objects that yield, their sum r from the band."""
     cases = comparison.band_cases(band, extent.contacts, SEED)
     for score in comparison.scores(cases, extent.coupled_oversamplings, extent.coupled_repeats):
         yield {

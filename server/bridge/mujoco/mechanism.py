@@ -18,7 +18,7 @@ _DOUBLE = 8  # bytes
 
 @noinline_kernel
 def ask_mechanism(arrays: Arrays, blow: Blow) -> None:
-    """Say a blow's effective mass, if the mechanism gives way, and its restitution."""
+    """Say a blow's effective mass, if the mechanism yields, and its restitution."""
     mechanism = arrays.mechanism
     count = mechanism.velocities
     along: View[float] = carray(pointer_to(mechanism.along), (count,), np.float64)

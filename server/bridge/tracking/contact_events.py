@@ -41,9 +41,9 @@ _MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS res
 _LAID = 0.02  # s for which a contact has stayed before it lies
 _LEAST_LOAD = 1e-4  # N
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
-_BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
+_BETWEEN = 0.01  # s between two reports of a contact: half the time constant by which a slide glides
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either;
-_LONGEST_FALL = 0.05  # s: of a step at most, as what is told less often is told of blows
+_LONGEST_FALL = 0.05  # s: of a step at most, as what is reported less often is reported as blows
 
 
 @noinline_kernel

@@ -19,7 +19,7 @@ class MicrophoneState(Record):
 
     count: int
     nearest: float  # m: a body that is nearer is as loud as there
-    step: float  # share by which a gain changes before it is told
+    step: float  # share by which a gain changes before it is sent
     position: Annotated[View2D[float], MICROPHONES, 3]
     direction: Annotated[View2D[float], MICROPHONES, 3]  # of length 1
     pattern: Annotated[View[float], MICROPHONES]
@@ -28,9 +28,9 @@ class MicrophoneState(Record):
     now: Annotated[View2D[float], BODIES, MICROPHONES]
     loudest: Annotated[View[float], BODIES]  # the gain at the microphone that hears it best
     sound: int  # how many bodies sound
-    found: int  # how many of them are to be told
+    found: int  # how many of them are to be sent
     next: float  # s: when to look again
-    changed: Annotated[View[int], BODIES]  # numbers of bodies whose gains are to be told
+    changed: Annotated[View[int], BODIES]  # numbers of bodies whose gains are to be sent
 
 
 MICROPHONE_STATE = dtype_of(MicrophoneState)

@@ -22,7 +22,7 @@ from .strips import place_on
 RESTS = 0.004
 """m/s: a slower contact rests."""
 
-_CHANGED, _AWAY = 0.05, 0.01  # shares of a speed or a force, and of a strike path, by which it must change to be told
+_CHANGED, _AWAY = 0.05, 0.01  # shares of a speed or a force, and of a strike path, by which it must change to be sent
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
 _FASTEST, _HARDEST = 100.0, 1e5  # m/s, N
 _ROUGH, _ROUGH_FLAT = 0.12, 0.02  # sqrt(s/m): of the estimate, for round bodies and for faces

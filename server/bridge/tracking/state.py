@@ -56,7 +56,7 @@ class Pair(Record):
     a: int
     b: int
     begun: float  # s
-    seen: float  # s: when it was told last
+    seen: float  # s: when it was reported last
     last: float  # s: when its slip and sweep were found last
     stood: int  # 1: it began without a blow, or has stayed: it may graze
     flown: float  # s for which none of its points touched before this step
@@ -73,12 +73,12 @@ class Pair(Record):
     weighed_at: float  # s: when that was
     heard_at: float  # s: when its slide began
     moved_at: float  # s: when it began to move
-    # The points that were told of late, in the axes of each body: so many.
+    # The points that were reported of late, in the axes of each body: so many.
     known: int
     kept: Annotated[View3D[float], KEPT, 2, 3]
     kept_at: Annotated[View[float], KEPT]
-    was_new: Annotated[View[int], KEPT]  # 1: it was new when it was told last
-    same: Annotated[View[int], KEPT]  # which of these a step's points were, in the order in which they were told
+    was_new: Annotated[View[int], KEPT]  # 1: it was new when it was reported last
+    same: Annotated[View[int], KEPT]  # which of these a step's points were, in the order in which they were reported
     # The points of this step.
     count: int
     followed: int  # of them, those that were there in the step before
@@ -96,7 +96,7 @@ class Pair(Record):
     # Of the last step that had any: the mean of their normals, and the way to them from the smaller body's centre.
     facing: Annotated[View[float], 3]
     arm: Annotated[View[float], 3]
-    told: int  # 1: the simulator told how fast the last of them slips
+    told: int  # 1: the simulator reported how fast the last of them slips
     # The points that are new, and close fast enough to be heard.
     fresh: int
     fresh_point: Annotated[View[float], 3]
@@ -105,19 +105,19 @@ class Pair(Record):
     delay: float
     mass: float
     restitution: float
-    impulse: float  # N s: of new points, NaN where one is not told by it
-    hopped_at: float  # s: when it was last told no more for a while
+    impulse: float  # N s: of new points, NaN where one is not reported by it
+    hopped_at: float  # s: when it was last left out for a while
     pushed: float  # N s: its force over a time (s) that the smoothed force knows nothing of yet
     over: float
     # The contact's place in the axes of each body, and its speed over them.
     local: Annotated[View2D[float], 2, 3]
     sweep: Annotated[View[float], 2]
     now: Annotated[View[float], 3]  # slip (m/s), sweep (m/s), force (N), smoothed
-    said: Annotated[View[float], 3]  # the same, as it was told last
+    said: Annotated[View[float], 3]  # the same, as it was sent last
     told_at: float  # s: when that was, or when it was last found to be unheard
     side: int  # 0: a is struck, or slid on; 1: b is
     # The slide or the rest that it is heard as: its number, 0: none; its gesture's number in an engine, 0: it is in
-    # none; and what was told of it last.
+    # none; and what was sent of it last.
     slide: int
     gesture: int
     steered: Annotated[View[float], len(STEERED)]
@@ -155,8 +155,8 @@ class PairEvent(Record):
     local: Annotated[View2D[float], 2, 3]  # the point in the axes of each body, from its centre of mass
     speed: float  # m/s: of the approach
     mass: float  # kg: effective, along the normal
-    restitution: float  # NaN: not told
-    impulse: float  # N s: of a blow that is told by it; else 0
+    restitution: float  # NaN: not given
+    impulse: float  # N s: of a blow that is reported by it; else 0
     # Of a contact that moves or lies, as a slide takes it: its motion, its law, its radius and the width of its patch
     # (m), and the place 0 to 1 on the strike path of the body that slides.
     motion: Annotated[View[float], len(STEERED)]
@@ -238,7 +238,7 @@ class State(Record):
     steps: int  # taken
     rest: float  # m/s: a slower approach is no blow
     gravity: float  # m/s^2
-    settles: float  # s: up to when no blow is told
+    settles: float  # s: up to when no blow is sent
     bodies: int
     # Of each body: its centre of mass, its axes (rows of a rotation matrix), and the velocity of its point `about`.
     position: Annotated[View2D[float], BODIES, 3]
@@ -267,18 +267,18 @@ class State(Record):
     law: Annotated[View3D[float], MATERIALS, MATERIALS, 3]
     surface: Annotated[View2D[int], MATERIALS, MATERIALS]  # 1 and the number of theirs, 0: it is not known
     # Grains: of each body the number of its kind, 0: it is none; of each kind the body that sounds for it, -1: none
-    # does. Their blows, by kind and body, since they were told last, and when that was.
+    # does. Their blows, by kind and body, since they were sent last, and when that was.
     grain: Annotated[View[int], BODIES]
     sounds: Annotated[View[int], GRAINS + 1]
     piled: int
     heaps: Annotated[View[Heap], HEAPS]
     told_at: float
-    due: int  # 1: they are to be told after this step
+    due: int  # 1: they are to be sent after this step
     grains: int  # blows of grains since the beginning
     bounce: Annotated[View2D[float], BODIES, BODIES]  # 1 and the restitution of a pair, 0: its own
     support: Annotated[View2D[i8], BODIES, BODIES]  # 1 and the number of a support whose law a pair has, 0: its own
     supports: Annotated[View2D[float], SUPPORTS, 3]  # the laws of these: stiffness, dissipation, exponent
-    slides_so: Annotated[View2D[i8], BODIES, BODIES]  # 1: a pair slides as it was told to
+    slides_so: Annotated[View2D[i8], BODIES, BODIES]  # 1: a pair slides as it was set to
     # Of each point of contact of this step, so many.
     points: int
     pair: Annotated[View2D[i32], POINTS, 2]
@@ -292,7 +292,7 @@ class State(Record):
     restitution: Annotated[View[float], POINTS]
     friction: Annotated[View[float], POINTS]
     impulse: Annotated[View[float], POINTS]
-    elastic: Annotated[View[float], POINTS]  # the greatest restitution of the simulator's contact, where none is told
+    elastic: Annotated[View[float], POINTS]  # the greatest restitution of the simulator's contact, where none is given
     # Pairs that touch, the first `touching` of `pairs`; `place` has their numbers plus 1.
     touching: int
     glide: Glide  # in this step
@@ -302,7 +302,7 @@ class State(Record):
     most: int  # standing contacts that are heard as they slip or sweep
     heard: int  # of them, those there are
     unheard: int  # those that have found no room
-    most_rests: int  # standing contacts that are told as they lie
+    most_rests: int  # standing contacts that are sent as they lie
     lying: int  # of them, those there are
     lain: int  # all that have begun
     left_out: int  # points of pairs that found no room

@@ -88,7 +88,7 @@ def test_a_ball_that_falls_gives_the_floor_its_momentum():
         starts = [each["start"] for each in truth["contacts"]]
         falls = sum(after > before + 0.05 for before, after in itertools.pairwise([-1.0, *starts]))
         assert first["object"] == "floor" and first["by"] == "ball" and falls == 7  # a floor may swing back after one
-        # It is as fast as a fall of 0.3 m makes it. The floor gives way, so that it takes less than a wall.
+        # It is as fast as a fall of 0.3 m makes it. The floor yields, so that it takes less than a wall.
         assert first["speed"] == pytest.approx((2 * 9.81 * 0.3) ** 0.5, rel=1e-3)
         share = first["impulse"] / (ball["mass"] * first["speed"])
         assert 1.0 < share < 1.71

@@ -27,7 +27,7 @@ int main(int count, char **words) {
             carom_load(scene, line[5] == '1');
             printf("\n");
         } else if (!carom_send(scene, line, -1.0)) {
-            printf("!%s\n", carom_told(scene));
+            printf("!%s\n", carom_answer(scene));
         } else {
             for (; first < scene->inbox_written; first++) {
                 for (int64_t n = 0; n < scene->command_size; n++)

@@ -42,7 +42,7 @@ SECONDS = 1.6
 PART, PARTS = 0.4, 3
 """A score's parts, in s, each with a third of the gestures: more at once cost a hundred times real time."""
 STIFF = 3
-"""The first objects, which are stiff: a swarm costs that much, too, on one that gives way."""
+"""The first objects, which are stiff: a swarm costs that much, too, on one that yields."""
 MESSAGES = 400
 
 

@@ -147,13 +147,13 @@ def test_a_button_acts_as_it_is_pressed_and_not_as_it_is_let_go(folder: Path, tm
 def test_a_message_is_refused_whole(folder: Path) -> None:
     """The library refuses what is no time, lists that are too long, and lists for which it has no room."""
     library = ctypes.CDLL(str(folder / "libcarom.so"))
-    library.carom_open.restype, library.carom_told.restype = ctypes.c_void_p, ctypes.c_char_p
+    library.carom_open.restype, library.carom_answer.restype = ctypes.c_void_p, ctypes.c_char_p
     baked = (folder / "scene.carom").read_bytes()
     scene = ctypes.c_void_p(library.carom_open(baked, ctypes.c_size_t(len(baked)), 1))
 
     def told(message: str, at: float = -1.0) -> str:
         taken = library.carom_send(scene, message.encode(), ctypes.c_double(at))
-        return "" if taken else library.carom_told(scene).decode()
+        return "" if taken else library.carom_answer(scene).decode()
 
     for at in (math.nan, math.inf):
         assert told("/panic", at) == f"at = {at}: expected a time in s"

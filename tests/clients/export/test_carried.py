@@ -85,7 +85,7 @@ def test_an_export_without_a_compiler_has_the_same_bytes(tmp_path: Path) -> None
         (None, "this Carom came without portable machine code, of which exports are made; `pip install"),
         ("other", "came along is for linux-portable-other, and this machine is linux-portable"),
         ("edited", "the machine code that came along is of other sources of module; `pip install"),
-        ("cut", "portable-.*xz: this file is damaged .*; to install Carom again mends it"),
+        ("cut", "portable-.*xz: this file is damaged .*; install Carom again"),
     ],
 )
 def test_what_keeps_a_wheel_from_exporting_is_said(

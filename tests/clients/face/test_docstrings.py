@@ -7,6 +7,7 @@ import re
 import pytest
 
 import carom
+import carom.dsp.bodies
 from carom.clients.actions import Actions
 from carom.dsp.fitting.distance import Distance
 from tests import needs
@@ -15,13 +16,18 @@ SCANNED = (
     carom.Scene, carom.Scene.new, carom.Scene.render, carom.Object.modes, carom.World, carom.World.body,
     carom.World.pair, carom.World.sensor, carom.World.step, carom.World.grains, carom.World.pour, carom.World.ring,
     carom.World.score, carom.Client, carom.render, carom.fit, carom.mesh,
-    carom.compare, carom.render_many, carom.rebuild,
+    carom.compare, carom.render_many, carom.rebuild, carom.Presets, carom.Presets.object, carom.Presets.changed,
+    carom.Presets.load, carom.Presets.names, carom.Presets.path, carom.Presets.description,
 )  # fmt: skip
 LAWS = (
     carom.dsp.restitution, carom.dsp.release_velocity, carom.dsp.force, carom.dsp.compression,
     carom.dsp.max_compression, carom.dsp.potential_energy, carom.dsp.energy, carom.dsp.contact_time_bound,
     carom.dsp.contact_time, carom.dsp.force_pulse, carom.dsp.force_nodes,
 )  # fmt: skip
+BODIES = [
+    getattr(module, name) for module in (carom.dsp, carom.dsp.bodies) for name in module.__all__
+    if inspect.isfunction(getattr(module, name)) or name in ("Case", "Cavity", "Noise", "Partials")
+]  # fmt: skip
 SENT = [
     each for name, each in vars(Actions).items() if inspect.isfunction(each) and name[0] != "_" and name != "contact"
 ]
@@ -29,11 +35,11 @@ CLIENTS = [each for name, each in vars(carom.Client).items() if inspect.isfuncti
 SHOWN = (*SCANNED, *LAWS)
 FIELDS = (
     carom.Sound, carom.Report, carom.Hearing, carom.Listener, carom.Microphone, carom.Touch, carom.Pose, carom.Contact,
-    carom.Hit, carom.ModeTable, carom.Sensed, Distance,
+    carom.Hit, carom.ModeTable, carom.Sensed, Distance, carom.dsp.Modes, carom.dsp.bodies.Table,
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("named", SHOWN, ids=lambda each: each.__qualname__)
+@pytest.mark.parametrize("named", dict.fromkeys((*SHOWN, *BODIES)), ids=lambda each: each.__qualname__)
 def test_its_help_lists_what_it_takes(named):
     """Each parameter has a line of its own, and those that are keys are listed under **."""
     assert _listed(named) == {name for name in inspect.signature(named).parameters if name != "self"}

@@ -200,15 +200,15 @@ def test_what_cannot_be_told_disturbs_no_other_environment():
     envs.reset(seed=1)
     action = np.zeros(envs.action_space.shape, np.float32)
     envs.step(action)
-    plain = envs.bridges[1].tell
+    plain = envs.bridges[1].report
 
     def diverging():
         raise carom.WorldError("body 2: position = nan")
 
-    envs.bridges[1].tell = diverging
+    envs.bridges[1].report = diverging
     with pytest.raises(carom.WorldError, match="position = nan"):
         envs.step(action)
-    envs.bridges[1].tell = plain
+    envs.bridges[1].report = plain
     _, sounds, hits, _ = turns(envs, 4)
     _, expected, also, _ = turns(VectorAddAudioObservation(ants(3, "NextStep", lambda env: env), **HEARING), 4)
     assert hits == also

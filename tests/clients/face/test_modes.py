@@ -62,6 +62,26 @@ def test_modes_add_up_to_the_sound(preset, keys, position):
         np.testing.assert_allclose(after, before, rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("options", "keys"),
+    [
+        ({}, {"pitch": 440.0}),
+        ({}, {"note": 69, "damp": 0.3}),
+        ({"gain": -6.0}, {}),
+        ({}, {"gains": [1.0, 0.25]}),
+    ],
+)
+def test_modes_before_the_first_render_are_those_after_it(options, keys):
+    with carom.Scene(RATE, **options) as scene:
+        bar = scene.new("bar", "marimba-bar", **keys)
+        before = bar.modes()
+        scene.render(frames=64)
+        after = bar.modes()
+    assert bool(keys.keys() & {"pitch", "note"}) == (abs(before.frequencies[0] - 440.0) < 1e-6)
+    for one, other in zip(before[:3], after[:3], strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-12)
+
+
 def test_modes_are_those_of_the_preset_below_the_top():
     modes = Presets().object("church-bell").modes(20_000.0)
     with carom.Scene(RATE) as scene:
@@ -73,7 +93,7 @@ def test_modes_are_those_of_the_preset_below_the_top():
         assert table.gains.shape == (len(modes.frequency), 2) and np.all(np.diff(table.frequencies) > 0)
 
 
-def test_modes_follow_what_the_object_is_told():
+def test_modes_follow_the_object_s_settings():
     with carom.Scene(RATE) as scene:
         plate = scene.new("p", "steel-plate")
         table = plate.modes()

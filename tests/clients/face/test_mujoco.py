@@ -128,7 +128,7 @@ def test_a_slide_that_hops_is_told_its_weight_and_its_speed():
     while data.time < 0.6:
         speeds.append(data.qvel[0])
         mujoco.mj_step(model, data)
-        bridge.tell()
+        bridge.report()
         told.append(bridge.world.memory["pairs"]["steered"][0, 0, :3].copy())
         off += data.ncon == 0
     weight = model.body_mass[1] * 9.81
@@ -162,7 +162,7 @@ def test_nothing_is_told_while_the_scene_settles():
         hits.append(found)
         mujoco.mj_resetData(model, data)
         with pytest.raises(carom.WorldError, match=r"expected above .*; after a reset, restart\(\) begins anew"):
-            bridge.tell()
+            bridge.report()
         bridge.restart()
     assert hits[0] and all(hit.time > 0.1 for hit in hits[0]) and hits[0] == hits[1]
     with pytest.raises(carom.WorldError, match="settle = -1: expected a number from 0"):
@@ -286,7 +286,7 @@ def bounced(model, data):
     while not (found and data.ncon == 0):
         speed = speed if found else -data.qvel[2]
         mujoco.mj_step(model, data)
-        bridge.tell()
+        bridge.report()
         found += bridge.world.hits
     (hit,) = found
     return hit, speed, data.qvel[2] + 9.81 * model.opt.timestep
@@ -359,7 +359,7 @@ def test_steps_of_runge_and_kutta_leave_what_the_simulators_do(step, solref):
         found, speeds = [], []
         while data.time < 0.45:
             mujoco.mj_step(model, data)
-            bridge.tell()
+            bridge.report()
             found += bridge.world.hits
             speeds.append(data.qvel[2])
         (hit, *_) = found
@@ -384,15 +384,15 @@ def test_a_contact_pair_is_heard_as_its_bodies():
     assert {(hit.a, hit.b) for hit in found} == {("ball", "floor")}
 
 
-def test_what_tells_stays_as_long_as_it_is_held():
+def test_what_reports_stays_as_long_as_it_is_held():
     model, data = dropped(0.002, 0.1, ".02 1")
-    tell = carom.mujoco.Bridge(model, data).tell
+    report = carom.mujoco.Bridge(model, data).report
     gc.collect()
     kept = [np.full(12_624 // 8, 7) for _ in range(200)]  # takes the memory that is free
     blows = 0
     for _ in range(200):
         mujoco.mj_step(model, data)
-        blows += tell()
+        blows += report()
     assert blows >= 1 and all((each == 7).all() for each in kept)
 
 

@@ -238,7 +238,7 @@ def test_keys_may_be_lists_and_arrays():
 def test_a_scene_that_is_full_says_so_and_goes_on():
     with carom.Scene() as scene:
         block = scene.new("a", "wood-block")
-        with pytest.raises(carom.CommandError, match="no room for 1 events ahead of their time"):
+        with pytest.raises(carom.CommandError, match="no capacity for 1 events ahead of their time"):
             for n in range(10_000):
                 block.impact(0.1, at=1.0 if n < 8 else 1000.0)
         scene.render(1.5)

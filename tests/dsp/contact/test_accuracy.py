@@ -72,7 +72,7 @@ def test_light_objects_never_pass():
 
 @pytest.mark.slow
 def test_strikers_that_are_caught_up_never_pass():
-    """Strikers leave slowly where much is dissipated, and an object that hardly gives way touches them again."""
+    """Strikers leave slowly where much is dissipated, and an object that hardly yields touches them again."""
     again = 0
     for case in random_cases(1500, seed=1, yielding=(0.02, 0.25)):
         contacts = simulate(case, 1e-3).contacts[-1]

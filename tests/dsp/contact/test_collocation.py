@@ -26,7 +26,7 @@ def solved(linear):
 
 
 def test_three_equations_by_determinants():
-    """Equations are as firm contacts have them: ones on the diagonal, and stiffness times how much forces give way."""
+    """Equations are as firm contacts have them: ones on the diagonal, and stiffness times how much forces yield."""
     random = np.random.default_rng(1)
     for size in (0.0, 1e-3, 1.0, 1e3):
         linear = np.concatenate(

@@ -282,7 +282,7 @@ def test_a_striker_that_leaves_misses_no_touch_unseen(seed):
 
 
 def test_two_objects_that_both_ring():
-    """The striker's own modes give way as the object's do: both banks together are one."""
+    """The striker's own modes yield as the object's do: both banks together are one."""
     random = np.random.default_rng(9)
     frequency, phi = np.sort(random.uniform(100, 15_000, 16)), random.normal(size=16)
     case = Case(frequency, np.full(16, 20.0), phi, 1.0, 0.02, 1e9, 0.3, 1.5, samples=200, fraction=0.6)

@@ -115,7 +115,7 @@ def test_a_tiny_steel_ball_is_within_what_the_filter_may_be_wrong():
 
 
 def test_no_contact_feels_a_click():
-    """A light body gives way by its modes alone: with a click it is the same, plus the click."""
+    """A light body yields by its modes alone: with a click it is the same, plus the click."""
 
     def sound(click):
         engine = Engine(RATE)

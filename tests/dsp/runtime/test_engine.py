@@ -61,7 +61,7 @@ def test_capacities_are_kept_and_said():
         engine.lay_out(bell(8), 1.0)
     few = Engine(RATE, modes=2_048)
     few.lay_out(bell(1_024), 1.0)
-    with pytest.raises(EngineFull, match="no room for 1032 modes: 1016 of 2048 are free"):
+    with pytest.raises(EngineFull, match="no capacity for 1032 modes: 1016 of 2048 are free"):
         few.lay_out(bell(1_024), 1.0)
     with pytest.raises(ValueError, match=f"modes = {MODES + 1}: expected 1 to {MODES}"):
         Engine(RATE, modes=MODES + 1)

@@ -200,7 +200,7 @@ def test_a_roll_sounds_the_same_beside_other_contacts(render):
 @pytest.mark.parametrize("accuracy", ["-60", "-80"])
 @pytest.mark.parametrize("preset", ["glass-plate", "church-bell"])
 def test_a_roll_whose_law_is_steered_is_as_loud_as_one_that_began_with_it(render, preset, accuracy):
-    """On an object that gives way, and on one that is as good as a wall."""
+    """On an object that yields, and on one that is as good as a wall."""
     begin = f"0 /accuracy {accuracy}\n0 /object/new a {preset}\n"
     roll = "0 /object/a/roll 0.1 striker glass-marble mass 1e-4 surface glass seed 1 id r"
     soft = {"stiffness": 1e5, "dissipation": 5.0, "exponent": 1.3}

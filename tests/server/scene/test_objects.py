@@ -146,7 +146,7 @@ def test_modes_run_out(session, monkeypatch):
             (reply,) = say(session, "/object/new", f"o{i}", "tom")
             if reply.address == "/fail":
                 break
-    assert "no room for" in reply.args[1]
+    assert "no capacity for" in reply.args[1]
     say(session, "/object/o0/free", 1)
     session.engine.process(640)
     assert say(session, "/object/new", "small", "tuning-fork")[0].address == "/done"

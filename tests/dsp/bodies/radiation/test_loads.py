@@ -181,7 +181,7 @@ def test_a_bridge_on_feet_is_a_lever_for_slow_forces_and_stops_fast_ones():
 
 
 def test_a_bridge_that_is_glued_on_is_a_beam_across_the_board():
-    """A light board gives way under it as a long beam on supports does: its modes, summed at a point."""
+    """A light board yields under it as a long beam on supports does: its modes, summed at a point."""
     bar, length, at, loss, frequency = Beam(0.19, 13.7), 40.0, 17.3, 0.02, 1000.0
     modes = np.arange(1, 4000) * math.pi / length
     omega, squares = modes**2 * math.sqrt(bar.rigidity / bar.mass), 2 / (bar.mass * length) * np.sin(modes * at) ** 2
@@ -219,7 +219,7 @@ def test_a_board_takes_no_more_from_a_string_than_it_is_measured_to_lose(name):
 
 @pytest.mark.parametrize("board", [CELLO, GUITAR])
 def test_single_modes_stand_out_of_a_boards_mean(board):
-    """A mode of mass M and quality Q gives way by Q/(M omega) at its resonance, and by half of it half a width off."""
+    """A mode of mass M and quality Q yields by Q/(M omega) at its resonance, and by half of it half a width off."""
     smooth = replace(board, single=())
     for mode in board.single:
         alone = replace(board, single=(mode,))
@@ -231,7 +231,7 @@ def test_single_modes_stand_out_of_a_boards_mean(board):
 
 def test_a_bowed_cello_falls_as_its_bridge_and_a_saw_tooth_do():
     """The saw-tooth falls by 6 dB per octave, the bridge as it passes forces on; the board radiates better there.
-    Below, legs that give way take 2 dB per octave: two recorded cellos fall by 8 and 5 dB from 0.7 to 1.4 kHz."""
+    Below, legs that yield take 2 dB per octave: two recorded cellos fall by 8 and 5 dB from 0.7 to 1.4 kHz."""
     force = {"length": 0.69, "diameter": 0.0008, "fundamental": 146.8, "linear_density": 0.00296, "top": 9000}
     wire = bodies.Material("wire", 7850, 2e11, 0.29, 0, 0, 0.002, losses="measured")
     modes = bodies.string(wire, **force, board="cello")

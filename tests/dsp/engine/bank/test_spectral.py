@@ -87,7 +87,7 @@ def test_settings_that_change_while_it_rings_are_heard_as_without_the_bank(name,
 
 @pytest.mark.slow
 def test_contacts_that_feel_the_modes_meet_them_as_they_are():
-    """Coupled strikers on bodies that give way, a bounce, and objects of the bank that strike each other."""
+    """Coupled strikers on bodies that yield, a bounce, and objects of the bank that strike each other."""
 
     def commands(handle, k):
         random = np.random.default_rng(k)

@@ -25,7 +25,7 @@ BALLS = {
 
 
 def floor(engine, modal_mass=1e9, level=1e6):
-    """Return an object that gives way to nothing."""
+    """Return an object that yields to nothing."""
     modes = listed(frequency=[400.0, 1100.0], t60=[9.0, 9.0], modal_mass=modal_mass, mass=1e9, top=20_000)
     return engine.add(modes, level)
 

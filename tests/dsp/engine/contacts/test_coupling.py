@@ -1,4 +1,4 @@
-"""Contacts in the engine with objects that give way, ring already, touch back, or are pressed on."""
+"""Contacts in the engine with objects that yield, ring already, touch back, or are pressed on."""
 
 import math
 from dataclasses import replace

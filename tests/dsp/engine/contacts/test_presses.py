@@ -183,7 +183,7 @@ def test_an_object_that_is_pressed_on_another_in_blocks(level, bound):
 @pytest.mark.parametrize("level", ["-50", "-60"])
 @pytest.mark.parametrize("modal_mass", [1e-3, 0.1])
 def test_a_press_at_rest_stays_so(modal_mass, level):
-    """The force stays within 1e-6 of the push, also where the object gives way by far more than the hand."""
+    """The force stays within 1e-6 of the push, also where the object yields by far more than the hand."""
     engine, handle = pressed(level, (0.03, 1e7, 200.0, 1.5), modal_mass=modal_mass, t60=0.02)
     engine.process(3 * RATE)
     assert in_blocks(engine, handle) and engine.stats.held == 0
@@ -273,7 +273,7 @@ def contact_pressed(engine):
 @pytest.mark.parametrize("level", ["-50", "-60"])
 @pytest.mark.parametrize(("name", "striker"), [("pot-lid", "felt"), ("glass-plate", "bowling-ball")])
 def test_blocks_follow_a_force_that_lasts(name, striker, level):
-    """Modes far above the Nyquist frequency give way to it, of which series miss a share: no sample is taken alone."""
+    """Modes far above the Nyquist frequency yield to it, of which series miss a share: no sample is taken alone."""
     engine = Engine(RATE)
     press_preset(engine, name, 50.0, striker, level)
     engine.process(3 * RATE)

@@ -4,7 +4,6 @@ import numpy as np
 
 from carom.dsp.bodies import Modes
 from carom.dsp.engine.memory.commands import Command, Kind
-from carom.dsp.rolling.abreast_record import ABREAST
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.dsp.engine.support import free, gesture, setting
 
@@ -90,32 +89,3 @@ def heard(forgets):
 
 def test_what_goes_straight_through_is_known_anew_where_it_changes():
     np.testing.assert_array_equal(heard(False), heard(True))
-
-
-BRICK = (0.3, 1e9, 15.0, 1.5)
-BOARD = (4e-6, 1e-3, 2.2, 0.0, 1.0, 0.0, 1.0)
-SLIDE = {"speed": 0.3, "sweep": -1.0, "force": 6.0, "radius": 0.01, "patch": 2e-3, "static": 0.0, "dynamic": 0.0,
-         "stribeck": 0.1, "tangential": 0.0, "along": 0.0, "position": 0.2}  # fmt: skip
-
-
-def slid(numbers):
-    """Return the sound of bricks that slide, each on a slab of its own, in pascals, and how many go by samples."""
-    engine = Engine(RATE)
-    engine.send([Command(-1.0, Kind.LIMITER, value=0.0)])
-    commands = []
-    for n in numbers:
-        command = gesture("slide", engine.add(slab(), 1.0), BRICK, 100.25 * n, 7 + n, **SLIDE, seed=n)
-        commands.append(command._replace(surface=BOARD))
-    engine.send(commands)
-    sound = engine.process(RATE // 4)[:, 0].astype(float)
-    return sound, np.count_nonzero(engine.state["rolls"]["samples"])
-
-
-def test_slides_that_go_by_samples_add_up():
-    """More than go together at once, begun one after the other, are those that go alone."""
-    numbers = range(ABREAST + 3)
-    together, count = slid(numbers)
-    assert count == len(numbers)
-    parts = np.sum([slid([n])[0] for n in numbers], axis=0)
-    assert np.abs(together - parts).max() < 1e-6 * np.abs(parts).max()
-    assert np.abs(together).max() > 1.5 * np.abs(slid([0])[0]).max()

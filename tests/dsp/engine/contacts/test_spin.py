@@ -84,7 +84,7 @@ def test_the_rate_goes_as_a_power_of_the_time_left(n):
 
 
 def test_the_flat_hits_as_fast_as_it_turns_with_a_fifth_of_the_disc():
-    """J = m/5 (1 + e) v with v = d R Omega sin(alpha), on an object that hardly gives way."""
+    """J = m/5 (1 + e) v with v = d R Omega sin(alpha), on an object that hardly yields."""
     times, impulses, _ = spun(law=(0.0075, 1e9, 0.0, 1.5), modes=bell(modal_mass=1e7), quickening=0.4)
     lean = math.sin(math.radians(20)) * ((3.0 - times) / 3.0) ** 0.8
     speed = 0.2 * 2 * np.sqrt(STANDARD_GRAVITY * 0.0116 * lean)

@@ -22,7 +22,7 @@ from tests.dsp.engine.support import RATE, gesture, stop
 FREQUENCY = np.array([170.0, 395.0, 720.0, 1330.0, 2450.0, 4300.0, 7900.0])
 T60 = 0.3
 LIGHT, YIELDING, STIFF = 3e-3, 0.06, 2.0
-"""kg: modal masses of an object that is touched again and again, of one that gives way, and of one that hardly does."""
+"""kg: modal masses of an object that is touched again and again, of one that yields, and of one that hardly does."""
 BLOWS = {
     "light": (LIGHT, Blow(3.25 / RATE, 1.0, 0.004, 2e7, 0.2, 1.5)),
     "yielding": (YIELDING, Blow(3.25 / RATE, 0.8, 0.012, 1.6e8, 0.2, 1.5)),

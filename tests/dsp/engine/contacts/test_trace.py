@@ -22,7 +22,7 @@ SOFT = (0.005, 1e6, 0.1, 1.5)
 
 
 def heavy():
-    """Return a body that gives way to nothing."""
+    """Return a body that yields to nothing."""
     return bell(modal_mass=1e9)
 
 
@@ -121,11 +121,10 @@ def test_a_bounce_gives_contact_by_contact_what_it_loses():
 
 @pytest.mark.slow
 def test_a_roll_gives_what_the_study_says():
-    """The same body on the same surface, by itself: to the bit but for the cut into quanta. With an exponent of 3/2 it
-    would go by samples in the engine, abreast of others."""
+    """The same body on the same surface, by itself: to the bit but for the cut into quanta."""
     engine = traced_engine()
     handle = engine.add(heavy())
-    law = m, k, mu, a = (*MARBLE[:3], 1.4)
+    law = m, k, mu, a = MARBLE
     engine.send([gesture("roll", handle, law, 0.0, 7, speed=0.5, radius=0.008, seed=3, gain=0.1)])
     entries = follow(engine, 9_600)
     ground = make_surface(*SURFACE, seed=3)

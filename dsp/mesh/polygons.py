@@ -1,4 +1,4 @@
-"""Polygons of mesh files, and the triangles that they are made of."""
+"""Polygons of meshes, and the triangles that they are made of."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dsp.bodies.material import Array
-from ..dsp.errors import MissingLibrary
-from ..dsp.mesh.surface import Indices, MeshError
+from ..bodies.material import Array
+from ..errors import MissingLibrary
+from .surface import Indices, MeshError
 
 _STRAIGHT = 1e-7  # rad: a polygon that turns by less goes straight on
 _CROSSED = 1e-3  # of the area, or of the square of half the size: triangles cover as much of a polygon as it has
@@ -64,7 +64,7 @@ def triangulated(polygons: Polygons) -> Triangles:
         faces.append(fans[plain].reshape(-1, 3))
         own.append(np.repeat(some[plain], size - 2))
         for ring, face in zip(rings[~plain], some[~plain], strict=True):
-            made = _clipped(points, ring)
+            made = clipped(points, [ring])
             faces.append(made)
             own.append(np.full(len(made), face))
     every = np.concatenate(faces) if faces else np.zeros((0, 3), np.int64)
@@ -73,19 +73,26 @@ def triangulated(polygons: Polygons) -> Triangles:
     return Triangles(points, every[order], of[row[order]], names)
 
 
-def _clipped(points: Array, ring: Indices) -> Indices:
-    """Return the triangles (t, 3) of a polygon, by its corners (k,), in the plane that it lies nearest to."""
+def clipped(points: Array, rings: list[Indices]) -> Indices:
+    """Return the triangles (t, 3) of a polygon in the plane that it lies nearest to.
+
+    rings: the corners (k,) of its outline, then of each hole, which goes round the other way. MeshError if it crosses
+    itself.
+    """
     try:
         from mapbox_earcut import triangulate_float64
     except ImportError as error:
         raise MissingLibrary(f"a concave polygon needs mapbox_earcut ({error}): pip install 'carom[mesh]'") from error
-    at = points[ring] - points[ring[0]]
-    look = np.cross(at, np.roll(at, -1, axis=0)).sum(axis=0)
+    every = np.concatenate(rings)
+    at = points[every] - points[every[0]]
+    begin = np.cumsum([0, *(len(ring) for ring in rings)])
+    after = np.concatenate([np.roll(np.arange(low, high), -1) for low, high in pairwise(begin)])
+    look = np.cross(at, at[after]).sum(axis=0)
     length = float(np.linalg.norm(look))
     size = float(np.abs(at).max())
     if not length > _CROSSED * size**2:
         if np.linalg.norm(np.cross(at[:-1], at[1:]), axis=1).max() > _CROSSED * size**2:
-            raise _crossed(points[ring])
+            raise _crossed(points[every])
         if not length > 0:
             return np.zeros((0, 3), np.int64)  # it has no area
     across = np.linalg.svd(look[None] / length)[2][1:]
@@ -94,16 +101,18 @@ def _clipped(points: Array, ring: Indices) -> Indices:
     flat = np.ascontiguousarray(at @ across.T)
     unit = max(float(np.abs(flat).max()), 1e-300)
     flat /= unit
-    some = _bent(flat)
-    made = triangulate_float64(flat[some], np.array([len(some)], np.uint32)).reshape(-1, 3).astype(np.int64)
-    made = some[made]
+    bent = [low + _bent(flat[low:high]) for low, high in pairwise(begin)]
+    some, ends = np.concatenate(bent), np.cumsum([len(each) for each in bent])
+    made = some[triangulate_float64(flat[some], ends.astype(np.uint32)).reshape(-1, 3).astype(np.int64)]
     a, b, c = flat[made].transpose(1, 0, 2)
     twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
     whole, covered = length / unit**2, float(np.abs(twice).sum())
     if abs(covered - whole) > _CROSSED * max(covered, 1.0):
-        raise _crossed(points[ring])
+        raise _crossed(points[every])
     made = np.where((twice < 0)[:, None], made[:, ::-1], made)
-    return ring[_with_all(made, len(ring))]
+    for low, high in pairwise(begin):
+        made = _with_all(made, low, high)
+    return every[made]
 
 
 def _crossed(corners: Array) -> MeshError:
@@ -132,21 +141,23 @@ def _bent(flat: Array) -> Indices:
     return some
 
 
-def _with_all(made: Indices, count: int) -> Indices:
-    """Return triangles (t, 3) of the numbers 0 to `count`, with those corners, too, that lay on a side between others
+def _with_all(made: Indices, begin: int, end: int) -> Indices:
+    """Return triangles (t, 3) with those corners of a ring, `begin` to `end`, too, that lay on a side between others
     and were left out: the triangle at such a side is split."""
-    used = np.unique(made)
+    used = np.unique(made[(made >= begin) & (made < end)])
+    count = end - begin
     if len(used) in (0, count):
         return made
     triangles = [tuple(map(int, each)) for each in made]
-    for low, high in zip(used, np.roll(used, -1), strict=True):
-        between = [int(each % count) for each in range(int(low) + 1, int(high) + (count if high <= low else 0))]
+    for low, high in zip(used.tolist(), np.roll(used, -1).tolist(), strict=True):
+        steps = (high - low - 1) % count
+        between = [begin + (low - begin + step + 1) % count for step in range(steps)]
         if not between:
             continue
         for number, (a, b, c) in enumerate(triangles):
             found = next((t for t in ((a, b, c), (b, c, a), (c, a, b)) if t[:2] == (low, high)), None)
             if found:
-                line = [int(low), *between, int(high)]
+                line = [low, *between, high]
                 triangles[number : number + 1] = [(one, other, found[2]) for one, other in pairwise(line)]
                 break
     return np.array(triangles, np.int64).reshape(-1, 3)
