@@ -292,6 +292,11 @@ class ObjectPreset:
         return contact_between(self._contact_material, self._library.material(material), radius)
 
     @cached_property
+    def damping(self) -> dict[str, Any]:
+        """What its file gives anew of its material's damping."""
+        return check("", self._data.get("damping", {}), SHAPES[self.shape].damping, ())
+
+    @cached_property
     def _contact_material(self) -> Material:
         return self.material or self._library.material(STAND_IN)
 

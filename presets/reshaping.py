@@ -77,8 +77,9 @@ def _of_material(preset: ObjectPreset, modes: Modes, top: float) -> list[Change]
 
 
 def material_at(preset: ObjectPreset, value: float) -> Material:
-    """Return the material of an object at a value of its macro: its own in the middle."""
-    line = [preset._library.material(name) for name in LINE]
+    """Return the material of an object at a value of its macro: its own in the middle, and elsewhere that of the line
+    with the damping that its file gives anew."""
+    line = [replace(preset._library.material(name), **preset.damping) for name in LINE]
     own = preset.material or preset._library.material(STAND_IN)
     nearest = min(range(len(line)), key=lambda n: apart(own, line[n]))
     line[nearest] = own

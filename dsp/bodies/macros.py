@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..numerics.constants import HAND, NEUTRAL
 from ..numerics.constants import MACRO_NODES as NODES
-from ..numerics.constants import NEUTRAL
 from .material import Array, Indices, Material
 from .modes import Modes
 
@@ -193,6 +193,11 @@ def morphed(own: Modes, position: float, other: Modes, other_position: float) ->
     there, here = _blow(other, other_position)[to], _blow(own, position)[has]
     sound[has] = np.clip(_octaves(there, here) - amplitude, -_MOST, _MOST)
     return _change(own, frequency, decay, sound, amplitude, 0.0)
+
+
+def retuned(own: Modes, tune: float, decay: float, damp: float) -> Modes:
+    """Return a body's modes as an object's settings have them: ratios of frequencies and of decay times, and a hand."""
+    return replace(own, frequency=own.frequency * tune, decay=own.decay / decay + HAND * damp * damp)
 
 
 def share_of(change: Change, share: float) -> Change:

@@ -24,5 +24,8 @@ dB too loud."""
 NEUTRAL = 0.5
 """The value at which a macro changes nothing."""
 
+HAND = 200.0
+"""1/s: decay that a hand adds to all modes where it holds an object as firmly as it can."""
+
 MACRO_NODES = 9
 """Places of a macro, from 0 to 1, at which the modes of a body are known; between two they go by equal ratios."""

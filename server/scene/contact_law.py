@@ -52,7 +52,12 @@ def law_of(
         for key in said:
             lost = "restitution" if key == "dissipation" and law["restitution"] else key
             to.say(lost, law[lost])
-    return Contact(**law) if by or "what" in to.values.words else harder(Contact(**law), to.obj)
+    if by or "what" in to.values.words:
+        return Contact(**law)
+    base = Contact(**law)
+    if onto is None:
+        to.base = base
+    return harder(base, to.obj)
 
 
 def struck_material(to: ObjectCall, struck: PlayedObject) -> Material | None:

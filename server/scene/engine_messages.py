@@ -36,6 +36,7 @@ def changes(kind: Kind, number: Parameter, values: Values) -> list[Command]:
 
 
 def _panic(transaction: Transaction, call: Call, values: Values) -> None:
+    transaction.on_undo(transaction.objects.forget_ahead(transaction.time))
     send(transaction, call.message, Command(NOW, Kind.PANIC))
 
 

@@ -10,29 +10,43 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ...dsp.engine.memory.commands import Command, Kind
+from ...dsp.engine.memory.commands import Command
 from ...dsp.engine.memory.state import End
 from ...dsp.runtime.engine import Engine
 from ..osc.patterns import Selection, is_pattern
 
 if TYPE_CHECKING:
     from .makeup import Played
+    from .objects import PlayedObject
 
 _REMEMBERED = 4_096  # ids: one that is given again soon has the number that it had
 _MOST_ENDS = 65_536  # that wait to be sent
 _begin_of = itemgetter(0)
+_time_of = attrgetter("time")
 _LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none
 
 
 class Begun(NamedTuple):
-    """What macros change of a gesture: its kind, the serial of its object, and values as its message has them."""
+    """What macros change of a gesture: its kind, its object, and values as they are in the middle of all macros."""
 
     kind: str
-    serial: int
+    obj: "PlayedObject"
     values: dict[str, float]
+
+
+@dataclass(eq=False, slots=True)
+class Begin:
+    """A gesture that begins with an id at a time (samples): what macros change of it, and, if it lasts, its make-up."""
+
+    time: float
+    begun: Begun
+    lasts: bool
+    played: "Played | None"
+    order: int
+    """Number of the command that came next as it was sent."""
 
 
 @dataclass(eq=False, slots=True)
@@ -49,16 +63,25 @@ class GestureId:
     """Name of the object under its last rest; "" if that lies on a support, or there is none."""
     most_load: float = math.inf
     """N: up to which the load of its last rest may be steered."""
-    begun: "Begun | None" = None
-    """The gesture that began last with it."""
-    played: list[tuple[float, "Played | None"]] = field(default_factory=list)
-    """Times (samples) of its gestures that last, the earliest first, and the make-up of those that have one."""
+    begins: list[Begin] = field(default_factory=list)
+    """Its gestures, the earliest first."""
     ahead: list[tuple[float, list[Command]]] = field(default_factory=list)
     """Times (samples) of changes that were sent ahead, the earliest first, and their commands but for a level."""
 
     def played_at(self, time: float) -> "Played | None":
-        """Return the make-up of the gesture that began last at a time (samples)."""
-        return next((played for begin, played in reversed(self.played) if begin <= time), None)
+        """Return the make-up of the lasting gesture that began last at a time (samples)."""
+        return next((each.played for each in self._before(time) if each.lasts), None)
+
+    def begun_at(self, time: float, order: float) -> Begun | None:
+        """Return the gesture that began last at a time (samples), of those for that time if it was sent before a
+        command of a number."""
+        return next((each.begun for each in self._before(time, order)), None)
+
+    def _before(self, time: float, order: float = math.inf) -> Iterator[Begin]:
+        """Yield its gestures that have begun by a time (samples), on objects that were there then, the last first."""
+        for each in reversed(self.begins):
+            if (each.time, each.order) < (time, order) and each.time < each.begun.obj.freed:
+                yield each
 
     def levels_of(self, time: float, commands: list[Command]) -> list[Command]:
         """Return the commands by which a level follows those of a change at a time (samples)."""
@@ -126,21 +149,19 @@ class GestureIds:
         """Remember what is under the rest that an id names, "" if that is a support, and its greatest load (N)."""
         self._known.names[name].under, self._known.names[name].most_load = under, most_load
 
-    def play(self, number: int, begin: float, played: "Played | None") -> Callable[[], object]:
-        """Remember the make-up of a gesture that begins at a time (samples), None if it has none; return how to undo
-        it. What is over is forgotten."""
-        if number not in self._numbers:
-            return lambda: None
-        known, now = self._numbers[number].played, float(self._engine.position)
-        del known[: max(0, bisect_right(known, now, key=_begin_of) - 1)]
-        entry = max(begin, now), played
-        insort(known, entry, key=_begin_of)
-        return lambda: known.remove(entry)
+    def begin(self, number: int, begin: Begin) -> Callable[[], object]:
+        """Remember a gesture that begins with the id of a number; return how to undo that. What is over is
+        forgotten."""
+        known, now = self._numbers[number].begins, float(self._engine.position)
+        past = known[: bisect_right(known, now, key=_time_of)]
+        last = next((each for each in reversed(past) if each.lasts), None)
+        known[: len(past)] = [each for each in past if each is last or each is past[-1]]
+        insort(known, begin, key=_time_of)
+        return lambda: known.remove(begin)
 
-    def begin(self, number: int, begun: Begun) -> None:
-        """Remember what macros change of a gesture that begins with the id of a number."""
-        if number in self._numbers:
-            self._numbers[number].begun = begun
+    def id_of(self, number: int) -> GestureId | None:
+        """Return the id of the gestures that have a number; None where there is none, or none is remembered."""
+        return self._numbers.get(number)
 
     def send_ahead(self, id: GestureId, time: float, commands: list[Command]) -> Callable[[], object]:
         """Remember a change of a gesture if it is sent ahead of its time (samples); return how to undo that. What is
@@ -152,16 +173,6 @@ class GestureIds:
         entry = time, commands
         insort(known, entry, key=_begin_of)
         return lambda: known.remove(entry)
-
-    def levels_anew(self, number: int, begin: float) -> list[Command]:
-        """Return the commands that give changes anew the levels that come with them: those of changes that were sent
-        before a gesture, and come after its begin (samples). They are of the make-up that counts then."""
-        id = self._numbers.get(number)
-        if not id or not any(played for _, played in id.played):
-            return []
-        later = id.ahead[bisect_right(id.ahead, max(begin, float(self._engine.position)), key=_begin_of) :]
-        levels = [each for time, commands in later for each in id.levels_of(time, commands)]
-        return [Command(begin, Kind.RELEVEL, gesture=number), *levels] if later else []
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""

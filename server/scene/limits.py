@@ -15,6 +15,7 @@ from ..osc.arguments import Refused
 LONGEST_BOUNCE = 3_600.0
 """s: a bounce that would go on for longer on a rigid floor is refused."""
 
+_WATER = 1000.0  # kg/m^3
 _SMOOTH = 10.0  # times the surface's height that a body's radius has at least: its circle is taken for a parabola
 
 
@@ -173,6 +174,11 @@ def most_rough(radius: float, surface: SurfacePreset) -> float:
     """Return how many times the height of a surface a body of a radius (m) can roll on."""
     once = least_radius(surface, 1.0)
     return radius / once if once else math.inf
+
+
+def radius_of(mass: float) -> float:
+    """Return the radius (m) of a ball of a mass (kg) that is as dense as water: of what is no ball, and yet rolls."""
+    return float((0.75 * mass / (math.pi * _WATER)) ** (1.0 / 3.0))
 
 
 def least_radius(surface: SurfacePreset, roughness: float) -> float:

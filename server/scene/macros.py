@@ -1,13 +1,16 @@
 """Macros: how they change an object's modes, and the values of its gestures."""
 
+import math
 import random
 from bisect import insort
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from operator import itemgetter
+from itertools import chain
+from operator import attrgetter, itemgetter
+from typing import TYPE_CHECKING
 
-from ...dsp.bodies.macros import Change, changed, share_of, sum_of
+from ...dsp.bodies.macros import changed, retuned
 from ...dsp.bodies.material import Material
 from ...dsp.bodies.modes import Modes
 from ...dsp.engine.memory.commands import Command, Handle, Kind
@@ -16,18 +19,22 @@ from ...dsp.numerics.constants import MACRO_NODES as NODES
 from ...dsp.numerics.quantities import Parameter
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import GESTURES, ROUGHNESS, Gesture
-from ...presets.reshaping import Axes, Wanted, material_at, require_family
+from ...presets.reshaping import material_at, require_family
 from ..osc.addresses import Call, calls
 from ..osc.arguments import Refused, Values
 from ..osc.macro_verbs import DICE, MACRO, MORPHING, UNDO
 from ..osc.wire import Message
 from .engine_messages import changes
-from .gesture_ids import Begun
+from .gesture_ids import Begin, Begun, GestureId
 from .limits import Contact
 from .object_call import ObjectCall
-from .objects import PlayedObject
-from .steering import steered_by
+from .objects import RETUNED, PlayedObject, Shaped, Turn
+from .steering import followed_by
 from .transaction import Sent, Transaction
+from .turned import change_at, heavier, time_of, wanted
+
+if TYPE_CHECKING:
+    from .makeup import Played
 
 Translate = Callable[[Transaction, Call], None]
 
@@ -40,8 +47,14 @@ _FORCES: dict[str, dict[str, float]] = {
     "shatter": {"velocity": 1.0},
 }  # fmt: skip
 """What the macro `force` changes of each gesture, and the power of its factor: energies go as the square of forces."""
+_HARDNESS = "hardness"
+WITHDRAWN = -1.0
+"""Value of a command that takes back the one that it amends."""
 _GRID = 2 * (NODES - 1)
 """Steps of a macro for make-up: an object is measured at these."""
+_A_THIRD = 3.0
+"""Steps an octave of tune and decay for make-up."""
+_AS_MADE = (1.0, 1.0, 0.0)
 _FINE = 64.0
 """Steps of the macro `material` for contacts, of which each has a law."""
 _MOST_THROWS = 64
@@ -54,22 +67,10 @@ def _times(most: float, value: float) -> float:
 
 def harder(law: Contact, obj: PlayedObject) -> Contact:
     """Return the contact law of a striker on an object, as hard as its macro says."""
-    value = obj.macros["hardness"]
+    value = obj.macros[_HARDNESS]
     if value == NEUTRAL:
         return law
     return law._replace(stiffness=law.stiffness * _times(_HARDER, value), mass=law.mass * _times(_HEAVIER, value))
-
-
-def recall(transaction: Transaction, obj: PlayedObject) -> None:
-    """Have an object's macros be those at the time of a transaction."""
-    if obj.turns:
-        obj.recall(_time_of(transaction), float(transaction.engine.position))
-        obj.heavier = heavier(transaction, obj)
-
-
-def _time_of(transaction: Transaction) -> float:
-    """Return when a transaction takes effect, samples: what is late does now."""
-    return max(float(transaction.time), float(transaction.engine.position))
 
 
 def touched(obj: PlayedObject) -> Material | None:
@@ -90,6 +91,9 @@ def _stronger(power: float, base: float, value: float) -> float:
 def _laws(gesture: Gesture) -> dict[str, tuple[str, Callable[[float, float], float]]]:
     """Return what macros change of a gesture: by the name of a value the macro, and the value at a place of it."""
     found: dict[str, tuple[str, Callable[[float, float], float]]] = {}
+    if not gesture.what:
+        found["stiffness"] = _HARDNESS, lambda base, value: base * _times(_HARDER, value)
+        found["mass"] = _HARDNESS, lambda base, value: base * _times(_HEAVIER, value)
     for name, power in _FORCES.get(gesture.name, {}).items():
         found[name] = "force", partial(_stronger, power)
     if not gesture.what:
@@ -106,9 +110,12 @@ _NUMBERS = {
 
 
 def as_turned(values: Values, kind: str, obj: PlayedObject) -> Values:
-    """Return the values of a gesture's message as the object's macros have them."""
+    """Return the values of a gesture's message as the object's macros have them, but for the contact law, which
+    `harder` has."""
     moved = {
-        name: obj.macros[macro] for name, (macro, _) in _LAWS.get(kind, {}).items() if obj.macros[macro] != NEUTRAL
+        name: obj.macros[macro]
+        for name, (macro, _) in _LAWS.get(kind, {}).items()
+        if macro != _HARDNESS and obj.macros[macro] != NEUTRAL
     }
     if not moved:
         return values
@@ -134,39 +141,51 @@ def pressed(to: ObjectCall, weight: float) -> float:
     return weight * _times(_STRONGER, to.obj.macros["force"])
 
 
-def _set_heavier(to: ObjectCall) -> None:
-    """Remember how heavy an object is."""
-    before, to.obj.heavier = to.obj.heavier, heavier(to.transaction, to.obj)
-    to.transaction.on_undo(lambda: setattr(to.obj, "heavier", before))
-
-
 def set_macro(translate: Translate, to: ObjectCall) -> None:
     """Turn a macro of an object, and of the copies for its notes."""
     assert to.call.verb
     transaction, name, value, message = to.transaction, to.call.verb.action, _value(to), to.canonical
     for copy in _copies(to):
         translate(transaction, calls(Message(f"/object/{copy}/macro/{name}", to.call.message.args))[0])
-    if MACROS[name].of_body:
-        _shape(to, message, name == "material" or to.obj.shaped[0], to.obj.shaped[1])
-    _keep(to, name, value)
-    _add_changes(to, message, MACROS[name].number)
-    if MACROS[name].of_body:
-        _set_heavier(to)
-    else:
+    _turn_to(to, message, MACROS[name].number, Turn(time_of(transaction, to.obj), name, value, to.values.points))
+    if not MACROS[name].of_body:
         _steer_running(to, message, name)
 
 
-def _keep(to: ObjectCall, name: str, value: float) -> None:
-    """Remember a macro from its time on."""
-    obj, time = to.obj, _time_of(to.transaction)
-    before, settled = list(obj.turns), dict(obj.settled)
+def _turn_to(to: ObjectCall, message: Message, number: Parameter, turn: Turn) -> None:
+    """Turn what changes an object, from the time of a turn on, and have the engine know how its modes change where that
+    is another way than before."""
+    obj, transaction = to.obj, to.transaction
+    before, reshaped = obj.shaped, list(obj.reshaped)
+    transaction.on_undo(lambda: setattr(obj, "reshaped", reshaped))
+    keep(to, turn)
+    _add_changes(to, message, number)  # first, as it stands for the message in a log; it is never taken back
+    if obj.shaped != before:
+        _reshape(to, message, transaction.time, obj.shaped)
+    needed = {time: shaped for time, shaped in obj.shapes() if time > turn.time}
+    for time, sent, shaped in reshaped:
+        if time > turn.time and needed.pop(time, None) != shaped:
+            obj.reshaped.remove((time, sent, shaped))
+            back = Command(NOW, Kind.RESHAPE, amends=sent, value=WITHDRAWN)
+            transaction.add(back, Sent(message, obj.handle.serial, 0, 0.0))
+    for time, shaped in needed.items():
+        _reshape(to, message, time, shaped)
+    obj.heavier = heavier(transaction, obj)
+
+
+def keep(to: ObjectCall, turn: Turn) -> None:
+    """Remember a macro, or a setting that changes modes, from its time on."""
+    obj, now = to.obj, float(to.transaction.engine.position)
+    before, settled, shape = list(obj.turns), dict(obj.settled), obj.settled_shape
 
     def take_back() -> None:
-        obj.turns, obj.settled, obj.macros = before, settled, dict(settled)
+        obj.turns, obj.settled, obj.settled_shape = before, settled, shape
+        obj.recall(turn.time, now)
 
     to.transaction.on_undo(take_back)
-    insort(obj.turns, (time, name, value), key=itemgetter(0))
-    obj.recall(time, float(to.transaction.engine.position))
+    insort(obj.turns, turn._replace(order=_order(to.transaction)), key=attrgetter("time"))
+    obj.recall(turn.time, now)
+    to.transaction.turned[obj] = min(turn.time, to.transaction.turned.get(obj, math.inf))
 
 
 def set_morph(translate: Translate, to: ObjectCall) -> None:
@@ -175,10 +194,8 @@ def set_morph(translate: Translate, to: ObjectCall) -> None:
     require_family(to.name, to.obj.preset, transaction.presets.object(preset))
     for copy in _copies(to):
         translate(transaction, calls(Message(f"/object/{copy}/{MORPH.name}", to.call.message.args))[0])
-    _shape(to, message, to.obj.shaped[0], preset)
-    _keep(to, MORPH.name, _value(to))
-    _add_changes(to, message, MORPH)
-    _set_heavier(to)
+    turn = Turn(time_of(transaction, to.obj), MORPH.name, _value(to), to.values.points, preset)
+    _turn_to(to, message, MORPH, turn)
 
 
 def _value(to: ObjectCall) -> float:
@@ -206,80 +223,124 @@ def _add(to: ObjectCall, message: Message, command: Command, handle: Handle | No
     transaction.add(placed, Sent(message, to.obj.handle.serial, 0, 0.0))
 
 
-def _shape(to: ObjectCall, message: Message, of_material: bool, other: str) -> None:
-    """Have the engine know how an object's modes change, unless it does."""
-    obj, transaction, wanted = to.obj, to.transaction, (of_material, other)
-    if obj.shaped == wanted and wanted in obj.tables:
-        return
-    axes = transaction.axes(_wanted(transaction, obj, wanted))
-    if wanted not in obj.tables:
+def _reshape(to: ObjectCall, message: Message, time: float, shaped: Shaped | None) -> None:
+    """Have the engine know how an object's modes change from a time (samples) on."""
+    obj, transaction = to.obj, to.transaction
+    assert shaped is not None
+    if shaped not in obj.tables:
+        axes = transaction.axes(wanted(transaction, obj, shaped))
         level = transaction.scale.object(obj.preset)
-        obj.tables[wanted] = transaction.engine.lay_out_macros(obj.handle, obj.modes, level, axes)
-    before, obj.shaped = obj.shaped, wanted
-    transaction.on_undo(lambda: setattr(obj, "shaped", before))
-    _add(to, message, Command(NOW, Kind.RESHAPE, value=obj.tables[wanted]), obj.handle)
-
-
-def _wanted(transaction: Transaction, obj: PlayedObject, shaped: tuple[bool, str]) -> Wanted:
-    other = transaction.presets.object(shaped[1]) if shaped[1] else None
-    return Wanted(obj.preset, obj.modes, transaction.engine.top_frequency, shaped[0], other)
+        obj.tables[shaped] = transaction.engine.lay_out_macros(obj.handle, obj.modes, level, axes)
+    placed = transaction.objects.start_of(obj, time)
+    now = float(transaction.engine.position)
+    obj.reshaped = [each for each in obj.reshaped if each[0] > now]
+    if placed > now:
+        obj.reshaped.append((placed, _order(transaction), shaped))
+    reshape = Command(placed, Kind.RESHAPE, obj.handle, value=obj.tables[shaped])
+    transaction.add(reshape, Sent(message, obj.handle.serial, 0, 0.0))
 
 
 def heard_as(transaction: Transaction, obj: PlayedObject) -> Modes:
-    """Return an object's modes about as its macros have them, for make-up."""
-    key = (*obj.shaped, *(round(_GRID * obj.macros[each.name]) for each in SHAPING))
-    if all(obj.macros[each.name] == each.default for each in SHAPING):
+    """Return an object's modes about as its macros and settings have them, for make-up."""
+    places = tuple(round(_GRID * obj.macros[each.name]) / _GRID for each in SHAPING)
+    usual = all(obj.macros[each.name] == each.default for each in SHAPING)
+    set_to = _set_to(obj)
+    key = (obj.shaped, *places, *set_to)
+    if usual and set_to == _AS_MADE:
         return obj.modes
     if key not in obj.heard:
-        axes = transaction.axes(_wanted(transaction, obj, obj.shaped))
-        places = [round(_GRID * obj.macros[each.name]) / _GRID for each in SHAPING]
+        modes = obj.modes
+        if not usual and obj.shaped:
+            axes = transaction.axes(wanted(transaction, obj, obj.shaped))
+            modes = changed(modes, [change_at(axes[n], place) for n, place in enumerate(places)])
         obj.heard.clear()
-        obj.heard[key] = changed(obj.modes, [_at(axes[n], place) for n, place in enumerate(places)])
+        obj.heard[key] = retuned(modes, *set_to)
     return obj.heard[key]
 
 
-def heavier(transaction: Transaction, obj: PlayedObject) -> float:
-    """Return the factor of an object's mass by its macros."""
-    if not obj.tables:
-        return 1.0
-    axes: Axes = transaction.axes(_wanted(transaction, obj, obj.shaped))
-    amplitude = sum(_at(axes[n], obj.macros[each.name]).amplitude for n, each in enumerate(SHAPING))
-    return float(4.0**-amplitude)
-
-
-def _at(changes: tuple[Change, ...], value: float) -> Change:
-    """Return the change at a place of a macro, between two that are known."""
-    place = value * (NODES - 1)
-    node = min(int(place), NODES - 2)
-    return sum_of(share_of(changes[node], 1.0 - (place - node)), share_of(changes[node + 1], place - node))
+def _set_to(obj: PlayedObject) -> tuple[float, float, float]:
+    """Return the ratio of frequencies, that of decay times and the damping of an object by its settings, on a grid."""
+    tune, decay, damp = (obj.macros[name] for name in RETUNED)
+    octaves = round(_A_THIRD * math.log2(decay)) / _A_THIRD
+    return 2.0 ** (round(_A_THIRD * tune / 12.0) / _A_THIRD), 2.0**octaves, round(_GRID * damp) / _GRID
 
 
 def _steer_running(to: ObjectCall, message: Message, macro: str) -> None:
     """Steer the gestures on an object that go on."""
-    for id in to.transaction.gestures.running():
-        begun = id.begun
-        if begun is None or begun.serial != to.obj.handle.serial:
-            continue
-        for name, base in begun.values.items():
-            of, law = _LAWS[begun.kind][name]
-            if of == macro and name in GESTURES[begun.kind].steerable:
-                moved = [_fitted(begun.kind, name, law(base, point.value)) for point in to.values.points]
-                points = tuple(
-                    point._replace(value=value, over=point.over or GLIDE)
-                    for point, value in zip(to.values.points, moved, strict=True)
-                )
-                for command in steered_by(to.transaction, id, name, points):
-                    _add(to, message, command)
+    transaction, time = to.transaction, time_of(to.transaction, to.obj)
+    sent, start = Sent(message, to.obj.handle.serial, 0, 0.0), transaction.objects.start_of(to.obj, transaction.time)
+    for id in transaction.gestures.running():
+        for command in _following(id, to.obj, Turn(time, macro, 0.0, to.values.points, order=_order(transaction))):
+            transaction.add(command._replace(time=start), sent)
 
 
-def begun_as(kind: str, values: Values, obj: PlayedObject) -> Begun:
-    """Return what macros change of a gesture that begins, as its message has it."""
+def _order(transaction: Transaction) -> int:
+    """Return the number of the command that a transaction sends next."""
+    return transaction.engine.sent + len(transaction.commands)
+
+
+def _following(id: GestureId, obj: PlayedObject, turn: Turn) -> list[Command]:
+    """Return the commands by which the gesture that goes on with an id, if it is on an object, follows a macro of
+    that."""
+    begun = id.begun_at(turn.time, turn.order)
+    if begun is None or begun.obj is not obj:
+        return []
+    found = []
+    for name, base in begun.values.items():
+        of, law = _LAWS[begun.kind][name]
+        if of == turn.name and name in GESTURES[begun.kind].steerable:
+            points = tuple(
+                each._replace(value=_fitted(begun.kind, name, law(base, each.value)), over=each.over or GLIDE)
+                for each in turn.points
+            )
+            found += followed_by(id, turn.time, name, points)
+    return found
+
+
+def begin(to: ObjectCall, kind: str, number: int, played: "Played | None", base: Contact | None) -> None:
+    """Remember a gesture that begins with the id of a number, base: its contact law in the middle of `hardness`, and
+    have it follow what was sent ahead and comes later: macros, and make-up as the gesture is steered."""
+    transaction = to.transaction
+    id = transaction.gestures.id_of(number)
+    if id is None:
+        return
+    time, begun = time_of(transaction, to.obj), _begun_as(kind, to.given, to.obj, base)
+    if to.memory.begin is None:
+        sent_for = max(transaction.time, float(transaction.engine.position))
+        to.memory.begin = Begin(sent_for, begun, GESTURES[kind].lasts, played, _order(transaction))
+        transaction.on_undo(transaction.gestures.begin(number, to.memory.begin))
+    else:
+        entry = to.memory.begin
+        before = entry.begun, entry.played
+
+        def take_back() -> None:
+            entry.begun, entry.played = before
+
+        transaction.on_undo(take_back)
+        entry.begun, entry.played = begun, played
+    later = [(at, id.levels_of(at, commands)) for at, commands in id.ahead if at > time]
+    if not any(each.played for each in id.begins):
+        later = []
+    for obj in dict.fromkeys(each.begun.obj for each in id.begins):
+        turns = [each for each in obj.turns if each.time > time and each.name in MACROS]
+        later += [(each.time, _following(id, obj, each)) for each in turns if not MACROS[each.name].of_body]
+    if later:
+        start = transaction.objects.start_of(to.obj, transaction.time)
+        transaction.add(Command(start, Kind.RELEVEL, gesture=number), transaction.sent[-1])
+    for command in chain.from_iterable(commands for _, commands in sorted(later, key=itemgetter(0))):
+        transaction.add(command, transaction.sent[-1])
+
+
+def _begun_as(kind: str, values: Values, obj: PlayedObject, base: Contact | None) -> Begun:
+    """Return what macros change of a gesture that begins, as its message has it; base: its contact law, unless that is
+    of two objects."""
     given = {**values.defaults, **values.numbers}
     given.setdefault("position", obj.preset.position)
     known = {name: given[name] for name in _LAWS[kind] if name in given}
     if "point" in values.vectors:
-        del known["position"]
-    return Begun(kind, obj.handle.serial, known)
+        known.pop("position", None)
+    known = {name: value for name, value in known.items() if _LAWS[kind][name][0] != _HARDNESS}
+    return Begun(kind, obj, known | ({"stiffness": base.stiffness, "mass": base.mass} if base else {}))
 
 
 def _fitted(kind: str, name: str, value: float) -> float:
@@ -323,7 +384,7 @@ def messages_of(obj: PlayedObject, name: str) -> list[Message]:
         Message(f"/object/{name}/macro/{macro}", (obj.macros[macro],))
         for macro in MACROS if obj.macros[macro] != NEUTRAL
     ]  # fmt: skip
-    if obj.macros[MORPH.name]:
+    if obj.macros[MORPH.name] and obj.shaped:
         made.append(Message(f"/object/{name}/{MORPH.name}", (obj.shaped[1], obj.macros[MORPH.name])))
     return made
 

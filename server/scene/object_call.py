@@ -6,6 +6,7 @@ from functools import partial
 from itertools import chain, islice
 
 from ...dsp.bodies.material import CONTACT_RADIUS
+from ...dsp.engine.memory.commands import Handle
 from ...dsp.schema import BY_RADIUS
 from ...dsp.wording import MOST_COMPARED, there_are
 from ...presets.kinds import STAND_IN
@@ -13,8 +14,28 @@ from ..osc.addresses import Call
 from ..osc.arguments import Refused, Values, require_name, shown
 from ..osc.patterns import is_pattern
 from ..osc.wire import Argument, Message
+from .gesture_ids import Begin
+from .limits import Contact
 from .objects import PlayedObject
 from .transaction import Transaction
+from .turned import recall
+
+
+@dataclass
+class Memory:
+    """What was chosen as a gesture's message was carried out, and stays as it is where that is done again, as macros
+    have its values otherwise by then."""
+
+    id: str = ""
+    number: int = 0
+    goes_on: bool | None = None
+    """Whether a gesture of that id went on."""
+    is_played: bool | None = None
+    ground: Handle | None = None
+    """What a support's ground is in the engine."""
+    begin: Begin | None = None
+    others: list[PlayedObject] = field(default_factory=list)
+    """Other objects that it is about."""
 
 
 @dataclass
@@ -30,6 +51,9 @@ class ObjectCall:
     """The same before macros changed any."""
     chosen_keys: dict[str, Argument] = field(default_factory=dict)
     """The keys that the message left to be chosen, such as a seed."""
+    memory: Memory = field(default_factory=Memory)
+    base: Contact | None = None
+    """The contact law of its striker in the middle of the macro `hardness`; None of two objects."""
 
     @property
     def address(self) -> str:
@@ -64,7 +88,12 @@ class ObjectCall:
     def object_named(self, name: str) -> PlayedObject | None:
         """Return the other object of a name; None if there is none."""
         found = None if is_pattern(name) else self.transaction.objects.at(name, self.transaction.time).get(name)
-        return None if found is self.obj else found
+        if found is None or found is self.obj:
+            return None
+        recall(self.transaction, found)
+        if found not in self.memory.others:
+            self.memory.others.append(found)
+        return found
 
     @property
     def by_materials(self) -> bool:
@@ -85,10 +114,17 @@ class ObjectCall:
     @property
     def is_played(self) -> bool:
         """True if the gesture gets make-up; the canonical message says so."""
-        played = bool(self.values.numbers.get("play", self.transaction.makeup.on))
-        if played:
+        if self.memory.is_played is None:
+            self.memory.is_played = bool(self.values.numbers.get("play", self.transaction.makeup.on))
+        if self.memory.is_played:
             self.say("play", 1)
-        return played and not self.transaction.scale.calibrated
+        return self.memory.is_played and not self.transaction.scale.calibrated
+
+    def goes_on(self, id: str) -> bool:
+        """True if a gesture of this kind goes on, or was sent before, that has an id."""
+        if self.memory.goes_on is None:
+            self.memory.goes_on = self.transaction.gestures.is_running(id, self.address)
+        return self.memory.goes_on
 
     def say(self, key: str, value: Argument) -> None:
         """Add the value of a key that was not given to the canonical message."""
@@ -108,15 +144,18 @@ class ObjectCall:
         """Return the id of the gesture: the given one, else one that is chosen for the object's name."""
         if "id" in self.values.words:
             return self.values.words["id"]
-        self.chosen_keys["id"] = id = choose(self.name)
+        self.memory.id = self.chosen_keys["id"] = id = self.memory.id or choose(self.name)
         return id
 
     def start(self, id: str) -> int:
         """Return the number of a gesture that begins."""
+        if self.memory.number:
+            return self.memory.number
         require_name("id", id)
         gestures = self.transaction.gestures
         started = gestures.start(id, self.address, self.transaction.source)
         self.transaction.on_undo(lambda: gestures.take_back(started))
+        self.memory.number = started.number
         return started.number
 
     def end_at_once(self) -> None:

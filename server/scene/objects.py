@@ -3,14 +3,44 @@
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from ...dsp.bodies.modes import Modes
 from ...dsp.engine.memory.commands import Handle
-from ...dsp.macros import MACROS, MORPH, NEUTRAL
+from ...dsp.macros import MACROS, MORPH, NEUTRAL, SHAPING
 from ...dsp.runtime.engine import Engine
+from ...dsp.schema import SETTINGS
 from ...presets import ObjectPreset
+from ..osc.arguments import Point
 from ..osc.patterns import Selection, is_pattern
 from ..osc.wire import Argument
+
+if TYPE_CHECKING:
+    from .ahead import Ahead
+
+Shaped: TypeAlias = tuple[bool, str]
+
+RETUNED = ("tune", "decay", "damp")
+"""Settings that change the modes of an object."""
+_USUAL = {
+    **dict.fromkeys(MACROS, NEUTRAL), MORPH.name: 0.0, **{name: SETTINGS[name].default or 0.0 for name in RETUNED}
+}  # fmt: skip
+_SHAPING = {each.name for each in SHAPING}
+
+
+class Turn(NamedTuple):
+    """A change of a macro, of the share of the way to another object, or of a setting that changes modes."""
+
+    time: float
+    """Samples."""
+    name: str
+    value: float
+    points: tuple[Point, ...] = ()
+    """Values that it goes to, one after the other."""
+    preset: str = ""
+    """The object that a morph goes to."""
+    order: int = 0
+    """Number of the command that comes next as it is sent: of what is for the same time, what was sent first counts."""
 
 
 @dataclass(eq=False)
@@ -28,15 +58,24 @@ class PlayedObject:
     """The arguments of its /object/new."""
     settings: dict[str, float] = field(default_factory=dict)
     """Settings as they were last set, in the units of messages."""
-    macros: dict[str, float] = field(default_factory=lambda: {**dict.fromkeys(MACROS, NEUTRAL), MORPH.name: 0.0})
-    """Macros, and the share of the way to another object, at the time of the message that is carried out."""
-    turns: list[tuple[float, str, float]] = field(default_factory=list)
-    """Changes of these that were sent ahead: time (samples), name and value, the earliest first."""
-    settled: dict[str, float] = field(default_factory=lambda: {**dict.fromkeys(MACROS, NEUTRAL), MORPH.name: 0.0})
+    macros: dict[str, float] = field(default_factory=lambda: {**_USUAL})
+    """Macros, the share of the way to another object, and the settings that change modes, at the time of the message
+    that is carried out."""
+    turns: list[Turn] = field(default_factory=list)
+    """Changes of these that were sent ahead, the earliest first."""
+    settled: dict[str, float] = field(default_factory=lambda: {**_USUAL})
     """The same now."""
-    shaped: tuple[bool, str] = (False, "")
-    """Whether its modes follow its material, and the preset that they may go to."""
-    tables: dict[tuple[bool, str], int] = field(default_factory=dict)
+    shaped: Shaped | None = None
+    """Whether its modes follow its material, and the preset that they may go to, at that time; None: they change by no
+    macro."""
+    settled_shape: Shaped | None = None
+    """The same now."""
+    reshaped: list[tuple[float, int, Shaped]] = field(default_factory=list)
+    """Times (samples) from which it will be shaped otherwise, the numbers of the commands that do it, and how."""
+    ahead: list["Ahead"] = field(default_factory=list)
+    """Gestures that were sent ahead of their time, the earliest first: those on it, and those of which it is the other
+    object."""
+    tables: dict[Shaped, int] = field(default_factory=dict)
     """Tables of its macros in the engine, by that."""
     heard: dict[tuple[object, ...], Modes] = field(default_factory=dict)
     """Its modes as its macros have them, for make-up."""
@@ -51,22 +90,45 @@ class PlayedObject:
     warned_of_stand_in: bool = False
     """True if its maker was warned which material stands in for the one that it lacks."""
 
-    def recall(self, time: float, now: float) -> None:
-        """Have `macros` be those at a time (samples); changes up to now are not kept apart."""
-        while self.turns and self.turns[0][0] <= now:
-            _, name, value = self.turns.pop(0)
-            self.settled[name] = value
-        self.macros = {**self.settled, **{name: value for at, name, value in self.turns if at <= time}}
+    def recall(self, time: float, now: float, order: float = math.inf) -> None:
+        """Have `macros` be those at a time (samples), for what was sent before a command of that number; changes up to
+        now are not kept apart."""
+        while self.turns and self.turns[0].time <= now:
+            turn = self.turns.pop(0)
+            self.settled[turn.name] = turn.value
+            self.settled_shape = _shaped_by(turn, self.settled_shape)
+        past = [turn for turn in self.turns if turn.time < time or (turn.time == time and turn.order < order)]
+        self.macros = {**self.settled, **{turn.name: turn.value for turn in past}}
+        self.shaped = self.settled_shape
+        for turn in past:
+            self.shaped = _shaped_by(turn, self.shaped)
 
     @property
     def last_macros(self) -> dict[str, float]:
         """The macros as they were last set."""
-        return {**self.settled, **{name: value for _, name, value in list(self.turns)}}
+        return {**self.settled, **{turn.name: turn.value for turn in list(self.turns)}}
+
+    def shapes(self) -> Iterator[tuple[float, Shaped]]:
+        """Yield the times (samples) of changes that were sent ahead from which it is shaped otherwise, and how."""
+        before = self.settled_shape
+        for turn in self.turns:
+            shaped = _shaped_by(turn, before)
+            if shaped is not None and shaped != before:
+                yield turn.time, shaped
+            before = shaped
 
     @property
     def mass(self) -> float:
         """kg."""
         return self.modes.mass * self.heavier
+
+
+def _shaped_by(turn: Turn, before: Shaped | None) -> Shaped | None:
+    """Return how an object is shaped after a change."""
+    if turn.name not in _SHAPING:
+        return before
+    of_material, other = before or (False, "")
+    return of_material or turn.name == "material", turn.preset or other
 
 
 class ObjectTable(Mapping[str, PlayedObject]):
@@ -139,6 +201,22 @@ class ObjectTable(Mapping[str, PlayedObject]):
             self._newest[name] = before
             self.replaced.remove(entry)
             self.version += 1
+
+        return undo
+
+    def forget_ahead(self, time: float) -> Callable[[], None]:
+        """Forget what was sent ahead and comes after a time (samples), as a panic does; return how to undo it."""
+        now = max(time, float(self._engine.position))
+        there = [*self._newest.values(), *(obj for _, obj in self.replaced)]
+        before = [(obj, list(obj.turns), list(obj.ahead)) for obj in there if obj.turns or obj.ahead]
+        for obj, turns, ahead in before:
+            obj.turns = [each for each in turns if each.time <= now]
+            obj.ahead = [each for each in ahead if each.time <= now]
+            obj.recall(now, float(self._engine.position))
+
+        def undo() -> None:
+            for obj, turns, ahead in before:
+                obj.turns, obj.ahead = turns, ahead
 
         return undo
 

@@ -96,13 +96,18 @@ def _lay(
     engine = to.transaction.engine
     places = tuple((foot["x"], foot["y"], foot["z"]) for foot in feet)
     wavelength = support.wavelength if support and feet[0]["on_surface"] else 0.0  # else the path's length is not known
-    handle, layout = engine.lay_out(ground(resistance, engine.top_frequency, places, wavelength), 1.0)
-    to.transaction.on_undo(lambda: engine.release(handle))
-    settings = {name: each.in_engine(each.default or 0.0) for name, each in SETTINGS.items()}
-    _add(to, message, Command(time, Kind.NEW, handle, {**layout, **settings}))
+    again, handle = to.memory.ground is not None, to.memory.ground
+    if handle is None:
+        handle, layout = engine.lay_out(ground(resistance, engine.top_frequency, places, wavelength), 1.0)
+        to.memory.ground = laid = handle
+        to.transaction.on_undo(lambda: engine.release(laid))
+        settings = {name: each.in_engine(each.default or 0.0) for name, each in SETTINGS.items()}
+        _add(to, message, Command(time, Kind.NEW, handle, {**layout, **settings}))
     for number, foot in enumerate(feet):
         under = {"by_position": position_of(number, len(feet))}
         _add(to, message, command._replace(time=time, values=values | foot | under, by=handle))
+    if again:
+        return most
     _add(to, message, Command(time, Kind.FREE, handle))  # it goes once nothing rests on it
     engine.leave(handle)
     to.transaction.on_undo(lambda: engine.stay(handle))

@@ -13,6 +13,7 @@ from ..osc.addresses import Call, calls
 from ..osc.arguments import GestureEnded, Refused
 from ..osc.patterns import Selection, TooMuch
 from ..osc.wire import Message
+from .ahead import remember, renew
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws, least_radius
 from .makeup import MakeUp
@@ -57,6 +58,7 @@ class Session:
         self.makeup.on = False
         for name in self.objects:
             self.objects[name].warned_of_stand_in = False
+            self.objects[name].ahead.clear()
 
     def _told_world(self) -> "TellsWorld":
         """Return the simulation that messages report, which few sessions have."""
@@ -106,6 +108,7 @@ class Session:
         accepted: list[str] = []
         try:
             accepted = self._translate(transaction, calls)
+            renew(transaction)
             first = self.engine.sent
             self.engine.send(transaction.commands)
         except EngineFull as error:
@@ -115,6 +118,7 @@ class Session:
         except BaseException:
             transaction.undo_to()
             raise
+        remember(transaction, first)
         transaction.keep()
         self.on_sent(first, transaction.sent)
         return transaction.replies

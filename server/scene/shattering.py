@@ -15,7 +15,8 @@ from ..osc.arguments import Refused, shown
 from ..osc.wire import Message
 from .contact_law import law_of
 from .limits import Contact, require_short
-from .makeup import gain_of
+from .macros import heard_as
+from .makeup import Below, gain_of, on_grid
 from .object_call import ObjectCall
 from .objects import PlayedObject
 from .transaction import Sent, Transaction
@@ -53,7 +54,7 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
         **law._asdict(),
         **to.transaction.pulses(law.exponent),
         "velocity": velocity,
-        "whole": values.number("wall_mass") or to.obj.modes.mass,
+        "whole": values.number("wall_mass") or to.obj.mass,
         "pieces": values.number("pieces"),
         "height": values.number(HEIGHT.name),
         "steepness": values.number("steepness"),
@@ -72,9 +73,14 @@ def shatter(translate: Translate, to: ObjectCall) -> None:
     own["level"] = level / scale.object(below.preset)
     if to.is_played and to.obj.modes.sheet is None:  # a gain would have a plate swell as it never does
         whole = Command(NOW, "shatter", values={**motion, **own, "level": motion["level"]})
-        measure = to.transaction.measured(
-            to.transaction.makeup.pair(to.obj.modes, to.obj.preset.position, whole, sound)
+        pair = to.transaction.makeup.pair(
+            heard_as(to.transaction, to.obj), to.obj.preset.position, whole, sound, to.obj.preset.level
         )
+        if onto:
+            falls = on_grid("shatter", {**motion, **landing._asdict(), **own})
+            higher = round(onto.preset.level - to.obj.preset.level, 1)
+            pair = pair._replace(below=Below(onto.modes, higher, tuple(sorted(falls.items()))))
+        measure = to.transaction.measured(pair)
         factor = GAIN.in_engine(gain_of("shatter", velocity, measure, to.obj.preset.level))
         motion["level"] *= factor
         own = own | {name: own[name] * factor for name in ("own_level", "level")}

@@ -60,12 +60,12 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
             send(transaction, message, command)
 
 
-def steered_by(transaction: Transaction, id: GestureId, name: str, points: tuple[Point, ...]) -> list[Command]:
-    """Return the commands that steer a number of a gesture along points, its make-up too."""
-    values = Values({name: points[-1].value}, points=points)
-    steered = changes(Kind.STEER, _STEERED[name], values)
-    commands = [each._replace(parameter=name, gesture=id.number) for each in steered]
-    return [*commands, *_levels(transaction, id, commands)]
+def followed_by(id: GestureId, time: float, name: str, points: tuple[Point, ...]) -> list[Command]:
+    """Return the commands by which a number of a gesture follows a macro along points at a time (samples), and its
+    make-up that."""
+    steered = changes(Kind.STEER, _STEERED[name], Values({name: points[-1].value}, points=points))
+    commands = [each._replace(time=time, parameter=name, gesture=id.number, follows=True) for each in steered]
+    return [*commands, *(id.levels_of(time, commands) if name in ARGUMENTS else [])]
 
 
 def _levels(transaction: Transaction, id: GestureId, commands: list[Command]) -> list[Command]:

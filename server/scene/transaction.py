@@ -1,5 +1,6 @@
 """A transaction: the commands of messages that belong together. The engine gets all of them, or none."""
 
+import math
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -18,13 +19,14 @@ from ..osc.wire import Message
 from .gesture_ids import GestureIds
 from .limits import ContactLaws
 from .makeup import MakeUp, Measure, Pair
-from .objects import ObjectTable
+from .objects import ObjectTable, PlayedObject
 from .scale import Scale
 
 if TYPE_CHECKING:
     from ...presets.reshaping import Axes, Wanted
     from ..bridge.bodies import Body
     from ..bridge.wire import TellsWorld
+    from .ahead import Ahead
     from .sensors import SensorTable
     from .space_table import SpaceTable
 
@@ -100,6 +102,12 @@ class Transaction:
     """Keys of the tables of pulses and measurements that were made beside; None where each is made when it is asked
     for."""
     makeup: MakeUp = field(default_factory=MakeUp)
+    turned: "dict[PlayedObject, float]" = field(default_factory=dict)
+    """Objects that macros change, and from when on (samples)."""
+    order: float = math.inf
+    """Number of the command before which counts what is for the same time; of what is carried out anew."""
+    ahead: "list[Ahead]" = field(default_factory=list)
+    """Gestures that it sends ahead of their time."""
     _compared: int = 0
     _exponents: set[float] = field(default_factory=set)
     """Exponents of which its commands take the tables of pulses."""

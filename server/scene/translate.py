@@ -28,21 +28,32 @@ from ...dsp.schema import (
     Gesture,
 )  # fmt: skip
 from ...dsp.wording import MOST_COMPARED, there_are
-from ...presets.kinds import DRY
+from ...presets.kinds import DRY, SurfacePreset
 from ..new_object import NEW, NewObject, new_object
 from ..osc.addresses import Call, calls, unknown
 from ..osc.arguments import Refused, Values, require_name, shown
 from ..osc.patterns import is_pattern
 from ..osc.space_verbs import PLACE
 from ..osc.wire import Message
+from .ahead import sent_ahead
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
-from .limits import Contact, fall, most_rough, require_rest, require_rollable, require_short, rim_speed, speed_by
-from .macros import MACRO_HANDLERS, as_turned, begun_as, heard_as, messages_of, pressed, recall
-from .makeup import Played, argument_of, velocity_of
+from .limits import (
+    Contact,
+    fall,
+    most_rough,
+    radius_of,
+    require_rest,
+    require_rollable,
+    require_short,
+    rim_speed,
+    speed_by,
+)
+from .macros import MACRO_HANDLERS, as_turned, begin, heard_as, keep, messages_of, pressed
+from .makeup import Played, argument_of, mixed, places_of, velocity_of
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
-from .objects import PlayedObject
+from .objects import RETUNED, PlayedObject, Turn
 from .placing import SPACE_HANDLERS, place_object
 from .resting import rest, stand
 from .sensing import SENSOR_HANDLERS
@@ -50,6 +61,7 @@ from .shattering import shatter
 from .steering import CHANGE_WORK, steer
 from .touching import gathered, given_of, place_values
 from .transaction import Sent, Transaction, is_off_path
+from .turned import recall, time_of
 from .usual import completed
 from .world_messages import world_handlers
 
@@ -95,6 +107,8 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
     handle, layout = engine.lay_out(modes, transaction.scale.object(preset))
     transaction.on_undo(lambda: engine.release(handle))
     obj = PlayedObject(handle, preset, modes, transaction.time, made=call.message.args, settings=settings)
+    obj.settled |= {name: settings[name] for name in RETUNED}
+    obj.macros |= obj.settled
     transaction.on_undo(objects.add(name, obj))
     in_engine = {name: setting.in_engine(settings[name]) for name, setting in SETTINGS.items()}
     _add(transaction, call.message, Command(NOW, Kind.NEW, values={**layout, **in_engine}), obj)
@@ -108,6 +122,8 @@ def _set(to: ObjectCall) -> None:
     ((setting, value),) = to.values.numbers.items()
     before = to.obj.settings.get(setting, value)
     to.obj.settings[setting] = value
+    if setting in RETUNED:
+        keep(to, Turn(time_of(to.transaction, to.obj), setting, value))
     to.transaction.on_undo(lambda: to.obj.settings.update({setting: before}))
     message = to.canonical
     for change in changes(Kind.SET, SETTINGS[setting], to.values):
@@ -244,18 +260,19 @@ def _roll(to: ObjectCall) -> None:
     surface = to.transaction.laws.surface(values.words.get("surface", _SURFACE))
     by = to.striking_object()
     id = to.id(lambda name: name)
-    goes_on = to.transaction.gestures.is_running(id, to.address)
+    goes_on = to.goes_on(id)
     law = law_on(to, by, surface, goes_on, "rolls")
     speed, roughness = values.number("speed"), values.number("roughness")
     own_radius = to.contact_radius if to.by_materials else to.transaction.laws.radius_of(to.striker)
     radius = values.numbers.get("radius", values.defaults.get("radius", own_radius))
+    if not radius and to.is_played:
+        radius = radius_of(to.transaction.laws.of(to.striker, None).mass)
     if to.by_materials and not goes_on:
         to.say("radius", radius)
     if speed > 0.0 and not goes_on:
         if not radius:
             raise Refused(f"radius is missing: {to.striker} is no ball; expected its radius (m)")
-        require_rollable(radius, surface, to.given.number("roughness"))
-        roughness = min(roughness, most_rough(radius, surface))
+        roughness = _rough(to, roughness, radius, surface)
     number = to.start(id)
     motion = {
         **_own_values(to, ROLL),
@@ -269,22 +286,33 @@ def _roll(to: ObjectCall) -> None:
     _strike(to, by, law, command)
 
 
+def _rough(to: ObjectCall, roughness: float, radius: float, surface: SurfacePreset) -> float:
+    """Return the roughness that a body of a radius (m) feels: as much as it can, if macros ask for more, or whoever
+    plays. Refused if a message does."""
+    if not to.is_played:
+        require_rollable(radius, surface, to.given.number("roughness"))
+    return min(roughness, most_rough(radius, surface))
+
+
 def _slide(to: ObjectCall) -> None:
     values, laws = to.values, to.transaction.laws
     surface = laws.surface(values.words.get("surface", _SURFACE))
     by = to.striking_object()
     id = to.id(lambda name: name)
-    goes_on = to.transaction.gestures.is_running(id, to.address)
+    goes_on = to.goes_on(id)
     law = law_on(to, by, surface, goes_on, "slides")
     own = {**DRY, "radius": to.contact_radius} if to.by_materials else dict(laws.sliding_of(to.striker))
     own["force"] = pressed(to, law.mass * STANDARD_GRAVITY)
     own |= {key: value for key, value in (*values.defaults.items(), *values.numbers.items()) if key in own}
     motion = {**_own_values(to, SLIDE), **own}
+    if "dynamic" not in values.numbers:
+        motion["dynamic"] = min(motion["dynamic"], motion["static"])
+    elif "static" not in values.numbers:
+        motion["static"] = max(motion["dynamic"], motion["static"])
     if motion["dynamic"] > motion["static"]:
         raise Refused(f"dynamic = {motion['dynamic']:g}: expected at most static = {motion['static']:g}")
     if not goes_on:
-        require_rollable(motion["radius"], surface, to.given.number("roughness"))
-        motion["roughness"] = min(motion["roughness"], most_rough(motion["radius"], surface))
+        motion["roughness"] = _rough(to, motion["roughness"], motion["radius"], surface)
     motion |= {"speed": values.number("speed"), "seed": to.seed(number := to.start(id))}
     if "direction" in values.vectors:
         motion["along"] = values.numbers.get("along", 1.0)
@@ -337,26 +365,21 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
     if to.is_played and not GESTURES[str(command.kind)].held:
         made_up, played = _make_up(to, command._replace(values=values), sound)
         values |= made_up
-    transaction.gestures.begin(command.gesture, begun_as(str(command.kind), to.given, to.obj))
     _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
-    if GESTURES[str(command.kind)].lasts:
-        begin = transaction.time
-        transaction.on_undo(transaction.gestures.play(command.gesture, begin, played))
-        for each in transaction.gestures.levels_anew(command.gesture, begin):
-            transaction.add(each, transaction.sent[-1])
+    begin(to, str(command.kind), command.gesture, played, to.base)
 
 
 def _make_up(to: ObjectCall, command: Command, sound: StrikerSound | None) -> tuple[dict[str, float], Played | None]:
     """Return the values that make a gesture as loud as suits players, and what its level follows from if it lasts."""
     kind, preset, swells = str(command.kind), to.obj.preset, to.obj.modes.sheet is not None
-    name = argument_of(GESTURES[kind])
-    if swells and name != VELOCITY.name:
-        return {}, None
-    measure = to.transaction.measured(
-        to.transaction.makeup.pair(heard_as(to.transaction, to.obj), preset.position, command, sound)
-    )
-    if swells:
-        return {name: velocity_of(kind, command.values[name], measure, preset.level)}, None
+    name, transaction, modes = argument_of(GESTURES[kind]), to.transaction, heard_as(to.transaction, to.obj)
+    anywhere = command.values["on_surface"] or command.values.get("spread") == 1.0 or len(modes.along) == 1
+    places = places_of(preset.position if anywhere else command.values["position"], preset.position, swells)
+    pairs = [(transaction.makeup.pair(modes, at, command, sound, preset.level), share) for at, share in places]
+    measure = mixed([(transaction.measured(pair), share) for pair, share in pairs])
+    if swells and name == VELOCITY.name:
+        velocity, level = velocity_of(kind, command.values[name], measure, preset.level)
+        return {name: velocity, "level": level}, None
     played = Played(kind, measure, preset.level)
     return {"level": played.level_at(command.values[name])}, played if GESTURES[kind].lasts else None
 
@@ -387,7 +410,9 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
             assert call.verb
             given = completed(values, call.verb, obj.preset)
             recall(transaction, obj)
-            handle(ObjectCall(transaction, call, as_turned(given, call.verb.action, obj), name, obj, given))
+            to = ObjectCall(transaction, call, as_turned(given, call.verb.action, obj), name, obj, given)
+            with sent_ahead(to, handle):
+                handle(to)
 
     return handle_all
 

@@ -88,7 +88,7 @@ def combination(chance: random.Random) -> tuple[str, str, dict[str, Value], dict
     if kind != "rain":
         keys["striker"] = chance.choice(presets.names("strikers"))
     for key in gesture.keys:
-        if key.useful and key.name != "travel" and chance.random() < _GIVEN:
+        if key.useful and key.name not in ("travel", gesture.instead) and chance.random() < _GIVEN:
             keys[key.name] = value_of(key, chance)
     if chance.random() < _GIVEN:
         keys["position"] = round(chance.random(), 3)

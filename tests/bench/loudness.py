@@ -83,7 +83,7 @@ def stored(names: Sequence[str]) -> dict[str, dict[str, list[object]]]:
                 makeup = scene._open.scene.makeup
                 makeup.stored = {}
                 getattr(scene.new("a", name), kind)(play=1)
-                rows = [[digest, *each] for digest, each in makeup.measures.items()]
+                rows = [[digest, *filter(None, each)] for digest, each in makeup.measures.items()]
                 found[name].update((kind, row) for row in rows)
     return found
 

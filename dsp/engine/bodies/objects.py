@@ -4,6 +4,7 @@ import math
 
 from ...native.jit import kernel
 from ...native.typed import View
+from ...numerics.constants import HAND
 from ...numerics.indices import index_of
 from ...resonator.bank import RESPONSES, Modes, Point, reach, state_of, top_of
 from ...resonator.mode import mode_energy, recurring
@@ -13,7 +14,6 @@ from ..memory.quality import silence_of
 from ..memory.records import ContactPoint
 from ..memory.state import Object, State
 
-_HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
 _STILL = 1e-5  # of silence, of what is sensed
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
@@ -75,7 +75,7 @@ def frequency_of(state: State, obj: Object, i: int) -> float:
 def sigma_of(state: State, obj: Object, i: int) -> float:
     """Return the decay (1/s) of an object's mode i as it is now, with a hand on it."""
     return min(
-        state.bank.sigma[obj.first + i] / obj.settings.decay + _HAND * obj.settings.damp * obj.settings.damp,
+        state.bank.sigma[obj.first + i] / obj.settings.decay + HAND * obj.settings.damp * obj.settings.damp,
         _HEAVIEST * state.rate,
     )
 

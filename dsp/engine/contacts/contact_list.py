@@ -189,11 +189,11 @@ def refuse_gesture(state: State, event: Event, end: int) -> None:
     """Report what became of a gesture that never begins."""
     report_end(state, event.gesture, end)
     if event.values.pulses > 0.0:
-        _leave_table(state, int(event.values.pulses) - 1)
+        leave_table(state, int(event.values.pulses) - 1)
 
 
 @kernel
-def _leave_table(state: State, number: int) -> None:
+def leave_table(state: State, number: int) -> None:
     """Tell Python that a swarm needs its table of pulses no more."""
     left = state.pulses.left
     store_release(left, number, left[number] + 1)
@@ -221,7 +221,7 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     elif contact.trait.swarms > 0:
         swarm = state.swarms[contact.swarm]
         swarm.used = 0
-        _leave_table(state, swarm.table)
+        leave_table(state, swarm.table)
         fill_swarm(state, contact.swarm)
     else:
         give_place_back(state, contact)

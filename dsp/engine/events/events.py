@@ -5,7 +5,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...native.records import clear_record
 from ..bodies.reshaping import give_time, reshape, set_of
 from ..bodies.sensing import mount
-from ..contacts.contact_list import is_running, refuse_gesture
+from ..contacts.contact_list import is_running, leave_table, refuse_gesture
 from ..memory.channels import ask_gains
 from ..memory.clock import sample_at
 from ..memory.commands import (
@@ -31,7 +31,6 @@ from ..memory.commands import (
     KIND_STEER,
     KIND_STOP,
     KIND_SYNC,
-    LEVEL,
     Event,
 )
 from ..memory.order import wake
@@ -55,6 +54,10 @@ def take_commands(state: State) -> None:
     read = state.ring.read[0]
     while read < written and has_room(state.queue):
         command = state.ring.entries[read % RING]
+        if command.amends >= 0:
+            _amend(state, command)
+            read += 1
+            continue
         time = sample_at(state.clock, command.clock) if command.has_clock == 1 else command.time
         if time < state.position:
             if time >= 0.0 or command.has_clock == 1:
@@ -72,6 +75,31 @@ def take_commands(state: State) -> None:
         push(state.queue, command)
         read += 1
     store_release(state.ring.read, 0, read)
+
+
+@kernel
+def _amend(state: State, command: Event) -> None:
+    """Give a gesture that waits the number and the values of another command, or take back what waits if that has a
+    value below 0. What has begun stays as it is."""
+    queue = state.queue
+    for i in range(queue.size):
+        event = queue.events[queue.heap[i]]
+        if event.number == command.amends:
+            _note(state, event.number, -1.0)
+            if command.value < 0.0:
+                if event.kind == KIND_GESTURE:
+                    refuse_gesture(state, event, END_GONE)
+                queue.size -= 1
+                swap(queue, i, queue.size)
+                order_heap(queue)
+                break
+            if event.values.pulses > 0.0:
+                leave_table(state, int(event.values.pulses) - 1)
+            event.number, event.values = command.number, command.values
+            return
+    _note(state, command.number, -1.0)
+    if command.kind == KIND_GESTURE and command.values.pulses > 0.0:
+        leave_table(state, int(command.values.pulses) - 1)
 
 
 @kernel
@@ -247,13 +275,13 @@ def carry_out(state: State, event: Event) -> None:
     elif kind == KIND_PANIC:
         _panic(state, event.order)
     elif kind == KIND_RELEVEL:
-        # Forget the levels of a gesture that arrived before and still wait.
+        # Forget what arrived before, and still waits, to have a gesture follow macros and make-up.
         queue = state.queue
         kept = 0
         for i in range(queue.size):
             other = queue.events[queue.heap[i]]
-            levels = other.kind == KIND_STEER and other.parameter == LEVEL and other.gesture == event.gesture
-            if not levels or other.order > event.order:
+            follows = other.kind == KIND_STEER and other.follows == 1 and other.gesture == event.gesture
+            if not follows or other.order > event.order:
                 swap(queue, kept, i)
                 kept += 1
         queue.size = kept
@@ -285,8 +313,7 @@ def _panic(state: State, order: int) -> None:
     for i in range(queue.size):
         event = queue.events[queue.heap[i]]
         if event.order > order or (
-            event.kind
-            in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH, KIND_RESHAPE)
+            event.kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH)
         ):
             swap(queue, kept, i)
             kept += 1

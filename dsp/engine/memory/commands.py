@@ -56,7 +56,7 @@ class Kind(IntEnum):
     FURNISH = 18  # walls, and a late part
     HEADROOM = 19  # value 1: on; 0: off
     RESHAPE = 20  # an object; value: first value of the table by which settings change its modes
-    RELEVEL = 21  # a gesture: its levels that were sent before and wait are none, others come instead
+    RELEVEL = 21  # a gesture: what it was to follow macros and make-up by, and waits, is none; other comes instead
 
 
 # The same as plain numbers, which kernels compare with.
@@ -128,6 +128,8 @@ class Event(Record):
     by_slot: int  # of the object that strikes, if one does
     by_serial: int  # else 0
     what: int  # of a gesture: its place in schema.GESTURES
+    amends: int  # number of what waits and gets this one's number and values, or goes if `value` is -1; -1: none
+    follows: int  # of a gesture's parameter: 1 if it follows macros or make-up
     values: Values  # of a gesture
     surface: Profile  # of a gesture along a surface
     settings: Settings  # of a new object
@@ -170,6 +172,8 @@ class Command(NamedTuple):
     by: Handle | None = None
     surface: tuple[float, ...] = (0.0, 1.0, 2.0, 0.0, 1.0, 0.0, 1.0)
     channel: int = -1
+    amends: int = -1
+    follows: bool = False
 
 
 def _defaults(parameters: Iterable[Parameter]) -> dict[str, float]:
@@ -217,6 +221,7 @@ def write(entry: np.void, number: int, command: Command) -> None:
     entry["slot"], entry["serial"] = (command.handle.slot, command.handle.serial) if command.handle else (0, 0)
     entry["by_slot"], entry["by_serial"] = (command.by.slot, command.by.serial) if command.by else (0, 0)
     entry["value"], entry["gesture"], entry["channel"] = command.value, command.gesture, command.channel
+    entry["amends"], entry["follows"] = command.amends, command.follows
     if kind in (Kind.STEER, Kind.SET):
         places = _STEERED_PLACES if kind is Kind.STEER else _SETTING_PLACES
         if command.parameter not in places:

@@ -1,5 +1,6 @@
 """Macros: what each does to the sound, while it rings and before; the die, the morph, logs, and what is refused."""
 
+import random
 from pathlib import Path
 
 import numpy as np
@@ -225,6 +226,73 @@ def test_a_macro_that_is_sent_ahead_does_not_reach_what_comes_before_it(session,
     say(session, "/object/bell/impact", 1.0)
     session.perform([Message("/object/bell/impact", (1.0,))], 9_600.0)
     assert [each.values["velocity"] for each in commands if each.kind == "impact"] == [1.0, 8.0]
+
+
+AHEAD = [
+    (0.0, "/object/new", "it", "marimba-bar"),
+    (0.0, "/object/new", "other", "church-bell"),
+    (0.1, "/object/other/macro/size", 0.6),
+    (0.11, "/object/it/macro/size", 0.45),
+    (0.12, "/object/it/macro/material", 0.8),
+    (0.15, "/object/it/macro/hardness", 0.7),
+    (0.16, "/object/it/macro/force", 0.6),
+    (0.2, "/object/it/impact", 1.0, "play", 1),
+    (0.25, "/object/it/impact", 0.5, "by", "other"),
+    (0.3, "/object/it/roll", 0.3, "striker", "steel", "id", "r", "play", 1, "seed", 1),
+    (0.4, "/object/it/macro/force", 0.4),
+    (0.41, "/object/it/macro/place", 0.8),
+    (0.45, "/object/it/damp", 0.3),
+    (0.5, "/object/it/macro/hardness", 0.3),
+    (0.55, "/object/it/impact", 1.0, "play", 1),
+]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_order_of_sending_ahead_is_no_matter(seed):
+    """Macros and gestures of different times that are sent in any order sound as if they were sent as they come."""
+    sounds = []
+    for shuffled in (False, True):
+        session = Session(Engine(RATE), Presets())
+        sent = [(time, Message(address, tuple(args))) for time, address, *args in AHEAD]
+        if shuffled:
+            random.Random(seed).shuffle(order := [*range(2, len(sent))])
+            sent[2:] = [sent[n] for n in order]
+        for time, message in sent:
+            session.perform([message], time * RATE)
+        sounds.append(session.engine.process(RATE))
+    assert np.abs(sounds[0]).max() > 0.0
+    assert np.array_equal(*sounds)
+
+
+def test_hardness_steers_a_roll_that_goes_on(session):
+    say(session, "/object/new", "pane", "glass-plate")
+    say(session, "/object/pane/roll", 0.4, 0.4, "striker", "glass-marble", "id", "marble")
+    seconds(session, 0.1)
+    contacts = session.engine.state["contacts"][0]
+    (before,) = contacts["target"][contacts["gesture"] > 0].copy()
+    say(session, "/object/pane/macro/hardness", 0.75)
+    seconds(session, 0.2)
+    (target,) = contacts["target"][contacts["gesture"] > 0]
+    assert target["stiffness"] == pytest.approx(1000**0.5 * before["stiffness"])
+    assert target["mass"] == pytest.approx(2**0.5 * before["mass"])
+
+
+def test_a_gesture_that_cannot_be_with_a_macro_before_it_is_taken_back(session):
+    say(session, "/object/new", "pane", "glass-plate")
+    session.perform([Message("/object/pane/impact", (0.01, "mass", 20.0, "stiffness", 3e4, "id", "x"))], 9_600.0)
+    (reply,) = [
+        each for each in session.perform([Message("/object/pane/macro/hardness", (0.0,))], 4_800.0)
+        if each.address == "/fail"
+    ]  # fmt: skip
+    assert reply.args[0] == "/object/pane/impact" and "the contact would last" in reply.args[1]
+    assert not np.any(session.engine.process(RATE))
+    assert session.gestures.running() == [] or list(session.take_ends())
+
+
+def test_a_material_of_the_line_has_the_damping_that_a_file_gives_anew():
+    preset = Presets().object("bottle")
+    assert preset.damping == {"alpha": 8.0}
+    assert material_at(preset, 1.0).alpha == 8.0 == preset.replace(material="steel").material.alpha
 
 
 def test_there_is_nothing_to_take_back_before_a_throw(session):

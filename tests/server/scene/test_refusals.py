@@ -168,7 +168,7 @@ def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, re
         ("roll", ("surface", "wood", "radius", 1e-3, "roughness", 100), "radius = 0.001: expected at least"),
         ("roll", ("striker", "steel", "radius", 8e-4, "surface", "corrugated"), "radius = 0.0008: expected at least"),
         ("roll", ("striker", "steel", "surface", "mud"), "no surface 'mud'"),
-        ("slide", ("striker", "bow", "dynamic", 0.9), "dynamic = 0.9: expected at most static = 0.8"),
+        ("slide", ("static", 0.8, "dynamic", 0.9), "dynamic = 0.9: expected at most static = 0.8"),
         ("slide", ("striker", "bow", "press", "hand"), "press = hand: expected the id of a press on pane that goes on"),
         ("press", ("mass", 1e6, "stiffness", 1e-3), "the contact would last"),
         ("shake", ("by", "cup"), "by = cup: grains hit pane; expected a striker"),
