@@ -105,7 +105,7 @@ _EVERY: _Bounds = {
     "slot": (0, OBJECTS - 1), "serial": (0, MANY), "value": _ANY, "gesture": (0, MANY),
     "parameter": (0, max(LEVEL, len(ENGINE_SETTINGS) - 1)), "channel": (-1, MOST_CHANNELS - 1),
     "given": (0, 2.0 ** len(STEERABLE) - 1), "by_slot": (0, OBJECTS - 1), "by_serial": (0, MANY),
-    "what": (0, len(GESTURES) - 1), "amends": (-1, -1), "follows": (0, 1),
+    "what": (0, len(GESTURES) - 1), "amends": (0, 0), "follows": (0, 1),
 }  # fmt: skip
 _BY_KIND: dict[Kind, _Bounds] = {
     Kind.NEW: {

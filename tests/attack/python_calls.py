@@ -18,7 +18,7 @@ from tests.attack.extremes import any_value
 
 _SECONDS = 20
 _LONG = 10.0  # s of sound, beyond which a call may take as long as it says
-_LEFT = {"save", "plot", "close", "score", "tell", "teller"}  # methods that write, show or end, or are for bridges
+_LEFT = {"save", "plot", "close", "score", "reporter"}  # methods that write, show or end, or are for bridges
 _LENGTHS = {"seconds", "frames", "time", "at"}
 _PLAUSIBLE: dict[str, tuple[Any, ...]] = {
     "name": ("a", "b", "world/x"), "preset": ("wood-block", "wine-glass"), "at": (None, 0.0, 0.1),

@@ -54,7 +54,7 @@ def take_commands(state: State) -> None:
     read = state.ring.read[0]
     while read < written and has_room(state.queue):
         command = state.ring.entries[read % RING]
-        if command.amends >= 0:
+        if command.amends > 0:
             _amend(state, command)
             read += 1
             continue
@@ -84,7 +84,7 @@ def _amend(state: State, command: Event) -> None:
     queue = state.queue
     for i in range(queue.size):
         event = queue.events[queue.heap[i]]
-        if event.number == command.amends:
+        if event.number == command.amends - 1:
             _note(state, event.number, -1.0)
             if command.value < 0.0:
                 if event.kind == KIND_GESTURE:

@@ -128,7 +128,7 @@ class Event(Record):
     by_slot: int  # of the object that strikes, if one does
     by_serial: int  # else 0
     what: int  # of a gesture: its place in schema.GESTURES
-    amends: int  # number of what waits and gets this one's number and values, or goes if `value` is -1; -1: none
+    amends: int  # 1 + the number of a command that waits: it gets this number and values; `value` -1 drops it; 0: none
     follows: int  # of a gesture's parameter: 1 if it follows macros or make-up
     values: Values  # of a gesture
     surface: Profile  # of a gesture along a surface
@@ -221,7 +221,7 @@ def write(entry: np.void, number: int, command: Command) -> None:
     entry["slot"], entry["serial"] = (command.handle.slot, command.handle.serial) if command.handle else (0, 0)
     entry["by_slot"], entry["by_serial"] = (command.by.slot, command.by.serial) if command.by else (0, 0)
     entry["value"], entry["gesture"], entry["channel"] = command.value, command.gesture, command.channel
-    entry["amends"], entry["follows"] = command.amends, command.follows
+    entry["amends"], entry["follows"] = command.amends + 1, command.follows
     if kind in (Kind.STEER, Kind.SET):
         places = _STEERED_PLACES if kind is Kind.STEER else _SETTING_PLACES
         if command.parameter not in places:
