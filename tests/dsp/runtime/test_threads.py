@@ -51,7 +51,7 @@ def sizes() -> dict[str, int]:
     }  # fmt: skip
     return {
         **{name: place(STATE, *names) for name, names in state.items()},
-        **{f"C_{name.upper()}": place(COMMAND, name) for name in ("time", "number", "what")},
+        **{f"C_{name.upper()}": place(COMMAND, name) for name in ("time", "number", "follows")},
         **{f"H_{name.upper()}": place(HANDOVER, name) for name in ("turn", "calls", "callback", "state", "channels")},
         **{f"J_{name.upper()}": place(JOB, name) for name in ("state", "out", "frames", "channels")},
         **{

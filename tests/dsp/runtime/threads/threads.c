@@ -68,7 +68,7 @@ UNTOLD static void check_events(void) {
     for (word n = QUEUED; n < I(Q_SIZE); n++) {
         char *event = state + Q_EVENTS + ((word *)(state + Q_HEAP))[n] * COMMAND_BYTES;
         REQUIRE(*(word *)(event + C_NUMBER) == taken);
-        for (word at = C_WHAT; at + 8 <= COMMAND_BYTES; at += 8) REQUIRE(*(word *)(event + at) == taken);
+        for (word at = C_FOLLOWS; at + 8 <= COMMAND_BYTES; at += 8) REQUIRE(*(word *)(event + at) == taken);
         taken++;
     }
 }
@@ -128,7 +128,7 @@ UNTOLD static void write_command(char *entry) {
     memset(entry, 0, COMMAND_BYTES); /* which is told */
     *(double *)(entry + C_TIME) = -1.0;
     *(word *)(entry + C_NUMBER) = sent;
-    for (word at = C_WHAT; at + 8 <= COMMAND_BYTES; at += 8) *(word *)(entry + at) = sent;
+    for (word at = C_FOLLOWS; at + 8 <= COMMAND_BYTES; at += 8) *(word *)(entry + at) = sent;
 }
 
 static void send_commands(word count, int early) {
