@@ -116,7 +116,7 @@ def test_so_many_parts_of_keyboards_and_no_more(played):
     for note in range(127):
         played.ask("/midi/notes", "bar", "low", note, "high", note)
     played.ask("/midi/notes", "bar", "channel", 1)
-    with pytest.raises(Refused, match="at most 128 parts"):
+    with pytest.raises(Refused, match="at most 128 ranges of keys"):
         played.ask("/midi/notes", "bar", "channel", 2)
     played.ask("/midi/notes", "bar", "low", 3, "high", 3)
 
