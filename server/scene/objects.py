@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from ...dsp.bodies.modes import Modes
 from ...dsp.engine.memory.commands import Handle
@@ -14,9 +14,6 @@ from ...presets import ObjectPreset
 from ..osc.arguments import Point
 from ..osc.patterns import Selection, is_pattern
 from ..osc.wire import Argument
-
-if TYPE_CHECKING:
-    from .ahead import Ahead
 
 Shaped: TypeAlias = tuple[bool, str]
 
@@ -72,9 +69,9 @@ class PlayedObject:
     """The same now."""
     reshaped: list[tuple[float, int, Shaped]] = field(default_factory=list)
     """Times (samples) from which it will be shaped otherwise, the numbers of the commands that do it, and how."""
-    ahead: list["Ahead"] = field(default_factory=list)
-    """Gestures that were sent ahead of their time, the earliest first: those on it, and those of which it is the other
-    object."""
+    ahead: list[Any] = field(default_factory=list)
+    """Gestures that were sent ahead of their time, as ahead.py makes them, the earliest first: those on it, and those
+    of which it is the other object."""
     tables: dict[Shaped, int] = field(default_factory=dict)
     """Tables of its macros in the engine, by that."""
     heard: dict[tuple[object, ...], Modes] = field(default_factory=dict)

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ...presets.reshaping import Axes, Wanted
     from ..bridge.bodies import Body
     from ..bridge.wire import TellsWorld
-    from .ahead import Ahead
     from .sensors import SensorTable
     from .space_table import SpaceTable
 
@@ -106,8 +105,8 @@ class Transaction:
     """Objects that macros change, and from when on (samples)."""
     order: float = math.inf
     """Number of the command before which counts what is for the same time; of what is carried out anew."""
-    ahead: "list[Ahead]" = field(default_factory=list)
-    """Gestures that it sends ahead of their time."""
+    ahead: list[Any] = field(default_factory=list)
+    """Gestures that it sends ahead of their time, as ahead.py makes them."""
     _compared: int = 0
     _exponents: set[float] = field(default_factory=set)
     """Exponents of which its commands take the tables of pulses."""
