@@ -21,7 +21,7 @@ from carom.server.osc.score import Line, read, sample_at
 from carom.server.osc.wire import Message
 from carom.server.render import Options, blocks
 from carom.server.scene.session import Session
-from tests.bench.logs import any_message, random_gesture, random_message
+from tests.bench.logs import any_message, random_message
 from tests.support import CAROM, render_lines, serving
 
 PRESETS = Presets()
@@ -133,22 +133,6 @@ def test_a_rest_on_another_object_is_one_line(tmp_path):
 
     lines = replay(tmp_path, rng, messages, 80)
     assert [line.message.address for line in lines].count("/object/a/rest") == 3
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1])
-def test_which_gestures_are_the_newest(tmp_path, seed):
-    """The newest are those that began or were steered last, and not those whose messages came last, which no log
-    knows."""
-    rng = random.Random(seed)
-    presets = ("wood-block", "glockenspiel-bar", "triangle")
-    first = [[Message("/object/new", (name, preset))] for name, preset in zip("abc", presets, strict=True)]
-
-    def messages() -> list[Message]:
-        return first.pop() if first else [random_gesture(rng, 12)]
-
-    lines = replay(tmp_path, rng, messages, 250)
-    assert sum(line.message.address == "/quality" for line in lines) > 5
 
 
 @pytest.mark.slow

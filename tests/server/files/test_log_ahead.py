@@ -1,11 +1,15 @@
 """Messages that were sent ahead: what they name is gone when their time has come, and a log says what came of it."""
 
+import random
+
 import numpy as np
 import pytest
 
 from carom.dsp.runtime.engine import NOW
 from carom.server.osc.score import read
 from carom.server.osc.wire import Message
+from tests.bench.logs import random_gesture
+from tests.server.files.test_log import replay
 from tests.support import render_lines
 
 
@@ -53,3 +57,19 @@ def test_a_point_for_gestures_of_which_one_has_no_surface(logged, tmp_path):
     log.write()
     lines = read(tmp_path / "log.txt")
     np.testing.assert_array_equal(render_lines(lines, limiter=False, seconds=0.2), heard)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
+def test_which_gestures_are_the_newest(tmp_path, seed):
+    """The newest are those that began or were steered last, and not those whose messages came last, which no log
+    knows."""
+    rng = random.Random(seed)
+    presets = ("wood-block", "glockenspiel-bar", "triangle")
+    first = [[Message("/object/new", (name, preset))] for name, preset in zip("abc", presets, strict=True)]
+
+    def messages() -> list[Message]:
+        return first.pop() if first else [random_gesture(rng, 12)]
+
+    lines = replay(tmp_path, rng, messages, 250)
+    assert sum(line.message.address == "/quality" for line in lines) > 5
