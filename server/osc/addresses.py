@@ -149,7 +149,7 @@ _OBJECTS = (
     *MACRO_VERBS,
     Verb(
         "/object/NAME/gains",
-        "gives the object a factor for each channel in place of its pan; without arguments, restores its pan",
+        "sets a gain factor for each channel, in place of the pan; without arguments, restores the pan",
         many=GAINS,
     ),
     PLACING,
