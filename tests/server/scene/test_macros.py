@@ -16,6 +16,7 @@ from carom.presets.reshaping import LINE, Wanted, axes_of, material_at
 from carom.server.files.log import Log
 from carom.server.osc.score import parse
 from carom.server.osc.wire import Message
+from carom.server.scene.ahead import MOST
 from carom.server.scene.session import Session
 from tests.server.scene.support import refusal, say, seconds
 from tests.support import render_lines
@@ -361,3 +362,17 @@ def test_python_turns_macros():
         assert np.abs(scene.render(0.5).samples).max() > 0.0
         with pytest.raises(carom.CommandError, match="expected a macro"):
             bell.macro()
+
+
+def test_no_macro_holds_up_the_sound_by_more_gestures_sent_ahead_than_are_bounded(session):
+    """Each that begins later is carried out anew, and looked for among all that wait in the engine."""
+    say(session, "/object/new", "a", "wood-block")
+    for n in range(MOST):
+        assert say(session, "/object/a/impact", 0.1, time=480_000.0 + n) == []
+        if n % 100 == 0:
+            session.engine.process(64)
+    assert say(session, "/object/a/macro/force", 0.7) == []
+    session.engine.process(64)
+    say(session, "/object/a/impact", 0.1, time=480_000.0 + MOST)
+    why = f"{MOST + 1} gestures that were sent ahead would change: expected at most {MOST}"
+    assert refusal(session, "/object/a/macro/force", 0.2) == why
