@@ -474,7 +474,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0; steers a running roll of
+        """Begin a gesture that rolls the striker over the object until the speed is 0; steers a running roll of
         this `id` (default NAME)."""
 
     def press(
@@ -505,7 +505,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0; steers a running slide of
+        """Begin a gesture that drags the striker over the object until the speed is 0; steers a running slide of
         this `id` (default NAME)."""
 
     def rest(
@@ -608,7 +608,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0; steers a running roll of
+        """Begin a gesture that rolls the striker over the object until the speed is 0; steers a running roll of
         this `id` (default NAME)."""
 
     def press(
@@ -636,7 +636,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0; steers a running slide of
+        """Begin a gesture that drags the striker over the object until the speed is 0; steers a running slide of
         this `id` (default NAME)."""
 
     def rest(

@@ -64,7 +64,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--budget", type=number, nargs=2, metavar=("STEPS", "MODES"), help=budget)
     parser.add_argument(
         "--object", action="append", default=[], metavar="[CHANNEL:]PRESET",
-        help="object that plays a MIDI file, or a channel of it, as 10:tom; may be given several times",
+        help="object that plays a MIDI file, or a channel of it, such as 10:tom; may be given several times",
     )  # fmt: skip
     add_presets(parser)
 

@@ -211,7 +211,7 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns a slow automatic level ahead of the limiter on or off. A score begins without it, a server with it",
+        "turns headroom on or off: a slow automatic level ahead of the limiter. A score begins without it, a server with it",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
@@ -266,15 +266,15 @@ _SERVER = (
     ),
     Verb(
         "/record",
-        "begins or ends a recording in the server's folder. The reply is `/done /record FILE FIRST`, with END added at "
-        "the end; FIRST and END count samples",
+        "begins or ends a recording in the server's folder. The reply is `/done /record FILE FIRST` at the beginning, "
+        "`/done /record FILE FIRST END` at the end; FIRST and END count samples",
         (Number("on", 0, 1, "", "1 begins, 0 ends", whole=True),),
         keys=(Word("name", "name of the new file", "day and time"),),
         scored=False,
     ),
     Verb(
         "/dump",
-        "has the server print each message, cut at 2,000 characters",
+        "lets the server print each message, cut at 2,000 characters",
         (Number("on", 0, 1, "", "1: on, 0: off", whole=True),),
         scored=False,
     ),

@@ -37,8 +37,8 @@ MIDI = (
     ),
     Verb(
         "/midi/learn",
-        "binds the controller that you move next to an address; the reply is then `/midi/learnt ADDRESS CONTROLLER "
-        "CHANNEL`",
+        "waits for you to move a controller, and binds it to an address; the reply is then `/midi/learnt ADDRESS "
+        "CONTROLLER CHANNEL`",
         (_ADDRESS,),
         keys=(CHANNEL, LOW, HIGH),
         scored=False,

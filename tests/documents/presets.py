@@ -52,14 +52,13 @@ def _sentence(text: str) -> str:
 
 
 def _usual(name: str) -> str:
-    """Return the keys of a gesture's section: the words, and the numbers that the gesture has."""
+    """Return the keys of a gesture's section that are required: the words, and the gesture's argument."""
     fields = gestures.FIELDS[name]
     words = {key: domain for key, domain in fields.items() if isinstance(domain, Name)}
-    own = ", ".join(f"`{key}`" for key in fields if key not in (*words, *gestures.REQUIRED[name]))
     first = GESTURES[name].argument
     rows = [(f"`{key}`", "a preset's name", "required", f"Preset of the {key}.") for key in words]
     rows.append((f"`{first.name}`", first.allowed, "required", _sentence(first.help)))
-    return f"{table(_HEAD, rows)}\n\nIt also takes [gesture keys](../server/gestures/{name}.md): {own}."
+    return table(_HEAD, rows)
 
 
 def _meaning(where: str, key: str) -> str:
