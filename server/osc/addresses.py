@@ -49,7 +49,9 @@ from .world_verbs import WORLD
 
 STRIKER = Word("striker", "preset of the striker", "the object's for this gesture, else for strikes")
 
-ON_SURFACE = Vector("point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts")
+ON_SURFACE = Vector(
+    "point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"
+)
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "point on the other object, which strikes or supports")
 _DIRECTED = Vector("direction", DIRECTION, "direction of the push or slip at a point, in place of the normal")
 _BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "direction of the push on the striking object, at `by_point`")
@@ -178,7 +180,9 @@ _RUNNING = (
         "moves a gesture to its object's point nearest to these coordinates, or along a list of points",
         POINT,
     ),
-    Move("/gesture/ID/by_point", "moves a rest to the supporting object's point nearest to these coordinates", BY_POINT),
+    Move(
+        "/gesture/ID/by_point", "moves a rest to the supporting object's point nearest to these coordinates", BY_POINT
+    ),
 )
 
 _ENGINE = (
@@ -211,12 +215,12 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns headroom on or off: a slow automatic level ahead of the limiter. A score begins without it, a server with it",
+        "turns headroom on or off, an automatic level before the limiter. Scores begin without it, servers with it",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
         "/play",
-        "turns make-up on or off for later gestures; make-up is a gain that makes every striker audible on every object",
+        "turns make-up on or off for later gestures; it is a gain that makes every striker audible on every object",
         (Either("play", ("on", "off", "1", "0"), "on or off", "off"),),
     ),
     Verb(

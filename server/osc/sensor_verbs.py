@@ -34,7 +34,9 @@ SENSORS = (
             RESONANCE,
             DAMPING,
             FULL,
-            Vector("point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"),
+            Vector(
+                "point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"
+            ),
             Vector("direction", DIRECTION, "direction in which it senses at a point, in place of the normal"),
         ),
     ),
