@@ -482,7 +482,7 @@ SENSED = Parameter(
     "sensors", 0, CAPACITY.sensors, "", "number of channels for sensors, after those of the sound", whole=True
 )
 FULL_SCALE = Parameter(
-    "full_scale", 1e-6, 1e6, "Pa", "pressure of a sample of 1.0, of an object whose level is 0 dB",
+    "full_scale", 1e-6, 1e6, "Pa", "pressure of a sample of 1.0, for objects of level 0 dB",
     default=FULL_SCALE_PRESSURE, useful=(0.1, 100.0),
 )  # fmt: skip
 FORMS = ("float64", "float32")

@@ -53,8 +53,8 @@ MEANINGS = {
     # Losses.
     ("", "alpha"): "decay rate of all frequencies",
     ("", "beta"): "decay rate that grows with the square of the frequency",
-    ("", "loss_factor"): "loss factor at 1 kHz of losses that grow with the frequency",
-    ("", "loss_exponent"): "power of the frequency by which these losses grow | 1",
+    ("", "loss_factor"): "loss factor at 1 kHz; these losses grow with frequency",
+    ("", "loss_exponent"): "exponent of these losses' growth with frequency | 1",
     ("", "losses"): "`measured` losses include radiation, those of a `material` do not | `material`",
     # Added modes.
     ("", "frequency"): "frequency of each mode",
@@ -98,7 +98,7 @@ MEANINGS = {
     ("click", "tilt"): "angle of the disc's axis against the force",
     ("ringing", "radiated"): "share of the loss that is sound",
     ("snap", "momentum"): "momentum at 1 m/s",
-    ("snap", "exponent"): "power of the velocity by which the momentum grows",
+    ("snap", "exponent"): "exponent of the momentum's growth with velocity",
     ("snap", "scatter"): "standard deviation of the momentum from blow to blow",
     ("snap", "delay"): "time after the beginning of the contact",
     # Materials and surfaces.
