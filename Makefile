@@ -122,6 +122,7 @@ study: $(DEV)  ## the hour-long stress tests: recordings, gongs, data sets, simu
 	$(BIN)/python -m tests.bench.soak --minutes 10
 	$(BIN)/python -m tests.bench.hours
 	$(BIN)/python -m tests.bench.overload
+	$(BIN)/python -m tests.bench.bursts
 	$(BIN)/python -m tests.bench.gil --seconds 60
 	$(BIN)/python -m tests.bench.fuzz --count 1000000
 	$(BIN)/python -m tests.bench.crowd --count 20000

@@ -154,7 +154,7 @@ def render_task(
         warnings.append(f"normalized by {done.normalized:+.3g} dB")
     for name in ("contacts_dropped", "over_budget", "faults"):
         if count := getattr(done.engine.stats, name):
-            warnings.append(loss_of(name, count))
+            warnings.append(loss_of(name, count, done.engine.take_loudest_dropped()))
     return warnings
 
 

@@ -50,6 +50,9 @@ class Stats:
     load: float = _measure("share of the available time that the callback takes, over a second")
     load_now: float = _measure("the same over a tenth of a second")
     load_peak: float = _measure("the highest share, falling slowly")
+    loudest_dropped: float = _measure(
+        "weighted mean square of the loudest contact left out since it was last requested"
+    )
     late_last: float = _measure("delay of the last late event", "s")
     hole_last: float = _measure("time for which it last was", "s")
     late_worst: float = _measure("greatest delay of a late event", "s")

@@ -211,6 +211,7 @@ class Counters(Record):
     load: float
     load_now: float
     load_peak: float
+    loudest_dropped: float
     late_last: float  # s
     hole_last: float  # s
     late_worst: float  # s

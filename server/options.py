@@ -10,6 +10,7 @@ from ..dsp.engine.memory.mounted import SENSORS
 from ..dsp.errors import CaromError
 from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..dsp.runtime.engine import NOW, Engine
+from ..dsp.runtime.meter import SILENCE
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN
 from ..dsp.wording import expected
 from .osc.arguments import shown
@@ -21,7 +22,7 @@ from .scene.sensing import last_of_sensors
 BUDGET = (16, 8_192)
 """Budget at a server's start (/budget): steps per sample of a coupled contact, and modes coupled at once."""
 LOSSES = {
-    "contacts_dropped": "left out {} contact{s}: play fewer at once, or set a larger /budget",
+    "contacts_dropped": "left out {} contact{s}{more}: play fewer at once, or set a larger /budget",
     "over_budget": "/budget was too small {} time{s}: a force was held for a sample, or a contact not coupled to modes",
     "strikers_cut": "cut {} striker{s} short: too many sounded at once",
     "late": "{} message{s} came late",
@@ -36,9 +37,10 @@ LOSSES = {
 _LONGEST_LATENCY = 2.0  # s
 
 
-def loss_of(name: str, count: int) -> str:
-    """Return a sentence about a count of LOSSES."""
-    return LOSSES[name].format(count, s="" if count == 1 else "s")
+def loss_of(name: str, count: int, loudest: float = SILENCE) -> str:
+    """Return a sentence about a count of LOSSES; of contacts, with the loudness (LUFS) of the loudest."""
+    more = f", of at most {loudest:.0f} LUFS" if loudest > SILENCE else ""
+    return LOSSES[name].format(count, s="" if count == 1 else "s", more=more)
 
 
 class ServeError(CaromError, ValueError):

@@ -8,6 +8,7 @@ from importlib.metadata import version as installed_version
 import numpy as np
 
 from ..dsp.runtime.engine import Engine
+from ..dsp.runtime.meter import SILENCE
 from .audio.supervisor import Player
 from .limiting import LimiterWatch
 from .net.network import Network, Source
@@ -193,7 +194,8 @@ class Status:
             now = getattr(self._engine if name == "ends_lost" else stats, name)
             if now > self._warned[name]:
                 late = f", the last by {1e3 * stats.late_last:.1f} ms: send them earlier" if name == "late" else ""
-                lines.append(f"{loss_of(name, now - self._warned[name])}{late}")
+                loudest = self._engine.take_loudest_dropped() if name == "contacts_dropped" else SILENCE
+                lines.append(f"{loss_of(name, now - self._warned[name], loudest)}{late}")
                 self._warned[name] = now
         faults = self._engine.objects["faults"].copy()
         before = np.pad(self._object_faults, (0, len(faults) - len(self._object_faults)))

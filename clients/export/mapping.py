@@ -151,7 +151,8 @@ def _state() -> dict[str, Any]:
         "rate": "rate", "channels": "output.channels", "sensors": "output.sensors", "delay": "output.delay",
         "entries": "ring.entries", "written": "ring.written", "read": "ring.read", "position": "position",
         "ends": "ends.entries", "ended": "ends.written", "active": "stats.contacts_active", "load": "stats.load",
-        "dropped": "stats.contacts_dropped", "late": "stats.late", "sounding": "stats.sounding", "queued": "queue.size",
+        "dropped": "stats.contacts_dropped", "loudest": "stats.loudest_dropped", "late": "stats.late",
+        "sounding": "stats.sounding", "queued": "queue.size",
         "plates": "curves", "pulses": "pulses",
         **{name: f"bank.{name}" for name in ("frequency", "sigma", "weight", "balance")},
     }  # fmt: skip

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from .dsp.runtime.engine import Engine
+from .dsp.runtime.meter import SILENCE
 from .server.limiting import LimiterWatch, Limiting
 from .server.options import loss_of
 
@@ -37,7 +38,9 @@ class Report:
     contacts : int
         Number of contacts.
     contacts_dropped : int
-        Contacts left out, for lack of capacity.
+        Contacts left out, for lack of capacity: those that would be heard least.
+    loudest_dropped : float
+        Momentary loudness of the loudest of these, as an estimate, LUFS.
     strikers_cut : int
         Strikers whose own sound was cut short or left out, for lack of capacity.
     nonlinear_dropped : int
@@ -62,6 +65,7 @@ class Report:
     normalized_db: float | None = None
     contacts: int = 0
     contacts_dropped: int = 0
+    loudest_dropped: float = SILENCE
     strikers_cut: int = 0
     nonlinear_dropped: int = 0
     steps_held: int = 0
@@ -80,7 +84,7 @@ class Report:
             lines.append(f"normalized by {self.normalized_db:+.3g} dB")
         for name in ("contacts_dropped", "over_budget", "strikers_cut", "nonlinear_dropped", "late", "faults"):
             if count := getattr(self, name):
-                lines.append(loss_of(name, count))
+                lines.append(loss_of(name, count, self.loudest_dropped))
         return "\n".join(lines) or "nothing to report"
 
 
@@ -91,6 +95,7 @@ class Meter:
         """Begin to watch an engine. names: of the objects, by their places in the engine."""
         self._engine = engine
         self._counts = self._counted()
+        engine.take_loudest_dropped()
         self._watch = LimiterWatch(engine, names)
 
     def _counted(self) -> dict[str, int]:
@@ -109,6 +114,7 @@ class Meter:
             limited=limiting.spans,
             limited_db=limiting.db,
             limited_objects=limiting.objects,
+            loudest_dropped=self._engine.take_loudest_dropped(),
             compiled=self._engine.code.origin == "compiled",
             warnings=tuple(warnings),
             **{name: counts[name] - before for name, before in self._counts.items()},

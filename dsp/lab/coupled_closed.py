@@ -28,7 +28,7 @@ def _strike(state, bank, fraction, samples, times, out):
         restart(bank)
         given = 0.0
         touch(state, contact)
-        solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact)
+        solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact, True)
         soften_pulse(state, contact, mass_ratio, seen_mass_ratio)
         coupled = solver == COUPLING
         duration = contact.pulse.duration

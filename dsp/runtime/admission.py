@@ -8,7 +8,7 @@ import numpy as np
 
 from ..contact.accuracy import DEFAULT
 from ..engine.memory.commands import COMMAND, Event
-from ..engine.memory.state import CONTACTS, EVENTS, QUANTUM, ROLLS, STATE, State
+from ..engine.memory.state import CONTACT_PLACES, CONTACTS, EVENTS, FADING, QUANTUM, ROLLS, STATE, State
 from ..engine.memory.striker_state import VOICES
 from ..native.jit import carray, noinline_kernel
 from ..native.typed import View
@@ -44,8 +44,10 @@ def begin(state: State, wholes: View[int]) -> None:
     known = state.scratch.together.known
     for n in range(len(known)):
         known[n] = -1
-    for n in range(CONTACTS):
+    state.most_contacts = CONTACTS
+    for n in range(CONTACT_PLACES):
         contact = state.contacts[n]
+        state.heard[n] = FADING
         contact.sound = contact.voice = -1
         contact.index = state.free_contact[n] = n
     for n in range(EVENTS):

@@ -25,7 +25,7 @@ from .arena import Arena, EngineFull
 from .entry import MODULE, callback
 from .fresh import Mark, fresh_state
 from .memory import Memory
-from .meter import Meter
+from .meter import OFFSET, SILENCE, Meter, decibels
 from .pulses import PulseTables
 from .ring import KEPT_FOR_NOW as KEPT_FOR_NOW
 from .ring import NOW as NOW
@@ -245,6 +245,13 @@ class Engine:
         lowest = float(self._record["stats"]["limit_lowest"])
         self._record["stats"]["limit_lowest"] = 1.0
         return lowest
+
+    def take_loudest_dropped(self) -> float:
+        """Return the momentary loudness (LUFS) that the loudest contact left out since the last call would have had,
+        SILENCE if none was. The audio thread may set it at the same moment: then one may be missed."""
+        loudest = float(self._record["stats"]["loudest_dropped"])
+        self._record["stats"]["loudest_dropped"] = 0.0
+        return OFFSET + decibels(loudest) if loudest > 0.0 else SILENCE
 
     @property
     def objects(self) -> NDArray[np.void]:

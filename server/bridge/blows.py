@@ -62,7 +62,9 @@ class Counts:
     faint : int
         Blows, slides and rolls that nobody would hear.
     over_budget : int
-        Blows, slides and rolls left out, as too many came at once.
+        Blows, slides and rolls left out, as too many came at once: those that would be heard least.
+    loudest : float
+        Level of the loudest of these, as an estimate, dB over 20 uPa; -200: there is none.
     gestures : int
         Slides and rolls that began.
     crowded : int
@@ -76,6 +78,7 @@ class Counts:
     hits: int = 0
     faint: int = 0
     over_budget: int = 0
+    loudest: float = -200.0
     gestures: int = 0
     crowded: int = 0
     rests: int = 0

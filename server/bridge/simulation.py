@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import Material, contact_between
 from ...dsp.numerics.quantities import Range
+from ...dsp.runtime.meter import decibels
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
@@ -186,7 +187,8 @@ class Simulation:
         """Counts of what was reported since the beginning, and what became of it."""
         names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out", "lain", "grains")
         hits, faint, over, unheard, begun, crowded, lain, grains = (int(self.state[name][0]) for name in names)
-        return Counts(hits, faint, over + unheard, begun, crowded, lain, grains)
+        loudest = decibels((float(self.state["loudest_unheard"][0]) / 20e-6) ** 2)
+        return Counts(hits, faint, over + unheard, loudest, begun, crowded, lain, grains)
 
     def number(self, name: str) -> int:
         """Return the number of a body, from 0 on. WorldError if there is none of that name."""

@@ -11,7 +11,7 @@ import numpy as np
 from carom.dsp.lab.chart import report
 from carom.dsp.lab.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
-from tests.bench import extremes, friction, fuzz, gil, hours, overload, queries, soak, waveforms
+from tests.bench import bursts, extremes, friction, fuzz, gil, hours, overload, queries, soak, waveforms
 from tests.bench import fits as fitted
 from tests.documents import study
 from tests.documents.markdown import table
@@ -88,6 +88,10 @@ def endurance() -> str:
         (
             "overload", "rolls and presses that need several times the time there is, after ten seconds",
             f"{overload.MOST:g} % load, {1e3 * overload.LAG:.0f} ms behind",
+        ),
+        (
+            "bursts", f"10,000 bursts of up to {bursts.MOST:,} blows in a frame, over 120 dB, against room for all",
+            f"{bursts.APART:g} dB of momentary loudness; a blow that is neither heard nor reported",
         ),
         (
             "fuzz", "a million mutated and random packets, over UDP and TCP: no crash, and the next strike sounds",

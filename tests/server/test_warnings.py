@@ -61,7 +61,7 @@ def status(client: Client) -> dict[str, object]:
 def too_many_contacts(server: Server, client: Client) -> None:
     with client.bundle():
         for _ in range(CONTACTS + 5):
-            client.impact("a", 0.01, mass=1e-7, stiffness=1.0, exponent=1.0)
+            client.impact("a", 1.0, mass=1e-7, stiffness=1e3, exponent=1.0)
 
 
 def too_dear(server: Server, client: Client) -> None:
@@ -93,7 +93,7 @@ def overwritten(server: Server, client: Client) -> None:
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
-        (too_many_contacts, "left out 5 contacts: play fewer at once, or set a larger /budget"),
+        (too_many_contacts, r"left out 5 contacts, of at most -\d+ LUFS: play fewer at once, or set a larger /budget"),
         (
             too_dear,
             "/budget was too small 3 times: a force was held for a sample, or a contact not coupled to modes",

@@ -448,6 +448,9 @@ void carom_report(const carom *scene, carom_state *state) {
     state->sounding = (long)told_of(scene, "sounding");
     state->waiting = (long)told_of(scene, "queued");
     state->dropped = (long)told_of(scene, "dropped");
+    int64_t loudest = told_of(scene, "loudest");
+    memcpy(&state->loudest, &loudest, sizeof loudest);
+    state->loudest = state->loudest > 1e-20 ? 10.0 * log10(state->loudest) - 0.691 : -200.0;
     state->late = (long)told_of(scene, "late");
     state->refused = (long)__atomic_load_n(&scene->left_out, __ATOMIC_RELAXED);
 }

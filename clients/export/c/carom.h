@@ -24,9 +24,10 @@ typedef struct {
     long contacts;    /* that go on */
     long sounding;    /* objects that ring */
     long waiting;     /* commands that wait for their time */
-    long dropped;     /* contacts for which there was no room */
+    long dropped;     /* contacts left out, as others that are heard better took all room */
     long late;        /* commands that came after their time */
     long refused;     /* commands of the score or of messages that the engine did not take: it could not, or had no room */
+    double loudest;   /* momentary loudness of the loudest contact left out so far, LUFS; -200: none was */
 } carom_state;
 
 /* Open the bytes of a scene (the file scene.carom), which are copied. live: its objects are there, and nothing plays;

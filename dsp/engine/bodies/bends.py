@@ -90,16 +90,6 @@ def pressing_force(contact: Contact) -> float:
     return law(coupled.motion[0], coupled.motion[1] / coupled.period, coupled.k, coupled.mu, coupled.a)
 
 
-@kernel
-def is_pressed(state: State, obj: Object) -> bool:
-    """True if a blow or a press bends an object's modes."""
-    index, found = obj.contact, False
-    while index >= 0:
-        found |= pressing_force(state.contacts[index]) > 0.0
-        index = state.contacts[index].next
-    return found
-
-
 @noinline_kernel
 def retune_bent(state: State, obj: Object, stretch: float, share: float) -> None:
     """Bring the modes of an object to a new tension after a share of the coming sample; their bends as the head of this

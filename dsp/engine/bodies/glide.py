@@ -16,7 +16,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...resonator.mode import energy_of
 from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, Object, State
-from .bends import find_bend, in_work, is_pressed, retune_bent, ring_tensed
+from .bends import find_bend, in_work, pressing_force, retune_bent, ring_tensed
 from .objects import modes_of
 
 _AUDIBLE = 2.0 ** (2.0 / 1200.0) - 1.0  # rise of the tension by which the pitch rises by a cent
@@ -66,7 +66,11 @@ def follow_tension(state: State, obj: Object) -> None:
     least = min(_STEP, 2.0 * _PHASE * sigma / omega) if omega > 0.0 else _STEP
     if abs(stretch - obj.stretch) < least * (1.0 + stretch):
         return
-    if stretch > 0.0 and is_pressed(state, obj):
+    pressed, index = False, obj.contact  # by a blow or a press, which bends its modes
+    while stretch > 0.0 and index >= 0:
+        pressed |= pressing_force(state.contacts[index]) > 0.0
+        index = state.contacts[index].next
+    if pressed:
         retune_bent(state, obj, stretch, 1.0)
         return
     obj.stretch, obj.lent = stretch, 0.0

@@ -223,7 +223,9 @@ def kick_modes(state: State, obj: Object) -> None:
     else:
         extrapolate(sheet, sheet.turn / every)
     domed = sheet.grids[sheet.level].domed == 1
-    sheet.held = int(domed and _is_held(obj, sheet))
+    # A hand holds it that bends it by more than it swings, where psi lacks less than the bend has.
+    lacks = 0.5 * (sheet.truth * sheet.truth - sheet.psi * sheet.psi)
+    sheet.held = int(domed and obj.deflection > _HELD * sheet.energy and lacks < obj.deflection)
     behind = is_behind(sheet) and sheet.held == 0
     if not behind:
         drifts = sheet.turn == 0 and obj.deflection > 0.0 and domed
@@ -242,13 +244,6 @@ def kick_modes(state: State, obj: Object) -> None:
         sheet.mixed = 0
         if sheet.held == 0:
             scatter(sheet, space, y1, y2, sheet.mixes * h)
-
-
-@kernel
-def _is_held(obj: Object, sheet: Sheet) -> bool:
-    """True if a hand bends a plate by more than it swings, and psi lacks less than the bend has."""
-    lacks = 0.5 * (sheet.truth * sheet.truth - sheet.psi * sheet.psi)
-    return obj.deflection > _HELD * sheet.energy and lacks < obj.deflection
 
 
 @kernel

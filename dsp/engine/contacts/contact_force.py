@@ -18,12 +18,13 @@ from ..bodies.objects import modes_of, point_of
 from ..bodies.sensing import push_sensed
 from ..bodies.strikers import begin_striker, drive_striker
 from ..bodies.surface import put
-from ..memory.quality import BY_ITSELF, modes_for, room_for_coupling
+from ..memory.quality import modes_for
 from ..memory.records import Contact
 from ..memory.state import COUPLING, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
 from .coupled_rolls import put_on_line, share_driven
+from .room import find_coupled_room, has_room_for
 from .solver_choice import choose_solver, find_speed, soften_pulse, tolerance_of
 from .trace import trace_blow, trace_snap, trace_touches
 
@@ -39,7 +40,8 @@ def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
         find_speed(state, contact)
     if contact.w > 0.0:
         contact.mu = contact.w / max(contact.v_in, _resting_speed(contact))
-    solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact)
+    has_room = pushed or has_room_for(state, contact)
+    solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact, has_room)
     if solver != COUPLING:
         soften_pulse(state, contact, mass_ratio, seen_mass_ratio)
     if pushed:
@@ -50,8 +52,7 @@ def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
             point = contact.point[side]
             if point.slot >= 0:
                 point.modes = min(point.modes, state.objects[point.slot].unheard)
-    if solver == COUPLING and not has_room_for(state, contact):
-        state.stats.contacts_dropped += 1
+    if solver == COUPLING and not find_coupled_room(state, contact):
         return False
     contact.solver = solver
     if solver == COUPLING:
@@ -113,18 +114,6 @@ def couple(state: State, contact: Contact) -> None:
     contact.coupled.slowest = _resting_speed(contact)
     state.stats.coupled += 1
     state.stats.coupled_modes += contact.modes
-
-
-@kernel
-def has_room_for(state: State, contact: Contact) -> bool:
-    """True if a contact may be coupled to the modes that it touches."""
-    contact.modes = BY_ITSELF
-    for side in range(2):
-        if contact.point[side].slot >= 0:
-            contact.modes += contact.point[side].modes
-    taken = state.stats.coupled_modes
-    room = room_for_coupling(state)
-    return room == 0 or taken == 0 or taken + contact.modes <= room
 
 
 @kernel

@@ -78,11 +78,6 @@ def _join(group: CoupledGroup, candidates: View[int], i: int) -> None:
 
 
 @kernel
-def _began_before(contact: Contact, other: Contact) -> bool:
-    return contact.start < other.start or (contact.start == other.start and contact.fraction < other.fraction)
-
-
-@kernel
 def _see_each_other(contact: Contact, other: Contact) -> bool:
     """True if two contacts touch the same object, and neither holds its force."""
     held = contact.coupled.tolerance == HELD or other.coupled.tolerance == HELD
@@ -97,7 +92,10 @@ def _solve(state: State, frame: int) -> None:
     for i in range(1, group.size):
         member = group.member[i]
         j = i
-        while j > 0 and _began_before(state.contacts[member], state.contacts[group.member[j - 1]]):
+        while j > 0:
+            one, other = state.contacts[member], state.contacts[group.member[j - 1]]
+            if not (one.start < other.start or (one.start == other.start and one.fraction < other.fraction)):
+                break
             group.member[j] = group.member[j - 1]
             j -= 1
         group.member[j] = member

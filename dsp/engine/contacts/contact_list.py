@@ -11,7 +11,7 @@ from ...numerics.random import STEP, mixed
 from ..memory.commands import Event
 from ..memory.filling import fill_roll, fill_swarm
 from ..memory.records import Contact
-from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, Object, State
+from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, FADING, UNWEIGHED, Object, State
 
 KEPT_ASIDE = 2
 """`aside` of a contact whose striker has left, and is kept for a while."""
@@ -112,7 +112,20 @@ def take_contact(state: State) -> int:
     clear_record(state.contacts[index])
     state.contacts[index].index = index
     state.last_command[index] = 0
+    state.heard[index] = UNWEIGHED
     return index
+
+
+@kernel
+def free_place(state: State, index: int) -> None:
+    """Give a place among the contacts back, which is in no list."""
+    state.fading -= state.heard[index] == FADING
+    state.heard[index] = FADING
+    state.contacts[index].gesture = 0
+    state.last_command[index] = 0
+    stats = state.stats
+    stats.contacts_active -= 1
+    state.free_contact[len(state.contacts) - 1 - stats.contacts_active] = index
 
 
 @kernel
@@ -202,20 +215,21 @@ def leave_table(state: State, number: int) -> None:
 @kernel
 def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     """Take a contact, which follows `before` (-1: the first), out of its object's list and free its place."""
-    contact = state.contacts[index]
     take_out(state, obj, before, index)
-    contact.gesture = 0
-    state.last_command[index] = 0
+    free_means(state, state.contacts[index])
+    free_place(state, index)
+
+
+@kernel
+def free_means(state: State, contact: Contact) -> None:
+    """Give back all that a contact has but its own place."""
     release_modes(state, contact)
     # Leave a contact's voice to itself: no force is to come, and another may take the row of those that came.
     if contact.voice >= 0:
         state.voices[contact.voice].contact = state.voices[contact.voice].roll = -1
         contact.voice = -1
-    stats = state.stats
-    stats.contacts_active -= 1
-    state.free_contact[len(state.contacts) - 1 - stats.contacts_active] = index
     if contact.trait.along == 1:
-        stats.rolls_active -= 1
+        state.stats.rolls_active -= 1
         state.free_roll[places_left(state) - 1] = contact.roll
         fill_roll(state, contact.roll)
     elif contact.trait.swarms > 0:

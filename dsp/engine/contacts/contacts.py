@@ -16,7 +16,7 @@ from ...schema import BY_POINT, POINT, STEERABLE, gestures_steered_by
 from ..bodies.strikers import roll_striker
 from ..bodies.surface import PLACES, THERE, put, put_other
 from ..memory.order import wake
-from ..memory.quality import coarseness_of, holds_steps, must_wait
+from ..memory.quality import BY_ITSELF, coarseness_of, holds_steps, must_wait, room_for_coupling
 from ..memory.records import Contact
 from ..memory.state import (
     BEHIND,
@@ -26,6 +26,7 @@ from ..memory.state import (
     END_RESTED,
     END_STOPPED,
     LEAD,
+    LEFT_OUT,
     QUANTUM,
     ROLLING,
     Object,
@@ -49,9 +50,10 @@ from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .presses import add_static, glide_push
 from .rests import bear_load, begin_rest, keep_resting
 from .rolls import feed_of, feed_on, move_on, register_roll
+from .room import fade_out
 from .slides import choose_again, lead_slide, rub, rubs
 from .solver_choice import is_moved
-from .swarms import delay_swarm, has_run_out, swarm_on
+from .swarms import has_run_out, swarm_on
 from .trace import trace_roll
 
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
@@ -145,6 +147,8 @@ def update_contacts(state: State, obj: Object) -> None:
 def _go_on(state: State, index: int) -> bool:
     """Continue a contact in a new quantum; return True if its gesture has been stopped and is over."""
     contact = state.contacts[index]
+    if state.heard[index] == LEFT_OUT:
+        return not fade_out(state, index)
     if contact.trait.along == 1:
         return _roll_on(state, index)
     if contact.trait.swarms > 0:
@@ -182,7 +186,9 @@ def _wait_longer(state: State, contact: Contact) -> bool:
         return contact.start >= contact.until
     contact.origin += QUANTUM
     if contact.trait.swarms > 0:
-        return delay_swarm(state, contact)
+        contact.until += QUANTUM if has_run_out(contact) else 0
+        contact.gone_at += QUANTUM
+        return contact.until < state.position
     if contact.trait.repeats == 1:
         schedule_contact(state, contact)
         return contact.start >= contact.until
@@ -311,12 +317,13 @@ def begin_contacts(state: State, obj: Object, frame: int) -> bool:
         else:
             end_contact(state, obj, before, index)
         index = after
-    if began and not holds_steps(state):
+    room = room_for_coupling(state)
+    if began and not holds_steps(state) and (room == 0 or state.stats.coupled_modes + BY_ITSELF <= room):
         # Couple the contacts of closed form that others on the same objects move.
         index = obj.contact
         while index >= 0:
             contact = state.contacts[index]
-            if contact.touching == 1 and contact.solver == CLOSED and is_moved(state, contact):
+            if contact.touching == 1 and contact.solver == CLOSED and contact.m > 0.0 and is_moved(state, contact):
                 couple_pulse(state, contact)
             index = contact.next
     return began

@@ -24,9 +24,10 @@ from ..bodies.objects import is_heard, least_heard
 from ..bodies.sheets import is_coupled
 from ..bodies.surface import put_other
 from ..memory.records import Contact
-from ..memory.state import COUPLING, QUANTUM, Object, State
-from .contact_force import couple, has_room_for, touch, update_mode_count
+from ..memory.state import COUPLING, QUANTUM, State
+from .contact_force import couple, touch, update_mode_count
 from .contact_list import give_place_back
+from .room import find_coupled_room
 
 _FIRST = 0.2  # of a radian of its swing: the first step to try
 _STILL = 1e-5  # of the compression at rest: a contact that swings by less is still
@@ -39,8 +40,7 @@ def begin_rest(state: State, contact: Contact) -> bool:
     coupled = contact.coupled
     put_other(state, contact)
     contact.light = 1
-    if not has_room_for(state, contact):
-        state.stats.contacts_dropped += 1
+    if not find_coupled_room(state, contact):
         return False
     contact.solver = COUPLING
     couple(state, contact)
@@ -103,11 +103,19 @@ def settle_rests(state: State) -> None:
             contact = state.contacts[index]
             acts = contact.touching == 1 or contact.start < state.position + QUANTUM
             rests = contact.trait.rests == 1 and contact.touching == 1
-            moves = acts and not (rests and _is_still(contact))
+            coupled, least = contact.coupled, _STILL * contact.coupled.rest_compression
+            away = abs(coupled.motion[0] - coupled.rest_compression)
+            still = coupled.touching == 1 and away < least and abs(coupled.v) < least * coupled.swing
+            moves = acts and not (rests and (contact.asleep == 1 or still))
             for side in range(2):
                 if contact.point[side].slot >= 0:
                     obj = state.objects[contact.point[side].slot]
-                    if moves or (rests and obj.restless == 0 and _rings(state, obj)):
+                    rings = False
+                    if not moves and rests and obj.restless == 0:
+                        rings = obj.spectral > 0 or obj.fading > 0 or is_coupled(state, obj)
+                        end = obj.first + obj.live
+                        rings = rings or is_heard(state, obj, obj.first, end, least_heard(state, obj))
+                    if moves or rings:
                         obj.restless = 1
             index = state.contacts[index].next
     while _spread(state):
@@ -142,23 +150,6 @@ def settle_rests(state: State) -> None:
                                 state.bank.y1[mode] = state.bank.y2[mode] = 0.0
                             obj.live = obj.has_contact = 0
             index = contact.next
-
-
-@kernel
-def _is_still(contact: Contact) -> bool:
-    """True if a rest does not swing."""
-    coupled = contact.coupled
-    least = _STILL * coupled.rest_compression
-    away = abs(coupled.motion[0] - coupled.rest_compression)
-    return contact.asleep == 1 or (coupled.touching == 1 and away < least and abs(coupled.v) < least * coupled.swing)
-
-
-@kernel
-def _rings(state: State, obj: Object) -> bool:
-    """True if an object's modes are heard, or may be."""
-    if obj.spectral > 0 or obj.fading > 0 or is_coupled(state, obj):
-        return True
-    return is_heard(state, obj, obj.first, obj.first + obj.live, least_heard(state, obj))
 
 
 @kernel

@@ -217,16 +217,6 @@ def _samples_of(state: State, driver: Driver) -> View[float]:
 
 
 @kernel
-def _stay(state: State, count: int) -> bool:
-    """True if so many drivers stay at their places."""
-    stay = True
-    for j in range(count):
-        drift = state.scratch.drivers[j].drift
-        stay = stay and drift[0] == drift[1] == drift[2] == drift[3] == 0.0
-    return stay
-
-
-@kernel
 def _acts_alike(a: Driver, b: Driver) -> bool:
     """True if two drivers act at one place, with one gain, and stay there."""
     alike = a.row == b.row
@@ -244,7 +234,11 @@ def _ring_driven(
     modes = modes_of(state, obj, first, last)
     here = shape[first:]
     drive = Drive(scratch.drivers, count, state.feeds, BEHIND)
-    if count <= TOGETHER and _stay(state, count):
+    stay = count <= TOGETHER  # all drivers at their places
+    for j in range(count):
+        drift = scratch.drivers[j].drift
+        stay = stay and drift[0] == drift[1] == drift[2] == drift[3] == 0.0
+    if stay:
         stop = end - (end - frame) % STRETCH
         heard = voice[: sides_of(state)]
         ring_under(modes, obj.unheard - first, here, obj.size, drive, scratch.work, heard, (frame, stop))

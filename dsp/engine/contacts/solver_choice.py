@@ -70,29 +70,34 @@ def count_steps(state: State, contact: Contact, sign: int, price: int) -> None:
 
 
 @kernel
-def choose_solver(state: State, contact: Contact) -> tuple[int, float, float]:
+def choose_solver(state: State, contact: Contact, has_room: bool) -> tuple[int, float, float]:
     """Return the solver for a contact, with its sums of r_i and of r_i P_i; begin its wall pulse, unless nothing asks
     for that.
 
     r_i = m phi_i^2, and P_i is the wall pulse's power spectrum at mode i over that at 0. The second sum is -1 where it
-    was not needed.
+    was not needed. Where there is no room to couple it, the closed form has to do on objects that outweigh the striker.
     """
     mass_ratio, ringing_ratio = _ratios(state, contact)
     contact.light = int(mass_ratio >= LIGHT)
+    couples = has_room or contact.light == 1
     level = 0 if holds_steps(state) else state.choices.accuracy
     residual: float = RESIDUAL[level]
     rings = ringing_ratio >= residual
-    if not rings or contact.sound >= 0 or contact.trait.single == 0:  # strikers that sound and bounces go by it, too
+    goes_by_it = contact.sound >= 0 or contact.trait.single == 0  # strikers that sound, and bounces
+    if goes_by_it or not (rings and couples):
         begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
-    if rings:
+    if rings and couples:
         return COUPLING, mass_ratio, -1.0
     if mass_ratio < _LIGHT and mass_ratio + ringing_ratio < residual:
         return CLOSED, mass_ratio, -1.0
     find_nodes(contact.pulse)
     seen = _seen_mass_ratio(state, contact)
-    if closed_form_will_do(level, seen, mass_ratio, ringing_ratio, contact.pulse.restitution):
+    if not rings and closed_form_will_do(level, seen, mass_ratio, ringing_ratio, contact.pulse.restitution):
         return CLOSED, mass_ratio, seen
-    return COUPLING, mass_ratio, seen
+    if couples:
+        return COUPLING, mass_ratio, seen
+    state.stats.over_budget += 1
+    return CLOSED, mass_ratio, seen
 
 
 @kernel

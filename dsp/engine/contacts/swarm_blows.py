@@ -260,7 +260,7 @@ def _may_be_contact(state: State, swarm: Swarm, time: float, momentum: float) ->
     since = (time - swarm.spared) * _OFTEN
     swarm.spare, swarm.bar = min(swarm.spare + 2.0 * since, AT_ONCE), swarm.bar - _RISE * since
     swarm.spared = time
-    if momentum < swarm.bar or swarm.spare < 1.0 or state.stats.contacts_active >= len(state.contacts):
+    if momentum < swarm.bar or swarm.spare < 1.0 or state.stats.contacts_active - state.fading >= state.most_contacts:
         return False
     swarm.spare -= 1.0
     swarm.bar = max(swarm.bar, momentum - _BELOW) + _RISE

@@ -22,7 +22,7 @@ from ...swarm.blows import NARROWEST, ROLL_OFF, mean_mass
 from ...swarm.course import CHANGE, FASTEST, PIECES, course_at, next_bend
 from ...swarm.grid import find_force, find_moments, find_samples, frames_of, move_on
 from ...swarm.pieces import CRACKING, JUNCTIONS, STRONGEST, break_up, freed_by_cracks, size_at
-from ...swarm.record import BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SOUNDS, SWARMS, WIDTHS, Knot, Swarm
+from ...swarm.record import BANDS, FORCES, GRID, ONE_SIZE, PLACES, SIZES, SOUNDS, WIDTHS, Knot, Swarm
 from ...swarm.ringing import bent_by
 from ...swarm.times import add_knot, drop_knots, on_lattice, seed_swarm
 from ..bodies.objects import frequency_of, is_felt, shape_at
@@ -48,15 +48,6 @@ _BRIEFEST = 1e-6  # s: of a memory
 _NEAR = 1e-9  # of a rate
 _BENT = 1e-6  # of a step's highest rate: its bends lie on the lattice of knots
 _ACTS = 0.5  # share of blows that act in the quantum after the one in which they are drawn
-
-
-@kernel
-def has_room_for_swarm(state: State, event: Event) -> bool:
-    """True if another swarm can begin, and there is a table of its pulses."""
-    room = False
-    for k in range(SWARMS):
-        room = room or state.swarms[k].used == 0
-    return room and event.values.pulses > 0.0
 
 
 @noinline_kernel
@@ -141,15 +132,6 @@ def _break(state: State, contact: Contact, event: Event) -> None:
 def has_run_out(contact: Contact) -> bool:
     """True if a swarm that lasts for a time of its own has not been stopped before."""
     return contact.trait.treads + contact.trait.breaks > 0 and contact.until >= contact.gone_at
-
-
-@kernel
-def delay_swarm(state: State, contact: Contact) -> bool:
-    """Halt a swarm's time for a quantum; true if it is to end."""
-    if has_run_out(contact):
-        contact.until += QUANTUM
-    contact.gone_at += QUANTUM
-    return contact.until < state.position
 
 
 @kernel

@@ -16,11 +16,19 @@ from ...schema_records import VALUES
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
 from ..bodies.surface import direct, put_at
-from ..contacts.contact_list import append_contact, has_place, refuse_gesture, schedule_contact, take_contact, take_roll
+from ..contacts.contact_list import (
+    append_contact,
+    free_place,
+    refuse_gesture,
+    schedule_contact,
+    take_contact,
+    take_roll,
+)
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
+from ..contacts.room import find_room
 from ..contacts.slides import begin_slide
-from ..contacts.swarms import begin_swarm, has_room_for_swarm
+from ..contacts.swarms import begin_swarm
 from ..memory.commands import IN_VALUES, Event
 from ..memory.quality import coarseness_of
 from ..memory.state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING, Object, State
@@ -40,12 +48,15 @@ _SIZES = np.array(
 def start_gesture(state: State, obj: Object, event: Event) -> None:
     """Take a striker into an object's list, to touch it at its time; a roll or slide that goes on is steered."""
     trait = state.traits[event.what]
-    stats = state.stats
+    stats, values = state.stats, event.values
+    # What moves nothing is over; a striker of an impulse J has less than J/m.
+    fastest = max(field(values, _SIZES[event.what]), values.sweep, values.impulse / values.mass)
+    tables = trait.swarms == 0 or values.pulses > 0.0
     if trait.along == 1 and steer_existing(state, event):
         refuse_gesture(state, event, END_JOINED)
-    elif _moves_too_slowly(event) and trait.swarms == 0:
+    elif fastest < _SLOWEST and trait.swarms == 0:
         refuse_gesture(state, event, END_RESTED)
-    elif not _has_room(state, event):
+    elif stats.contacts_active == len(state.contacts) or not tables:
         stats.impacts += 1
         stats.contacts_dropped += 1
         refuse_gesture(state, event, END_NO_ROOM)
@@ -54,7 +65,6 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         state.last_command[index] = 0 if trait.single == 1 else state.queue.carried_out
         contact = state.contacts[index]
         # Make a contact what a command says.
-        values = event.values
         contact.kind = event.what
         contact.trait = state.traits[event.what]
         contact.gesture = event.gesture
@@ -112,6 +122,11 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
             contact.push_target = target.force
             target.gain = 1.0  # a hand that is softer is one that presses less
         contact.now = contact.target
+        if not find_room(state, index):
+            stats.impacts += 1
+            free_place(state, index)
+            refuse_gesture(state, event, END_NO_ROOM)
+            return
         if trait.along == 1:
             # Give a striker that moves along a surface its body and its surface.
             contact.roll = take_roll(state)
@@ -134,23 +149,6 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         begin_gesture(contact.kind, state, contact, event)
         schedule_contact(state, contact)
         append_contact(state, obj, index)
-
-
-@kernel
-def _moves_too_slowly(event: Event) -> bool:
-    """True if a striker moves nothing; that of an impulse J has less than J/m."""
-    values = event.values
-    fastest = max(field(values, _SIZES[event.what]), values.sweep, values.impulse / values.mass)
-    return fastest < _SLOWEST
-
-
-@kernel
-def _has_room(state: State, event: Event) -> bool:
-    """True if there is room for the contact that a command begins."""
-    trait = state.traits[event.what]
-    if state.stats.contacts_active == len(state.contacts) or (trait.along == 1 and not has_place(state)):
-        return False
-    return trait.swarms == 0 or has_room_for_swarm(state, event)
 
 
 @kernel

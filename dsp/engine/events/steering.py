@@ -51,19 +51,13 @@ def steer(state: State, event: Event) -> None:
         contact = state.contacts[i]
         if _takes(state, contact, event):
             _count_command(state, i)
-            if _is_steered_by(contact, event.parameter) and not takes_time(state, event, i, contact.command):
+            # Pieces keep the level at which they sound alike.
+            level = event.parameter == LEVEL
+            steers = contact.trait.breaks == 0 if level else STEERS[contact.kind, event.parameter]
+            if steers and not takes_time(state, event, i, contact.command):
                 set_target(state, contact, event.parameter, event.value)
                 if contact.trait.swarms > 0:
                     steer_swarm(state, contact, event.time)
-
-
-@kernel
-def _is_steered_by(contact: Contact, parameter: int) -> bool:
-    """True if a contact takes a parameter anew; pieces keep the level at which they sound alike."""
-    if parameter == LEVEL:
-        return contact.trait.breaks == 0
-    steers: bool = STEERS[contact.kind, parameter]
-    return steers
 
 
 @kernel

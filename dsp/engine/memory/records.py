@@ -177,6 +177,27 @@ class Tails(Record):
     balance: Annotated[View[float], TAIL_MODES]
 
 
+ZONES = 4
+"""Parts of a strike path in which it is known how loud an object is."""
+BANDS = 10
+"""Octaves of frequency, from LOWEST on, in which it is."""
+LOWEST = 20.0
+"""Hz."""
+
+
+class Audible(Record):
+    """How loud a blow on an object is, as long as its settings stay."""
+
+    serial: int  # of the object
+    tune: float
+    decay: float
+    damp: float
+    # Of its modes in an octave: the mean square of output for an impulse of 1 N s in each zone, and on the whole,
+    loud: Annotated[View2D[float], ZONES + 1, BANDS]
+    gives: Annotated[View[float], BANDS]  # and 1/kg: the mean of sum phi^2,
+    middle: Annotated[View[float], BANDS]  # and Hz: where most of that is
+
+
 class Place(Record):
     """The gains with which an object is heard."""
 

@@ -30,7 +30,7 @@ from .clock import Clock
 from .commands import Budget, Event
 from .meter_record import Meter
 from .mounted import SENSORS
-from .records import Contact, Place, RampList, Slide, Tails, Through
+from .records import Audible, Contact, Place, RampList, Slide, Tails, Through
 from .sensor_record import SensorState
 from .space_record import Space as Surroundings
 from .striker_state import STRIKERS, VOICES, Striker, Voice
@@ -39,6 +39,11 @@ QUANTUM = AHEAD
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
 
 CONTACTS = CAPACITY.contacts
+CONTACT_PLACES = 2 * CONTACTS
+"""Places of contacts: as many again fade out over a quantum, as others would be heard better."""
+UNWEIGHED, LEFT_OUT, FADING = -1.0, -2.0, 1e300
+"""`heard` of a contact of which it is not known yet; of one that fades from the next quantum on, as it is left out; and
+of one that does, or of a place that nothing has: louder than all others."""
 EVENTS = CAPACITY.events
 RING = CAPACITY.ring
 ROLLS = CAPACITY.rolls
@@ -87,7 +92,7 @@ class End(IntEnum):
 
     RESTED = 0
     STOPPED = 1
-    NO_ROOM = 2  # it never began
+    NO_ROOM = 2  # others are heard better: it never began, or was left out later
     GONE = 3  # with its object, or by a panic
     JOINED = 4  # it steered a roll or slide that goes on
 
@@ -382,11 +387,17 @@ class State(Record):
     looked_at: int  # the one of them that was looked at last
     to_look_at: int  # modes that are to be looked at now, below 0: more than that were
     tails: Tails
-    contacts: Annotated[View[Contact], CONTACTS]
-    directed: Annotated[View[f32], 2 * CONTACTS * DIRECTED]  # shapes where each acts on either object, in a direction
-    free_contact: Annotated[View[int], CONTACTS]  # stack
+    contacts: Annotated[View[Contact], CONTACT_PLACES]
+    # Shapes where each acts on either object, in a direction:
+    directed: Annotated[View[f32], 2 * CONTACT_PLACES * DIRECTED]
+    free_contact: Annotated[View[int], CONTACT_PLACES]  # stack
+    most_contacts: int  # that can go on at once
+    fading: int  # contacts that were left out, and fade
+    heard: Annotated[View[float], CONTACT_PLACES]  # as `weigh_contact` finds it, or one of these
+    weighed_at: int  # 1 + the quantum's first sample in which all of these were last found
+    audible: Annotated[View[Audible], OBJECTS]
     last_command: Annotated[
-        View[int], CONTACTS
+        View[int], CONTACT_PLACES
     ]  # number of the event that was last about a gesture that lasts; 0: none
     contact_count: int  # numbers given to contacts so far
     steps_taken: int  # by coupled contacts in this quantum
@@ -455,7 +466,8 @@ def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -
     record["stats"]["limit_lowest"] = 1.0
     record["scratch"]["together"]["known"] = -1
     record["contacts"]["sound"] = record["contacts"]["voice"] = -1
-    record["contacts"]["index"] = record["free_contact"] = np.arange(CONTACTS)
+    record["contacts"]["index"] = record["free_contact"] = np.arange(CONTACT_PLACES)
+    record["heard"], record["most_contacts"] = FADING, CONTACTS
     record["queue"]["heap"] = np.arange(EVENTS)
     record["free_roll"] = np.arange(ROLLS)
     record["free_voice"] = np.arange(VOICES)

@@ -54,6 +54,7 @@ def judge_blows(state: State) -> int:
             state.faint += 1
         elif room <= 0:
             state.over_budget += 1
+            state.loudest_unheard = max(state.loudest_unheard, blow.pressure)
         else:
             room -= 1
             found += 1

@@ -175,6 +175,7 @@ def _begin(state: State, microphones: MicrophoneState, pair: Pair) -> None:
         _tell(state, pair, MOVE)
     elif pair.moves == STILL:
         state.unheard += 1
+        state.loudest_unheard = max(state.loudest_unheard, pair.pressure)
         pair.moves = UNHEARD
 
 
@@ -245,6 +246,7 @@ def _make_room(state: State, pair: Pair) -> None:
     if faintest >= 0:
         _hush(state, state.pairs[faintest])
         state.unheard += 1
+        state.loudest_unheard = max(state.loudest_unheard, state.pairs[faintest].pressure)
 
 
 @kernel

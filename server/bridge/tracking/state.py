@@ -333,6 +333,7 @@ class State(Record):
     hits: int
     faint: int
     over_budget: int
+    loudest_unheard: float  # Pa rms: of the loudest that was left out, as too many came at once
 
 
 STATE = dtype_of(State)

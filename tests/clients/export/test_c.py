@@ -171,6 +171,7 @@ class Report(ctypes.Structure):
     _fields_ = [
         ("load", ctypes.c_double), ("frames", ctypes.c_longlong),
         *((name, ctypes.c_long) for name in ("contacts", "sounding", "waiting", "dropped", "late", "refused")),
+        ("loudest", ctypes.c_double),
     ]  # fmt: skip
 
 
