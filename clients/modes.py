@@ -202,7 +202,8 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
     """Return the decays of all modes, as the engine has them."""
     if not len(modes.decay):  # a small body that clicks alone
         return modes.decay
-    state: Any = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
+    bank = SimpleNamespace(sigma=modes.decay, held=np.zeros_like(modes.decay))
+    state: Any = SimpleNamespace(bank=bank, rate=rate)
     obj: Any = SimpleNamespace(first=0, settings=settings)
     most = int(np.argmax(modes.decay))
     if settings.decay == 1.0 and settings.damp == 0.0 and sigma_of.py_func(state, obj, most) == modes.decay[most]:

@@ -63,6 +63,7 @@ class Followed:
         self._seen: dict[int, list[_Seen]] = {}
         self._in_space: set[int] = set()
         self._panicked: set[int] = set()
+        self._covered: set[int] = set()
 
     def look(self, performer: Performer) -> None:
         """Take notice of a quantum that was computed."""
@@ -82,6 +83,9 @@ class Followed:
                 self._seen.setdefault(serial, []).append(seen)
                 if record["fading"] > 0:
                     self._panicked.add(serial)
+                first, felt = int(record["first"]), int(record["felt"])
+                if performer.engine.state[0]["bank"]["held"][first : first + felt].any():
+                    self._covered.add(serial)
 
     def fades(self, serial: int, gains: NDArray[np.float64], quanta: int) -> Ends:
         """Return an object's gains at the beginning and the end of each quantum, between which they go as lines, as
@@ -103,9 +107,9 @@ class Followed:
         return whole
 
     def stayed(self, serial: int) -> bool:
-        """True if an object rang on as it was made, through no panic, and was never heard from a place in space."""
+        """True if an object rang on as it was made: no panic, nothing that covered it, and no place in space."""
         settings = {each.settings for each in self._seen.get(serial, ())}
-        return serial not in self._in_space | self._panicked and len(settings) <= 1
+        return serial not in self._in_space | self._panicked | self._covered and len(settings) <= 1
 
     def all_in(self, serials: Iterable[int]) -> bool:
         """True if no object was there but these."""

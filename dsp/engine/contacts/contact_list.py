@@ -11,7 +11,7 @@ from ...numerics.random import STEP, mixed
 from ..memory.commands import Event
 from ..memory.filling import fill_roll, fill_swarm
 from ..memory.records import Contact
-from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, Object, State
+from ..memory.state import CLOSED, COUPLING, COVERING, END_GONE, ENDED, Object, State
 
 KEPT_ASIDE = 2
 """`aside` of a contact whose striker has left, and is kept for a while."""
@@ -204,9 +204,18 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     """Take a contact, which follows `before` (-1: the first), out of its object's list and free its place."""
     contact = state.contacts[index]
     take_out(state, obj, before, index)
+    other = obj.contact
+    while contact.trait.held == 1 and other >= 0:  # what a press covers goes with it
+        if state.contacts[other].solver == COVERING and state.contacts[other].gesture == contact.gesture:
+            state.contacts[other].until = 0.0
+        other = state.contacts[other].next
     contact.gesture = 0
     state.last_command[index] = 0
     release_modes(state, contact)
+    if contact.solver == COVERING:
+        for i in range(obj.first, obj.first + obj.size):
+            state.bank.held[i] = 0.0
+        obj.stale_modes = obj.size
     # Leave a contact's voice to itself: no force is to come, and another may take the row of those that came.
     if contact.voice >= 0:
         state.voices[contact.voice].contact = state.voices[contact.voice].roll = -1

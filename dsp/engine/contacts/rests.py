@@ -24,7 +24,7 @@ from ..bodies.objects import is_heard, least_heard
 from ..bodies.sheets import is_coupled
 from ..bodies.surface import put_other
 from ..memory.records import Contact
-from ..memory.state import COUPLING, QUANTUM, Object, State
+from ..memory.state import COUPLING, COVERING, QUANTUM, Object, State
 from .contact_force import couple, has_room_for, touch, update_mode_count
 from .contact_list import give_place_back
 
@@ -100,10 +100,13 @@ def settle_rests(state: State) -> None:
         index = state.objects[state.order[i]].contact
         while index >= 0:
             # Say whether the objects of a contact can't sleep: it acts on them, a rest swings, or they ring.
-            contact = state.contacts[index]
+            contact, coupled = state.contacts[index], state.contacts[index].coupled
             acts = contact.touching == 1 or contact.start < state.position + QUANTUM
-            rests = contact.trait.rests == 1 and contact.touching == 1
-            moves = acts and not (rests and _is_still(contact))
+            rests = contact.trait.rests == 1 and contact.solver == COUPLING
+            least = _STILL * coupled.rest_compression
+            away, pace = abs(coupled.motion[0] - coupled.rest_compression), abs(coupled.v)
+            still = coupled.touching == 1 and away < least and pace < least * coupled.swing
+            moves = acts and contact.solver != COVERING and not (rests and (contact.asleep == 1 or still))
             for side in range(2):
                 if contact.point[side].slot >= 0:
                     obj = state.objects[contact.point[side].slot]
@@ -116,7 +119,7 @@ def settle_rests(state: State) -> None:
         index = state.objects[state.order[i]].contact
         while index >= 0:
             contact = state.contacts[index]
-            if contact.trait.rests == 1 and contact.touching == 1:
+            if contact.trait.rests == 1 and contact.solver == COUPLING:
                 if state.objects[contact.point[0].slot].restless == 1:
                     # Wake a rest, to be computed in this quantum.
                     contact.asleep = contact.ahead = 0
@@ -142,15 +145,6 @@ def settle_rests(state: State) -> None:
                                 state.bank.y1[mode] = state.bank.y2[mode] = 0.0
                             obj.live = obj.has_contact = 0
             index = contact.next
-
-
-@kernel
-def _is_still(contact: Contact) -> bool:
-    """True if a rest does not swing."""
-    coupled = contact.coupled
-    least = _STILL * coupled.rest_compression
-    away = abs(coupled.motion[0] - coupled.rest_compression)
-    return contact.asleep == 1 or (coupled.touching == 1 and away < least and abs(coupled.v) < least * coupled.swing)
 
 
 @kernel

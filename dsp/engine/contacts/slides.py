@@ -30,7 +30,7 @@ from ..bodies.sensing import push_sensed
 from ..bodies.surface import direct, has_moved, keep_spot, put
 from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact, Slide
-from ..memory.state import COUPLING, LEAD, QUANTUM, ROLLING, State
+from ..memory.state import COUPLING, COVERING, LEAD, QUANTUM, ROLLING, State
 from .contact_list import give_room_back
 from .coupled_rolls import LEAST, LEAVING, NEVER, couple_roll, may_feel, position_of
 from .presses import add_static
@@ -136,7 +136,8 @@ def _place_of_press(state: State, contact: Contact) -> int:
     press = state.slides[contact.roll].press
     index = state.objects[contact.point[0].slot].contact
     while index >= 0:
-        if state.contacts[index].gesture == press and state.contacts[index].trait.held == 1:
+        held = state.contacts[index].trait.held == 1 and state.contacts[index].solver != COVERING
+        if state.contacts[index].gesture == press and held:
             return index
         index = state.contacts[index].next
     return -1

@@ -40,7 +40,7 @@ def test_a_blow_is_rebuilt(tmp_path, number):
         (
             'preset = "steel-ring"\nmaterial = "brass"',
             "",
-            '[press]\nforce = 2\nstriker = "mute"\nuntil = 0.1',
+            '[press]\nforce = 2\nstriker = "fingertip"\nuntil = 0.1',
         ),
         (
             'preset = "glass-plate"',
