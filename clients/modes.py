@@ -18,7 +18,7 @@ _ROWS = 4  # between which mode shapes are interpolated
 
 
 class Click(NamedTuple):
-    """A heavily damped sound of a body, wherever it is struck.
+    """A heavily damped sound of a body about the point that is struck.
 
     An impulse of J (N s) at t = 0 adds, at the output c,
     J gains[c] exp(-decay t) (cos(w t) - decay/w sin(w t)), w = 2 pi frequency.
@@ -99,7 +99,7 @@ def mode_table(
     known = heard_as(modes, level, settings, gains, rate)
     relief = Relief(known.relief.frequencies.copy(), known.relief.decays.copy(), known.relief_at(position))
     return ModeTable(
-        known.frequencies.copy(), known.decays.copy(), known.gains_at(position), known.clicks, relief
+        known.frequencies.copy(), known.decays.copy(), known.gains_at(position), known.clicks_at(position), relief
     )  # fmt: skip
 
 
@@ -120,6 +120,17 @@ class Heard(NamedTuple):
         """Return the gains of its modes, (n, channels), struck at a position (0 to 1)."""
         shape = _shape_at(self.modes.along, position)[self.heard]
         return self.level * (self.sides * shape).T * self.gains
+
+    @property
+    def shares(self) -> list[NDArray[np.float64]]:
+        """The shares of its clicks at equally spaced positions along the strike path."""
+        rows = max(len(self.modes.along), _ROWS)
+        return [each.rows(rows if len(each.along) > 1 else _ROWS) for each in self.modes.clicks]
+
+    def clicks_at(self, position: float) -> tuple[Click, ...]:
+        """Return its clicks, struck at a position (0 to 1)."""
+        heard = zip(self.clicks, self.shares, strict=True)
+        return tuple(each._replace(gains=each.gains * _shape_at(rows[:, None], position)) for each, rows in heard)
 
     def relief_at(self, position: float) -> NDArray[np.float64]:
         """Return the gains of its relief, (m, channels), struck at a position (0 to 1)."""

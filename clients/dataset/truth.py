@@ -148,7 +148,7 @@ class Told:
         elsewhere, too; on_path: but nowhere off its strike path."""
         serial, quanta = self._placed.handle.serial, -(-frames // QUANTUM)
         position = self._placed.position if touched is None else touched
-        heard = self._heard
+        heard, shares = self._heard, self._heard.shares
         laid = self._placed.modes, self._level, self._settings, self.gains, self._rate
         return {
             **self._identity,
@@ -157,7 +157,7 @@ class Told:
             "by_moments": [*self._by_moments],
             **self._rubbed,
             "modes": sines(heard.frequencies, heard.decays, heard.gains_at(position)),
-            "clicks": [_click(each) for each in heard.clicks],
+            "clicks": [_click(each) | {"along": [*rows]} for each, rows in zip(heard.clicks, shares, strict=True)],
             "relief": sines(heard.relief.frequencies, heard.relief.decays, heard.relief_at(position)),
             "places": _places(places_of(*laid)) if moves else {},
             "fades": followed.fades(serial, self.gains, quanta),
