@@ -420,7 +420,7 @@ class Actions(Gestures, ABC):
         self.send("/headroom", "on" if switch_of("/headroom: on", on, CommandError) else "off", at=at)
 
     def play(self, on: bool, at: SupportsFloat | None = None) -> None:
-        """Turn make-up on or off for later gestures: a gain by which every striker is heard on every object.
+        """Turn make-up on or off for later gestures: a gain that makes every striker audible on every object.
 
         Parameters
         ----------

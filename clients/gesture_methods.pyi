@@ -454,7 +454,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ImpactKeys],
     ) -> None:
-        """Begin a gesture that strikes the object once; with `by`, another object strikes it, and both ring."""
+        """Begin a gesture that strikes the object once; with `by`, another object strikes, and both ring."""
 
     def bounce(
         self,
@@ -474,8 +474,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the roll that has
-        this `id` (or NAME)."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0; steers a running roll of
+        this `id` (default NAME)."""
 
     def press(
         self,
@@ -485,7 +485,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[PressKeys],
     ) -> None:
-        """Begin a gesture that lays the striker on the object and presses, until it is stopped: a hand, a mute."""
+        """Begin a gesture that lays the striker (a hand, a mute) on the object and presses until stopped."""
 
     def spin(
         self,
@@ -495,8 +495,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SpinKeys],
     ) -> None:
-        """Begin a gesture that lets a coin, a lid or a ring spin down on the object: contacts ever faster and
-        fainter, then silence."""
+        """Begin a gesture that lets a coin, a lid or a ring spin down on the object, ever faster and fainter."""
 
     def slide(
         self,
@@ -506,8 +505,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the slide that has
-        this `id` (or NAME)."""
+        """Begin a gesture that drags the striker over the object until the speed is 0; steers a running slide of
+        this `id` (default NAME)."""
 
     def rest(
         self,
@@ -517,8 +516,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another or on a support, until it is stopped: both ring for less
-        time, and may buzz."""
+        """Begin a gesture that lays the object on another or on a support until stopped; both ring for less time,
+        and may buzz."""
 
     def rain(
         self,
@@ -528,7 +527,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RainKeys],
     ) -> None:
-        """Begin a gesture that lets drops fall on the object until it is stopped."""
+        """Begin a gesture that lets drops fall on the object until stopped."""
 
     def shake(
         self,
@@ -538,8 +537,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times, until
-        it is stopped."""
+        """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times until
+        stopped."""
 
     def crumple(
         self,
@@ -549,8 +548,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[CrumpleKeys],
     ) -> None:
-        """Begin a gesture that crushes the object: crackles of all energies, each a blow of the striker, until it
-        is stopped."""
+        """Begin a gesture that crushes the object until stopped; each crackle is a blow of the striker."""
 
     def pour(
         self,
@@ -560,8 +558,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[PourKeys],
     ) -> None:
-        """Begin a gesture that pours many copies of the striker on the object, until it is stopped: rice, gravel,
-        coins."""
+        """Begin a gesture that pours many copies of the striker, such as rice, on the object until stopped."""
 
     def step(
         self,
@@ -571,8 +568,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[StepKeys],
     ) -> None:
-        """Begin a gesture that treads on the object once, from heel to toe: crackles as the weight comes and goes,
-        each a blow of the striker."""
+        """Begin a gesture that treads on the object once, from heel to toe; each crackle is a blow of the striker."""
 
     def shatter(
         self,
@@ -582,8 +578,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShatterKeys],
     ) -> None:
-        """Begin a gesture that breaks the object: it cracks and falls silent; its pieces, each like the striker,
-        bounce until they lie still."""
+        """Begin a gesture that breaks the object; its pieces, each like the striker, bounce until they lie still."""
 
 class ObjectMethods:
     """Methods on an object: those of its scene on objects, without the name."""
@@ -595,7 +590,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ImpactKeys],
     ) -> None:
-        """Begin a gesture that strikes the object once; with `by`, another object strikes it, and both ring."""
+        """Begin a gesture that strikes the object once; with `by`, another object strikes, and both ring."""
 
     def bounce(
         self,
@@ -613,8 +608,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0, or steers the roll that has
-        this `id` (or NAME)."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0; steers a running roll of
+        this `id` (default NAME)."""
 
     def press(
         self,
@@ -623,7 +618,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[PressKeys],
     ) -> None:
-        """Begin a gesture that lays the striker on the object and presses, until it is stopped: a hand, a mute."""
+        """Begin a gesture that lays the striker (a hand, a mute) on the object and presses until stopped."""
 
     def spin(
         self,
@@ -632,8 +627,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SpinKeys],
     ) -> None:
-        """Begin a gesture that lets a coin, a lid or a ring spin down on the object: contacts ever faster and
-        fainter, then silence."""
+        """Begin a gesture that lets a coin, a lid or a ring spin down on the object, ever faster and fainter."""
 
     def slide(
         self,
@@ -642,8 +636,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until its speed is 0, or steers the slide that has
-        this `id` (or NAME)."""
+        """Begin a gesture that drags the striker over the object until the speed is 0; steers a running slide of
+        this `id` (default NAME)."""
 
     def rest(
         self,
@@ -652,8 +646,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another or on a support, until it is stopped: both ring for less
-        time, and may buzz."""
+        """Begin a gesture that lays the object on another or on a support until stopped; both ring for less time,
+        and may buzz."""
 
     def rain(
         self,
@@ -662,7 +656,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RainKeys],
     ) -> None:
-        """Begin a gesture that lets drops fall on the object until it is stopped."""
+        """Begin a gesture that lets drops fall on the object until stopped."""
 
     def shake(
         self,
@@ -671,8 +665,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShakeKeys],
     ) -> None:
-        """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times, until
-        it is stopped."""
+        """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times until
+        stopped."""
 
     def crumple(
         self,
@@ -681,8 +675,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[CrumpleKeys],
     ) -> None:
-        """Begin a gesture that crushes the object: crackles of all energies, each a blow of the striker, until it
-        is stopped."""
+        """Begin a gesture that crushes the object until stopped; each crackle is a blow of the striker."""
 
     def pour(
         self,
@@ -691,8 +684,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[PourKeys],
     ) -> None:
-        """Begin a gesture that pours many copies of the striker on the object, until it is stopped: rice, gravel,
-        coins."""
+        """Begin a gesture that pours many copies of the striker, such as rice, on the object until stopped."""
 
     def step(
         self,
@@ -701,8 +693,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[StepKeys],
     ) -> None:
-        """Begin a gesture that treads on the object once, from heel to toe: crackles as the weight comes and goes,
-        each a blow of the striker."""
+        """Begin a gesture that treads on the object once, from heel to toe; each crackle is a blow of the striker."""
 
     def shatter(
         self,
@@ -711,8 +702,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShatterKeys],
     ) -> None:
-        """Begin a gesture that breaks the object: it cracks and falls silent; its pieces, each like the striker,
-        bounce until they lie still."""
+        """Begin a gesture that breaks the object; its pieces, each like the striker, bounce until they lie still."""
 
     def note(
         self,

@@ -44,16 +44,16 @@ MACROS = {
     macro.name: macro
     for macro in (
         _macro("size", "size of the body", ("small", "large"),
-            "factor s = 16^(m - 0.5) of all lengths; frequencies scale as 1/s, masses as s^3",
+            "all lengths times s = 16^(m - 0.5); frequencies scale as 1/s, masses as s^3",
             20, (0.25, 0.8), True),
         _macro("material", "material of the body", ("plastic", "steel"),
             "the material, in the order below; density, stiffness and losses change by equal ratios in between",
             21, (0.3, 1.0), True),
         _macro("brightness", "decay time of high partials", ("dark", "bright"),
-            "below 0.5 a loss that grows as the frequency squared; above 0.5 less loss of high partials",
+            "below 0.5: a loss that grows as the frequency squared; above 0.5: less loss of high partials",
             22, (0.2, 0.9), True),
         _macro("damping", "damping of the body", ("free", "held"),
-            "below 0.5 longer decay times, up to fourfold; above 0.5 damping as by a hand",
+            "below 0.5: longer decay times, up to fourfold; above 0.5: damping as by a hand",
             23, (0.2, 0.75), True),
         _macro("hardness", "hardness of strikers", ("soft", "hard"),
             "striker's stiffness times 1000^(2 m - 1), its mass times 2^(2 m - 1)",
@@ -71,7 +71,7 @@ MACROS = {
 }  # fmt: skip
 """All macros, by name."""
 
-MORPH = Parameter("morph", 0.0, 1.0, "", "share of the way to the other object: 0 none, 1 all", default=0.0)
+MORPH = Parameter("morph", 0.0, 1.0, "", "share of the way to the other preset: 0 none, 1 all", default=0.0)
 
 SHAPING = (*(each.number for each in MACROS.values() if each.of_body), MORPH)
 """The numbers that change an object's modes."""

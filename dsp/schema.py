@@ -168,7 +168,7 @@ GRAVITY = Parameter(
     glide=0.02,
 )  # fmt: skip
 IRREGULARITY = Parameter(
-    "irregularity", 0.0, 1.0, "", "deviation of the body from round, which makes its bounces uneven",
+    "irregularity", 0.0, 1.0, "", "deviation of the body from a ball, which makes its bounces uneven",
     default=0.0, steerable=True, steered="from its next contact on",
 )  # fmt: skip
 SEED = Parameter(
@@ -177,7 +177,8 @@ SEED = Parameter(
 OTHER_SEED = 2.0**40
 """What the seed of a shatter's thick parts is above that of its other pieces."""
 ROUGHNESS = Parameter(
-    "roughness", 0.0, 100.0, "times", "factor of the roughness", default=1.0, useful=(0.0, 10.0), steerable=True,
+    "roughness", 0.0, 100.0, "times", "factor that multiplies the roughness", default=1.0, useful=(0.0, 10.0),
+    steerable=True,
 )  # fmt: skip
 TRAVEL = Parameter(
     "travel", 0.0, 1e3, "m", "length of the strike path, along which it goes to and fro; 0: it stays in place",
@@ -185,7 +186,7 @@ TRAVEL = Parameter(
 )  # fmt: skip
 
 IMPACT = Gesture(
-    "impact", "strikes the object once; with `by`, another object strikes it, and both ring", VELOCITY, (IMPULSE,),
+    "impact", "strikes the object once; with `by`, another object strikes, and both ring", VELOCITY, (IMPULSE,),
     instead="impulse")  # fmt: skip
 BOUNCE = Gesture(
     "bounce", "drops or throws the striker on the object, where it bounces until it lies still", HEIGHT,
@@ -199,7 +200,7 @@ BOUNCE = Gesture(
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until its speed is 0, or steers the roll that has this `id` (or NAME)",
+    "roll", "rolls the striker over the object until the speed is 0; steers a running roll of this `id` (default NAME)",
     SPEED,
     (
         *_STEERED_LAW,
@@ -220,14 +221,14 @@ ROLL = Gesture(
     rolls=True,
 )  # fmt: skip
 PRESS = Gesture(
-    "press", "lays the striker on the object and presses, until it is stopped: a hand, a mute", FORCE, _STEERED_LAW,
+    "press", "lays the striker (a hand, a mute) on the object and presses until stopped", FORCE, _STEERED_LAW,
     fixed=("gain",), held=True,
 )  # fmt: skip
 DURATION = Parameter(
     "duration", 0.0, 3600.0, "s", "time until it lies still; 0 does nothing", useful=(0.1, 10.0), otherwise=_OBJECTS
 )
 SPIN = Gesture(
-    "spin", "lets a coin, a lid or a ring spin down on the object: contacts ever faster and fainter, then silence",
+    "spin", "lets a coin, a lid or a ring spin down on the object, ever faster and fainter",
     DURATION,
     (
         Parameter("angle", 0.1, 80.0, "degrees", "tilt at the beginning", default=20.0, useful=(1.0, 40.0)),
@@ -237,7 +238,7 @@ SPIN = Gesture(
             default=0.4, useful=(0.3, 0.5),
         ),
         Parameter(
-            "flat", 0.001, 1.0, "", "length of the flat on the rim that hits once a turn, as a share of the radius",
+            "flat", 0.001, 1.0, "", "length of the flat on the rim, which hits once a turn, as a share of the radius",
             default=0.2, steerable=True, steered="from its next contact on",
         ),
         replace(IRREGULARITY, help="variation of the contacts in time and strength"),
@@ -247,7 +248,8 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker over the object until its speed is 0, or steers the slide that has this `id` (or NAME)",
+    "slide",
+    "drags the striker over the object until the speed is 0; steers a running slide of this `id` (default NAME)",
     replace(SPEED, help="slip speed of the striker over the surface; 0 stops it"),
     (
         replace(FORCE, otherwise="the striker's weight"),
@@ -289,7 +291,7 @@ SLIDE = Gesture(
     slips=True,
 )  # fmt: skip
 REST = Gesture(
-    "rest", "lays the object on another or on a support, until it is stopped: both ring for less time, and may buzz",
+    "rest", "lays the object on another or on a support until stopped; both ring for less time, and may buzz",
     LOAD,
     (
         *_STEERED_LAW,
@@ -309,13 +311,14 @@ VARIETY = Parameter(
     default=0.0, steerable=True,
 )  # fmt: skip
 EXCITATION = Parameter(
-    "excitation", 0.0, 0.98, "", "share of the blows that other blows set off", default=0.0, steerable=True
+    "excitation", 0.0, 0.98, "", "share of the blows that are set off by other blows", default=0.0, steerable=True
 )
 MEMORY = Parameter(
-    "memory", 1e-4, 10.0, "s", "time for which blows set off others", default=0.05, useful=(0.001, 0.1), steerable=True,
+    "memory", 1e-4, 10.0, "s", "time within which a blow sets off others", default=0.05, useful=(0.001, 0.1),
+    steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
-    "rain", "lets drops fall on the object until it is stopped", replace(RATE, help="drops per second, on average"),
+    "rain", "lets drops fall on the object until stopped", replace(RATE, help="drops per second, on average"),
     (
         Parameter(
             "size", 5e-5, 2e-3, "m", "scale of the drops' diameters; 0.0004 in moderate rain",
@@ -331,7 +334,7 @@ RAIN = Gesture(
     swarms=DROPS,
 )  # fmt: skip
 SHAKE = Gesture(
-    "shake", "lets many copies of the striker, such as dice, hit the object at random times, until it is stopped",
+    "shake", "lets many copies of the striker, such as dice, hit the object at random times until stopped",
     RATE,
     (
         Parameter(
@@ -352,7 +355,7 @@ SHAKE = Gesture(
     swarms=SPEEDS,
 )  # fmt: skip
 CRUMPLE = Gesture(
-    "crumple", "crushes the object: crackles of all energies, each a blow of the striker, until it is stopped",
+    "crumple", "crushes the object until stopped; each crackle is a blow of the striker",
     replace(SPEED, help="speed of crushing; 0 pauses"),
     (
         Parameter(
@@ -376,7 +379,7 @@ CRUMPLE = Gesture(
     swarms=ENERGIES,
 )  # fmt: skip
 POUR = Gesture(
-    "pour", "pours many copies of the striker on the object, until it is stopped: rice, gravel, coins",
+    "pour", "pours many copies of the striker, such as rice, on the object until stopped",
     replace(RATE, help="grains per second, on average"),
     (
         replace(HEIGHT, help="height of the fall", default=0.2, useful=(0.02, 2.0), steerable=True),
@@ -388,11 +391,11 @@ POUR = Gesture(
 )  # fmt: skip
 STEP = Gesture(
     "step",
-    "treads on the object once, from heel to toe: crackles as the weight comes and goes, each a blow of the striker",
+    "treads on the object once, from heel to toe; each crackle is a blow of the striker",
     replace(FORCE, help="weight of the person who walks", useful=(100.0, 1500.0)),
     (
         Parameter(
-            "crackles", 0.0, 1e4, "1/N", "crackles per newton by which the force of the foot changes",
+            "crackles", 0.0, 1e4, "1/N", "crackles per newton of change in the force of the foot",
             default=0.5, useful=(0.05, 10.0), steerable=True,
         ),
         replace(DURATION, help="time of the foot on the ground", low=0.05, default=0.65, useful=(0.3, 2.0)),
@@ -406,7 +409,7 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter",
-    "breaks the object: it cracks and falls silent; its pieces, each like the striker, bounce until they lie still",
+    "breaks the object; its pieces, each like the striker, bounce until they lie still",
     replace(VELOCITY, help="speed at which the object hits something and breaks; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),
@@ -464,8 +467,10 @@ SETTINGS = {
             useful=(0.5, 20.0),
         ),
         Parameter("tune", -60.0, 60.0, "semitones", "shift of all frequencies", default=0.0, useful=(-24.0, 24.0)),
-        Parameter("decay", 0.001, 100.0, "times", "factor of all decay times", default=1.0, useful=(0.1, 10.0)),
-        Parameter("damp", 0.0, 1.0, "", "damping by a hand, until changed: 0 none, 1 the firmest", default=0.0),
+        Parameter(
+            "decay", 0.001, 100.0, "times", "factor that multiplies all decay times", default=1.0, useful=(0.1, 10.0)
+        ),
+        Parameter("damp", 0.0, 1.0, "", "damping as by a hand: 0 none, 1 the firmest", default=0.0),
     )
 }  # fmt: skip
 
@@ -477,7 +482,7 @@ SENSED = Parameter(
     "sensors", 0, CAPACITY.sensors, "", "number of channels for sensors, after those of the sound", whole=True
 )
 FULL_SCALE = Parameter(
-    "full_scale", 1e-6, 1e6, "Pa", "pressure of a sample of 1.0, of an object whose level is 0 dB",
+    "full_scale", 1e-6, 1e6, "Pa", "pressure of a sample of 1.0, for objects of level 0 dB",
     default=FULL_SCALE_PRESSURE, useful=(0.1, 100.0),
 )  # fmt: skip
 FORMS = ("float64", "float32")
@@ -497,4 +502,4 @@ CURVE = Parameter(
     "curve", -20.0, 20.0, "", "shape of the change: 0 even, below 0 fast at first, above 0 slow at first",
     default=0.0, useful=(-8.0, 8.0),
 )  # fmt: skip
-OWN_GAIN = Parameter("gain", -100.0, 100.0, "", "factor of a channel", useful=(0.0, 1.0))
+OWN_GAIN = Parameter("gain", -100.0, 100.0, "", "gain factor of a channel", useful=(0.0, 1.0))

@@ -18,7 +18,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "--kind",
         type=Path,
         metavar="FOLDER",
-        help="folder of other recordings of A's kind; their distances are shown beside that of B",
+        help="folder of other recordings of A's kind, whose mutual distances are shown beside B's",
     )
     parser.add_argument(
         "--plot", type=Path, metavar="OUT.png", help="picture of both spectrograms, third octaves and decays"

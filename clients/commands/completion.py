@@ -51,4 +51,4 @@ def _choose(command: str, action: argparse.Action) -> None:
         action.complete = found  # type: ignore[attr-defined]
 
 
-COMMAND = Command("completion", "SHELL", "print a script with which a shell completes the command line", _options, _run)
+COMMAND = Command("completion", "SHELL", "print a script that lets a shell complete the command line", _options, _run)

@@ -60,8 +60,8 @@ def _run(arguments: argparse.Namespace) -> int:
             show(completed=done, total=count, before=told[0])
 
         spread = Workers(workers, arguments.dask or "")
-        table = run(recipe, arguments.out, spread, arguments.presets, progress, interrupted.is_set)
-    print(table)
+        tables = run(recipe, arguments.out, spread, arguments.presets, progress, interrupted.is_set)
+    print(*tables, sep="\n")
     return 0
 
 

@@ -16,7 +16,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         type=Path,
         metavar="RECORDING",
-        help="sound files of single strikes, or a folder of such",
+        help="sound files of single strikes, or a folder of them",
     )
     parser.add_argument(
         "out",

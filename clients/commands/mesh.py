@@ -32,7 +32,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--wall", type=number, metavar="M", help="thickness of a sheet or of a hollow body, m (solid)")
     parser.add_argument(
-        "--scale", type=number, metavar="M", help="unit of the mesh, m; 0.001 for mm (1, but for what is huge)"
+        "--scale", type=number, metavar="M", help="unit of the mesh, m; 0.001 for mm (1; huge meshes need it)"
     )
     parser.add_argument("--modes", type=whole, default=60, metavar="N", help="largest number of modes (%(default)s)")
     parser.add_argument(

@@ -60,11 +60,11 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)
     add_full_scale(parser, otherwise="the score's, else 4")
     add_bank(parser, None, "the score's, else float64")
-    budget = "bounds on the cost of coupled contacts, as of /budget; 16 8192: as on a server (the score's)"
+    budget = "bounds on the cost of coupled contacts, as in /budget; 16 8192: as on a server (the score's)"
     parser.add_argument("--budget", type=number, nargs=2, metavar=("STEPS", "MODES"), help=budget)
     parser.add_argument(
         "--object", action="append", default=[], metavar="[CHANNEL:]PRESET",
-        help="object that plays a MIDI file, or a channel of it, as 10:tom; may be given several times",
+        help="object that plays a MIDI file, or a channel of it, such as 10:tom; may be given several times",
     )  # fmt: skip
     add_presets(parser)
 

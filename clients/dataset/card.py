@@ -38,6 +38,7 @@ def card(recipe: Recipe, said: Mapping[str, Any]) -> str:
     """Return the card of a data set. said: the contents of dataset.json."""
     size = next((name for most, name in _SIZES if recipe.count < most), _MANY)
     factors = "\n".join(f"- `{each.name}`" for each in recipe.factors) or "- none"
+    files = "\n".join(f"  - split: {side}\n    path: {name}" for side, name in said["tables"].items())
     full = f"{recipe.full_scale:g} Pa" if recipe.full_scale else "a power of two of each item's own, in Pa"
     return f"""---
 {_licence(recipe.licence)}
@@ -53,8 +54,7 @@ tags:
 configs:
 - config_name: default
   data_files:
-  - split: train
-    path: {said["table"]}
+{files}
 ---
 
 # {recipe.name}
@@ -63,8 +63,8 @@ configs:
 
 {recipe.count:,} clips of {recipe.seconds:g} s at {recipe.rate} Hz, computed by Carom {said["computed_by"]["carom"]}.
 Full scale is {full}: the column `full_scale`.
-The column `split` says which items are to be tested with. The table `{said["table"]}` has the truth, a row for each
-clip, and the shards the sounds. `carom.rebuild(row)` computes a clip's sound from its row, where `linear` is true.
+The tables have the truth, a row for each clip, and the shards the sounds; of a split each side has its table, and the
+column `split` names it. `carom.rebuild(row)` computes a clip's sound from its row, where `linear` is true.
 
 Drawn for each item:
 

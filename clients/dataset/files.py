@@ -14,6 +14,7 @@ from ...server.osc.score import Line, format_line
 from .plan import Made
 from .recipe import Recipe
 from .shard import shard_name
+from .split import SIDES
 from .versions import require_same
 
 try:
@@ -25,7 +26,7 @@ ABOUT = "dataset.json"
 """The file that says by which recipe, and by what, a folder's data set is made."""
 
 
-SCHEMA = 3
+SCHEMA = 4
 """The version of the form of a data set: of its files, of the table's columns, and of the truth."""
 
 
@@ -41,7 +42,7 @@ def about(recipe: Recipe, versions: Mapping[str, str]) -> dict[str, Any]:
         "licence": recipe.licence,
         "items": recipe.count,
         "shards": [shard_name(recipe, number) for number in range(recipe.shards)],
-        "table": table_name(recipe),
+        "tables": table_names(recipe),
         "seconds": recipe.seconds,
         "rate": recipe.rate,
         "channels": recipe.channels,
@@ -56,13 +57,15 @@ def _text(line: Line) -> str:
     return format_line(line.time, line.message)
 
 
-def table_name(recipe: Recipe) -> str:
-    """Return the name of the table's file."""
-    return f"{recipe.name}.parquet"
+def table_names(recipe: Recipe) -> dict[str, str]:
+    """Return the names of the tables' files, by sides of the split; without one, all rows are to learn from."""
+    if recipe.split is None:
+        return {SIDES[0]: f"{recipe.name}.parquet"}
+    return {side: f"{recipe.name}-{side}.parquet" for side in recipe.split.sides}
 
 
 def rows_name(recipe: Recipe, shard: int) -> str:
-    """Return the name of the file of a shard's rows, which is there until the table is."""
+    """Return the name of the file of a shard's rows, which is there until the tables are."""
     return shard_name(recipe, shard).removesuffix(".tar") + ".rows"
 
 
@@ -118,7 +121,7 @@ def _require_same_recipe(out: Path, there: Mapping[str, Any], said: Mapping[str,
 
 def missing(out: Path, recipe: Recipe) -> list[int]:
     """Return the numbers of the shards that are not there."""
-    whole = (out / table_name(recipe)).exists()
+    whole = all((out / name).exists() for name in table_names(recipe).values())
     return [
         number
         for number in range(recipe.shards)

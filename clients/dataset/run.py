@@ -1,4 +1,4 @@
-"""A data set from its recipe to its files: what is missing is made, and the table at the end."""
+"""A data set from its recipe to its files: what is missing is made, and the tables at the end."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...presets import Presets
 from ...server.files.whole import appearing
 from .card import CARD, card
 from .check import require_sound
-from .files import about, missing, opened, require_folder, rows_name, table_name, write
+from .files import about, missing, opened, require_folder, rows_name, table_names, write
 from .local import by_processes
 from .plan import outlined, planned
 from .recipe import Recipe
@@ -39,8 +39,8 @@ def run(
     folders: Sequence[Path] = (),
     progress: Callable[[int, int], object] = lambda done, count: None,
     interrupted: Callable[[], bool] = lambda: False,
-) -> Path:
-    """Make what a folder lacks of a recipe's data set; return the file of its table.
+) -> list[Path]:
+    """Make what a folder lacks of a recipe's data set; return the files of its tables, one for each side of a split.
 
     progress: called with the number of items that are there, and of all. KeyboardInterrupt if `interrupted` says so;
     what was made by then stays, and another run goes on from there. PresetError, ItemError, FolderError, VersionError,
@@ -62,17 +62,18 @@ def run(
         for shard in made:
             done += len(recipe.numbers(shard))
             progress(done, recipe.count)
-        return _table(recipe, out, said)
+        return _tables(recipe, out, said)
 
 
-def _table(recipe: Recipe, out: Path, said: Mapping[str, Any]) -> Path:
-    """Return the table of a data set whose shards are all there; the files of their rows go."""
-    table = out / table_name(recipe)
+def _tables(recipe: Recipe, out: Path, said: Mapping[str, Any]) -> list[Path]:
+    """Return the tables of a data set whose shards are all there; the files of their rows go."""
+    tables = {side: out / name for side, name in table_names(recipe).items()}
     parts = [out / rows_name(recipe, shard) for shard in range(recipe.shards)]
-    if not table.exists():
-        with appearing(table, durable=True) as descriptor, open(descriptor, "wb", closefd=False) as file:
-            join(recipe, said, parts, file)
+    for side, table in tables.items():
+        if not table.exists():
+            with appearing(table, durable=True) as descriptor, open(descriptor, "wb", closefd=False) as file:
+                join(recipe, said, parts, side, file)
     write(out / CARD, card(recipe, said).encode())
     for part in parts:
         part.unlink(missing_ok=True)
-    return table
+    return list(tables.values())

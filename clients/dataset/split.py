@@ -46,6 +46,11 @@ class Split:
     objects: Sections | None
     _ranks: dict[Group, float] = field(default_factory=dict, repr=False, compare=False)
 
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """The sides that have a share."""
+        return SIDES[0], *(side for side, share in self.shares if share > 0.0)
+
     def side(self, factors: Mapping[str, Value], presets: Presets) -> str:
         """Return the side of an item, by its factors."""
         if self.levels and not self._ranks:

@@ -76,13 +76,13 @@ def rows_file(recipe: Recipe, shard: int, clips: Iterable[Clip]) -> bytes:
     return memory.getvalue()
 
 
-def join(recipe: Recipe, about: Mapping[str, Any], parts: Sequence[Path], out: BinaryIO) -> None:
-    """Write the tables of all shards as one, a group of rows for each."""
+def join(recipe: Recipe, about: Mapping[str, Any], parts: Sequence[Path], side: str, out: BinaryIO) -> None:
+    """Write one table of the rows of all shards that are on a side of the split, a group of rows for each shard."""
     columns = schema(recipe, about)
     with pq.ParquetWriter(out, columns, compression="zstd") as writer:
         for part in parts:
-            rows = pq.read_table(part, use_threads=False).replace_schema_metadata(columns.metadata)
-            writer.write_table(rows, row_group_size=max(1, len(rows)))
+            rows = pq.read_table(part, use_threads=False, filters=[("split", "=", side)])
+            writer.write_table(rows.replace_schema_metadata(columns.metadata), row_group_size=max(1, len(rows)))
 
 
 def _kind(ends: Sequence[object]) -> pa.DataType:

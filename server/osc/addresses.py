@@ -47,9 +47,11 @@ from .space_verbs import LISTENING, PLACING
 from .wire import MOST_PORT, Message
 from .world_verbs import WORLD
 
-STRIKER = Word("striker", "preset of the striker", "the object's for this gesture, or for a strike")
+STRIKER = Word("striker", "preset of the striker", "the object's for this gesture, else for strikes")
 
-ON_SURFACE = Vector("point", POINT, "point in the object's frame, in place of `position`; the nearest one counts")
+ON_SURFACE = Vector(
+    "point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"
+)
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "point on the other object, which strikes or supports")
 _DIRECTED = Vector("direction", DIRECTION, "direction of the push or slip at a point, in place of the normal")
 _BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "direction of the push on the striking object, at `by_point`")
@@ -131,7 +133,7 @@ def _begins(gesture: Gesture) -> Verb:
     return Verb(address, gesture.help, (), (gesture.argument, POSITION), (*STRIKE, *keys))
 
 
-GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains", "factor of each channel, in place of the pan")
+GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains", "gain factor of each channel, in place of the pan")
 NOTE = Note("note", "note of the lowest mode, or of the string; `tune` counts from there")
 PITCH = Number("pitch", 1.0, 20_000.0, "Hz", "pitch, in place of a note", useful=(30.0, 4_000.0))
 VELOCITY = Number("velocity", 0, 127, "", "MIDI velocity", useful=(1, 127))
@@ -139,7 +141,7 @@ VELOCITY = Number("velocity", 0, 127, "", "MIDI velocity", useful=(1, 127))
 _OBJECTS = (
     Verb(
         "/object/new",
-        "makes an object of a preset; the preset's keys may follow, such as `length`, `material` or `size`",
+        "makes an object from a preset; the preset's keys may follow, such as `length`, `material` or `size`",
         (Word("name", "name of the new object"), Word("preset", "name of its preset")),
         keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER, NOTE, PITCH),
         open_keys=True,
@@ -175,10 +177,12 @@ _RUNNING = (
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
         "/gesture/ID/point",
-        "moves a gesture to the nearest point of its object, or along a list of points",
+        "moves a gesture to its object's point nearest to these coordinates, or along a list of points",
         POINT,
     ),
-    Move("/gesture/ID/by_point", "moves a rest to the nearest point of the object on which it lies", BY_POINT),
+    Move(
+        "/gesture/ID/by_point", "moves a rest to the supporting object's point nearest to these coordinates", BY_POINT
+    ),
 )
 
 _ENGINE = (
@@ -211,12 +215,12 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns a slow automatic level ahead of the limiter on or off. A score begins without it, a server with it",
+        "turns headroom on or off, an automatic level before the limiter. Scores begin without it, servers with it",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
         "/play",
-        "turns make-up on or off for later gestures; make-up is a gain by which every striker is heard on every object",
+        "turns make-up on or off for later gestures; it is a gain that makes every striker audible on every object",
         (Either("play", ("on", "off", "1", "0"), "on or off", "off"),),
     ),
     Verb(
@@ -250,7 +254,7 @@ _SERVER = (
     ),
     Verb(
         "/notify",
-        "subscribes the sender to what happens",
+        "subscribes the sender to warnings and reports",
         (
             Number(
                 "level",
@@ -266,15 +270,15 @@ _SERVER = (
     ),
     Verb(
         "/record",
-        "begins or ends a recording in the server's folder. The reply to a beginning is `/done /record FILE FIRST`, to "
-        "an end `/done /record FILE FIRST END`; FIRST and END count samples",
+        "begins or ends a recording in the server's folder. The reply is `/done /record FILE FIRST` at the beginning, "
+        "`/done /record FILE FIRST END` at the end; FIRST and END count samples",
         (Number("on", 0, 1, "", "1 begins, 0 ends", whole=True),),
         keys=(Word("name", "name of the new file", "day and time"),),
         scored=False,
     ),
     Verb(
         "/dump",
-        "has the server print each message, cut at 2,000 characters",
+        "lets the server print each message, cut at 2,000 characters",
         (Number("on", 0, 1, "", "1: on, 0: off", whole=True),),
         scored=False,
     ),

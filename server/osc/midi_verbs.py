@@ -29,28 +29,28 @@ _ADDRESS = Word("address", "address that takes one number")
 MIDI = (
     Verb(
         "/midi/notes",
-        "has an object play the notes of a channel, or those from `low` to `high`, as `/object/NAME/note` does; all "
-        "other notes play the newest object",
+        "lets an object play the notes of a channel, or those from `low` to `high`; all other notes play the newest "
+        "object",
         (Word("object", "name of the object"),),
         keys=(CHANNEL, LOWEST, HIGHEST),
         scored=False,
     ),
     Verb(
         "/midi/learn",
-        "lets the controller that you move next set an address; then the reply is `/midi/learnt ADDRESS CONTROLLER "
-        "CHANNEL`",
+        "waits for you to move a controller, and binds it to an address; the reply is then `/midi/learnt ADDRESS "
+        "CONTROLLER CHANNEL`",
         (_ADDRESS,),
         keys=(CHANNEL, LOW, HIGH),
         scored=False,
     ),
     Verb(
         "/midi/control",
-        "lets a controller set an address",
+        "binds a controller to an address",
         (_CONTROLLER, _ADDRESS),
         keys=(CHANNEL, LOW, HIGH),
         scored=False,
     ),
-    Verb("/midi/forget", "removes the controllers of an address, or all of them", keys=(_ADDRESS,), scored=False),
+    Verb("/midi/forget", "unbinds the controllers of an address, or all controllers", keys=(_ADDRESS,), scored=False),
     Verb(
         "/midi/controls",
         "answers with `/midi/controls.reply FIRST TOTAL`, then controller, channel, address, low and high of each",

@@ -63,8 +63,8 @@ def _question(
 
 @_question(
     "/object/NAME/get",
-    "answers with `/object/NAME/get.reply`, then pairs of key and value: preset, shape, mass (kg), modes, settings. "
-    "With `modes` also `/object/NAME/get.modes FIRST TOTAL`, then frequency (Hz) and decay time (T60, s) of each",
+    "answers with `/object/NAME/get.reply` and pairs of key and value: preset, shape, mass (kg), modes, settings. "
+    "With `modes`, `/object/NAME/get.modes FIRST TOTAL` follows, with frequency (Hz) and decay time (T60, s) of each",
     optional=(Number("modes", 0, 4096, "", "number of modes to list", default=0, whole=True),),
 )
 def _object(scene: Scene, values: Values) -> Iterator[Message]:

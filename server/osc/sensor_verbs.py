@@ -25,7 +25,7 @@ FULL = Parameter("full", 1e-9, 1e9, "", "value of a sample of 1.0", default=1.0,
 SENSORS = (
     Verb(
         SENSOR,
-        "mounts a sensor on an object; it has a channel of its own after those of the sound, in SI units",
+        "mounts a sensor on an object; its own channel, in SI units, follows those of the sound",
         (Word("name", "name of the sensor"), Word("object", "name of the object")),
         (PLACE,),
         (
@@ -34,7 +34,9 @@ SENSORS = (
             RESONANCE,
             DAMPING,
             FULL,
-            Vector("point", POINT, "point in the object's frame, in place of `position`; the nearest one counts"),
+            Vector(
+                "point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"
+            ),
             Vector("direction", DIRECTION, "direction in which it senses at a point, in place of the normal"),
         ),
     ),

@@ -27,7 +27,7 @@ T60 = Parameter(
 LISTENING = (
     Verb(
         LISTENER,
-        "places the listener; unless turned, it looks along x, with y to the left and z up",
+        "places the listener, who looks along x unless turned, with y to the left and z up",
         XYZ,
         keys=(
             _degrees("yaw", "turn to the left"),
@@ -38,7 +38,7 @@ LISTENING = (
             Parameter("head", 0.02, 1.0, "m", "radius of the head, in the layout `binaural`", default=0.0875),
             Parameter("temperature", -20.0, 50.0, "degrees Celsius", "temperature of the air", default=20.0),
             Parameter("humidity", 1.0, 100.0, "%", "humidity of the air", default=50.0),
-            Parameter("air", 0.0, 10.0, "times", "factor of the air's absorption", default=1.0),
+            Parameter("air", 0.0, 10.0, "times", "factor that multiplies the air's absorption", default=1.0),
         ),
     ),
     Verb(
@@ -49,7 +49,7 @@ LISTENING = (
     ),
     Verb(
         ROOM,
-        "puts everything into a box that reflects and reverberates",
+        "puts the listener and all placed objects into a box that reflects and reverberates",
         tuple(
             _metres(name, f"{name} of the room, along {axis}", low=0.5)
             for name, axis in (("length", "x"), ("width", "y"), ("height", "z"))

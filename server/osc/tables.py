@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from ...dsp.macros import MACROS
-from ...dsp.schema import GESTURES
+from ...dsp.schema import GESTURES, LAW, gestures_steered_by
 from ...dsp.schema import Parameter as Number
 from .addresses import KEYS, STRIKE, VERBS
 from .arguments import Either, Key, Note, Numbers, Vector, Word
@@ -26,8 +26,9 @@ def gesture_table(name: str) -> str:
 def shared_table() -> str:
     """Return the keys that all gestures share, and the position."""
     position = VERBS["/object/NAME/impact"].named["position"]
-    steered = {"position", "point", "gain"}
-    return "\n".join([_STEERED, *(_row(key, "yes" * (key.name in steered)) for key in (position, *STRIKE))])
+    steered = dict.fromkeys(("position", "point", "gain"), "yes")
+    steered |= {key.name: ", ".join(gestures_steered_by(key.name)) for key in LAW}
+    return "\n".join([_STEERED, *(_row(key, steered.get(key.name, "")) for key in (position, *STRIKE))])
 
 
 def macro_table() -> str:

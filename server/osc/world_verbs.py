@@ -32,7 +32,7 @@ def _number(
 TOUCHED = (
     _number("approach", "speed at which they approach", "m/s"),
     _number("slip", "speed at which they slip over each other", "m/s", 0.0),
-    _number("depth", "depth by which they overlap"),
+    _number("depth", "depth of their overlap"),
     _number("force", "normal force", "N", 0.0, 1e6),
     _number("mass", "effective mass along the normal", "kg", 1e-9, 1e6),
     RESTITUTION,
@@ -75,7 +75,7 @@ WORLD = (
         (Word("a", "name of a body"), Word("b", "name of the other body")),
         keys=(
             Word("surface", "preset of the surface"),
-            Word("support", "support whose contact law they have: felt, foam, finger or palm"),
+            Word("support", "support that sets their contact law: felt, foam, finger or palm"),
             *PAIRED,
         ),
     ),

@@ -26,7 +26,7 @@ from ...dsp.runtime.engine import NOW, Engine
 from ...dsp.runtime.loudness import Heard, decibels, true_peak
 from ...dsp.runtime.meter import SILENCE
 from ...dsp.schema import DROPS, EXPONENT, GAIN, GESTURES, RATE, VELOCITY, Gesture
-from ...dsp.schema_values import OWN
+from ...dsp.schema_values import OWN, SHARED
 from ...presets import BUILT_IN
 from .limits import LAW
 from .scale import USUAL_SCALE
@@ -333,17 +333,26 @@ def _at(arguments: tuple[float, ...], values: tuple[float, ...], argument: float
     return values[k - 1] + share * (values[k] - values[k - 1])
 
 
-def _on_grid(value: float) -> float:
-    """Return the value of a key as it is measured."""
+@cache
+def _bounds_of(kind: str) -> dict[str, tuple[float, float]]:
+    """Return the least and the most of a gesture's values, in the engine's units."""
+    declared = (SHARED | OWN[kind]).items()
+    return {name: (each.in_engine(each.low), each.in_engine(each.high)) for name, each in declared}
+
+
+def _on_grid(kind: str, name: str, value: float) -> float:
+    """Return the value of a gesture's key as it is measured: within its bounds, if it is."""
     if value == 0.0 or (value.is_integer() and abs(value) <= _WHOLE):
         return value
-    return math.copysign(float(f"{2.0 ** (round(_GRID * math.log2(abs(value))) / _GRID):.6g}"), value)
+    near = math.copysign(float(f"{2.0 ** (round(_GRID * math.log2(abs(value))) / _GRID):.6g}"), value)
+    low, high = _bounds_of(kind).get(name, (-math.inf, math.inf))
+    return min(max(near, low), high) if low <= value <= high else near
 
 
 def on_grid(kind: str, values: Mapping[str, float]) -> dict[str, float]:
     """Return those values of a gesture's command by which it is measured, but for its argument."""
     taken = {*LAW, "restitution", *OWN[kind], *_OF_PIECES} - _UNTOLD - {argument_of(GESTURES[kind])}
-    found = {name: _on_grid(float(value)) for name, value in values.items() if name in taken}
+    found = {name: _on_grid(kind, name, float(value)) for name, value in values.items() if name in taken}
     found[EXPONENT.name] = round(values[EXPONENT.name], 2)  # stiffness goes with it
     return found
 
@@ -402,7 +411,7 @@ class MakeUp:
         pair = Pair(modes, position, kind, tuple(sorted(values.items())), surface, sound)
         if argument == VELOCITY.name or command.values[argument] <= 0.0:
             return pair
-        strong = _on_grid(max(command.values[argument], _LEAST))
+        strong = _on_grid(kind, argument, max(command.values[argument], _LEAST))
         usual = measured_at(kind)
         if modes.sheet is None and GESTURES[kind].along and usual[0] <= strong <= usual[-1]:
             return pair  # its loudness is near a line, and follows that as the gesture is steered

@@ -1,5 +1,6 @@
 """Messages that are played in a process of their own: what was refused, what sounded, and what it took."""
 
+import math
 import os
 import time
 from collections.abc import Sequence
@@ -7,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from carom.dsp.native import CHECKED
 from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets
 from carom.server.options import BUDGET
@@ -21,7 +23,7 @@ LOUDEST = 1e30
 """Of a sample without a limiter: more is taken for a sound that grows without bounds."""
 MOST_CPU = 1.0
 """s of a processor for a second of sound, with the budget that a server begins with; twice as many where others share
-the processor. A render without a budget may take more, and says so."""
+the processor. A render without a budget may take more, and says so; the checked build takes more of all."""
 _WARM = 0.1  # s of a processor that any sound may take
 _MAKING = 30  # s of a processor for all that is made
 _PRESETS = Presets()
@@ -69,7 +71,7 @@ def tried(child: Child, messages: Sequence[Message], seconds: float) -> Tried:
 def _fault(played: Played, seconds: float) -> str:
     if not played.loudest < LOUDEST:
         return f"a sample of {played.loudest:g}"
-    most = _WARM + MOST_CPU * seconds * (1.0 + _is_shared())
+    most = math.inf if CHECKED else _WARM + MOST_CPU * seconds * (1.0 + _is_shared())
     return f"{played.cpu:.2f} s of a processor for {seconds:g} s of sound" if played.cpu > most else ""
 
 

@@ -155,7 +155,7 @@ def _blocks(verbs: Iterable[Verb]) -> Iterable[str]:
 def _block(verb: Verb) -> Iterable[str]:
     yield f"### `{verb.usage()}`"
     gesture = GESTURES.get(verb.action) if verb.address.startswith("/object/NAME/") else None
-    link = f" [Its keys](gestures/{verb.action}.md)." if gesture else ""
+    link = f" [Keys](gestures/{verb.action}.md)." if gesture else ""
     yield f"{_said(verb)}{link}"
     yield f"    {EXAMPLES[verb.address]}"
     arguments: list[Key] = [*verb.required, *verb.optional, *([verb.many] if verb.many else [])]

@@ -231,11 +231,9 @@ def compiling() -> str:
     if "ratios" not in found:
         return _UNMEASURED
     cores, seconds = found["machine"]["cores"], found["seconds"]
-    own = (
-        f"Compiling the engine for one's own machine takes about {_round(seconds['an empty cache'])} s on {cores} cores"
-    )
-    wheel = f", for the levels of a wheel {_round(seconds['a wheel'])} s" if "a wheel" in seconds else ""
-    return f"{own}{wheel} ({found['machine']['cpu']})."
+    own = f"compiling the engine for this machine takes about {_round(seconds['an empty cache'])} s"
+    wheel = f", for all levels of a wheel {_round(seconds['a wheel'])} s" if "a wheel" in seconds else ""
+    return f"On {cores} cores ({found['machine']['cpu']}), {own}{wheel}."
 
 
 def edits() -> str:
@@ -249,7 +247,7 @@ def edits() -> str:
     ]
     head = ("edited, or begun with", "s to a sound", "as a ratio")
     note = (
-        f"A ratio is to a fixed compilation by numba, which took {found['fixed']:.2f} s "
+        f"Ratios are relative to a fixed compilation by numba, which took {found['fixed']:.2f} s "
         "([bench/compiling.py](tests/bench/compiling.py))."
     )
     return f"{_machine(found | {'quick': False})}\n\n{table(head, lines)}\n\n{note}"

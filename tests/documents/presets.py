@@ -1,7 +1,7 @@
 """Tables of the presets: the keys of every kind of file, the values that they may have, and all presets there are."""
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from carom.dsp.schema import GESTURES
@@ -25,7 +25,7 @@ def _value(domain: known.Domain) -> str:
         case OneOrMany(item):
             return f"{_value(item)}; one, or a list"
         case Many(Row() as item):
-            return f"a list of such: {_value(item)}"
+            return f"a list of rows: {_value(item)}"
         case Many(item):
             return f"a list, each {_value(item)}"
         case Rows(item):
@@ -52,14 +52,13 @@ def _sentence(text: str) -> str:
 
 
 def _usual(name: str) -> str:
-    """Return the keys of a gesture's section: the words, and the numbers that the gesture has."""
+    """Return the keys of a gesture's section that are required: the words, and the gesture's argument."""
     fields = gestures.FIELDS[name]
     words = {key: domain for key, domain in fields.items() if isinstance(domain, Name)}
-    own = ", ".join(f"`{key}`" for key in fields if key not in (*words, *gestures.REQUIRED[name]))
     first = GESTURES[name].argument
     rows = [(f"`{key}`", "a preset's name", "required", f"Preset of the {key}.") for key in words]
     rows.append((f"`{first.name}`", first.allowed, "required", _sentence(first.help)))
-    return f"{table(_HEAD, rows)}\n\nAlso [keys of the gesture](../server/gestures/{name}.md): {own}."
+    return table(_HEAD, rows)
 
 
 def _meaning(where: str, key: str) -> str:
@@ -108,10 +107,14 @@ def shapes() -> str:
     """Return the keys of `[geometry]`, shape by shape."""
     parts = []
     for name, shape in known.SHAPES.items():
-        one, other = (", ".join(f"`{key}`" for key in shape.fields if key in side) for side in shape.either)
-        note = f"\n\nEither {one}, or {other}." if one else ""
+        one, other = ([f"`{key}`" for key in shape.fields if key in side] for side in shape.either)
+        note = f"\n\nGive either {_some(one)}, or {_some(other)}." if one else ""
         parts.append(f"## `{name}`\n\n{_keys(name, shape.fields, shape.required)}{note}")
     return "\n\n".join(parts)
+
+
+def _some(keys: Sequence[str]) -> str:
+    return keys[0] if len(keys) == 1 else f"some of {', '.join(keys)}"
 
 
 def listed() -> str:

@@ -71,6 +71,7 @@ def limit(state: State) -> None:
                 if peak > _AIM:
                     allowed[frame] = min(allowed[frame], _AIM / peak)
                     allowed[frame + 1] = min(allowed[frame + 1], _AIM / peak)
+    silent = loudest == 0.0 and output.loudest == 0.0
     output.loudest = loudest
     lowest = 1.0
     for n in range(2 * QUANTUM):
@@ -78,6 +79,8 @@ def limit(state: State) -> None:
     for channel in range(output.channels):
         for n in range(QUANTUM):
             mix[channel, n], held[channel, n] = held[channel, n], mix[channel, n]
+    if silent:
+        output.limit = 1.0  # of what sounded before, nothing is left that could click
     if lowest == 1.0 and output.limit == 1.0:
         return
     gain = state.scratch.voices[0, 0]  # free by now

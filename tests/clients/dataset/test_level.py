@@ -122,5 +122,5 @@ def test_pairs_that_a_split_would_part_are_refused(tmp_path):
 )
 def test_a_card_names_a_licence_by_a_word_of_the_hub(tmp_path, licence, lines):
     recipe = recipe_of(tmp_path, f"licence = '{licence}'\n{SMALL}")
-    told = card(recipe, {"table": "small.parquet", "computed_by": {"carom": "0"}})
+    told = card(recipe, {"tables": {"train": "small.parquet"}, "computed_by": {"carom": "0"}})
     assert told.startswith(f"---\n{lines}\npretty_name")

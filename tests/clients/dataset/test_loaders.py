@@ -119,9 +119,9 @@ def test_hugging_face_finds_each_rows_sound(example, made):
         def with_format(self, name):
             return self
 
-    def load_dataset(kind, data_files, split):
-        assert (kind, split) == ("parquet", "train")
-        return Table(pq.read_table(made[1] / Path(data_files).name.replace("*", "small")).to_pylist())
+    def load_dataset(folder, split):
+        assert split == "train"
+        return Table(pq.read_table(Path(folder) / "small.parquet").to_pylist())
 
     lines = example("with_huggingface.py", datasets=SimpleNamespace(load_dataset=load_dataset))
     assert [line.split()[0] for line in lines] == [f"{n:09d}" for n in range(6)]

@@ -43,6 +43,22 @@ def test_it_is_shards_and_a_table(made):
         assert contact["impulse"] == item["truth"]["contacts"][0]["impulse"]
 
 
+def test_the_card_names_a_table_of_each_side(tmp_path):
+    """Read as the Hub reads it: by the card's data files, no row of which is on another side."""
+    split = 'split = { by = "object.material", test = 0.5 }\n'
+    tables = run(read(written(tmp_path, split + SMALL)), tmp_path / "out", Workers(1))
+    card = (tmp_path / "out" / "README.md").read_text()
+    files = dict(re.findall(r"- split: (\w+)\n    path: (\S+)", card))
+    assert files == {"train": "small-train.parquet", "test": "small-test.parquet"}
+    assert [tmp_path / "out" / name for name in files.values()] == tables
+    items = []
+    for side, name in files.items():
+        rows = pq.read_table(tmp_path / "out" / name).to_pylist()
+        assert {row["split"] for row in rows} == {side}
+        items += [row["item"] for row in rows]
+    assert sorted(items) == list(range(6))
+
+
 def test_two_workers_make_the_same_bytes(tmp_path):
     """Items are bars, and plates, whose shapes are products of two factors."""
     mixed = SMALL.replace('"xylophone-bar"', '{ choice = ["xylophone-bar", "glass-plate", "steel-plate"] }')

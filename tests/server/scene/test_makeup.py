@@ -8,8 +8,10 @@ import pytest
 
 import carom
 from carom.dsp.runtime.loudness import Heard, heard
+from carom.dsp.schema import GESTURES
+from carom.dsp.schema_values import OWN
 from carom.presets import BUILT_IN
-from carom.server.scene.makeup import STORED, Measure, aimed_at, gain_of, measured_at
+from carom.server.scene.makeup import STORED, Measure, aimed_at, gain_of, measured_at, on_grid
 from carom.server.scene.notes import speed_of
 
 RATE = 48_000
@@ -156,3 +158,14 @@ def test_a_plate_that_breaks_is_as_physics_has_it() -> None:
     """A gain would have it swell as it never does."""
     keys = {"seed": 290, "striker": "mute", "seconds": 1.0}
     assert played("small-gong", "shatter", 0.0325, **keys) == played("small-gong", "shatter", 0.0325, play=0, **keys)
+
+
+@pytest.mark.parametrize("kind", sorted(GESTURES))
+def test_values_at_their_bounds_are_measured_within(kind: str) -> None:
+    """Beyond them kernels may divide by zero, as a steepness of 1 has the pieces of what breaks do."""
+    law = {"mass": 1.0, "stiffness": 1e6, "dissipation": 0.0, "exponent": 1.5}
+    bounds = {name: (each.in_engine(each.low), each.in_engine(each.high)) for name, each in OWN[kind].items()}
+    for end in (0, 1):
+        found = on_grid(kind, law | {name: ends[end] for name, ends in bounds.items()})
+        for name in found.keys() & bounds.keys():
+            assert min(bounds[name]) <= found[name] <= max(bounds[name]), name

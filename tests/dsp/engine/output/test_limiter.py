@@ -9,7 +9,7 @@ from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.engine.output.limiter import CEILING
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.loudness import true_peak
-from tests.dsp.engine.support import RATE, bell, set_limiter, strike
+from tests.dsp.engine.support import RATE, bell, panic, set_limiter, strike
 
 FRAMES = 9_600
 
@@ -50,6 +50,23 @@ def test_peaks_between_samples_stay_below_the_ceiling(frequency):
         sound = engine.process(FRAMES)
         assert engine.stats.limited > 100
         assert -1.5 < 20.0 * np.log10(true_peak(sound)) < -0.95
+
+
+def test_after_silence_it_has_let_go():
+    """A blow soon after a loud one that was silenced sounds as it does alone."""
+    sounds = []
+    for loud in (True, False):
+        engine = Engine(RATE, limited=True)
+        first, second = engine.add(bell(), 1e4), engine.add(bell(), 1e-2)
+        if loud:
+            strike(engine, first, time=600.4)
+        engine.send([panic(2_400.0)])
+        engine.process(4_800)
+        assert (engine.stats.limited > 100) == loud
+        strike(engine, second, time=5_000.4)
+        sounds.append(engine.process(FRAMES))
+    assert sounds[0].any()
+    np.testing.assert_array_equal(*sounds)
 
 
 def test_an_engine_without_a_limiter_leaves_the_sound_as_it_is():
