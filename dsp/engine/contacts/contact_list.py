@@ -204,11 +204,11 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     """Take a contact, which follows `before` (-1: the first), out of its object's list and free its place."""
     contact = state.contacts[index]
     take_out(state, obj, before, index)
-    other = obj.contact
-    while contact.trait.held == 1 and other >= 0:  # what a press covers goes with it
-        if state.contacts[other].solver == COVERING and state.contacts[other].gesture == contact.gesture:
-            state.contacts[other].until = 0.0
-        other = state.contacts[other].next
+    at = obj.contact
+    while contact.trait.held == 1 and at >= 0:  # what covers beside a press goes with it
+        other = state.contacts[at]
+        other.until = 0.0 if other.solver == COVERING and other.gesture == contact.gesture else other.until
+        at = other.next
     contact.gesture = 0
     state.last_command[index] = 0
     release_modes(state, contact)

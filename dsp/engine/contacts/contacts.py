@@ -158,8 +158,7 @@ def _go_on(state: State, index: int) -> bool:
     if contact.trait.swarms > 0:
         return swarm_on(state, index)
     if contact.solver == COVERING:
-        contact.touching = int(contact.start < state.position + QUANTUM)
-        contact.asleep, contact.ahead = 1, QUANTUM
+        contact.touching, contact.asleep, contact.ahead = int(contact.start < state.position + QUANTUM), 1, QUANTUM
         return contact.until < state.position + QUANTUM or contact.point[1].slot < 0
     if contact.touching == 0:
         return contact.start >= contact.until

@@ -24,7 +24,7 @@ from ..bodies.objects import is_heard, least_heard
 from ..bodies.sheets import is_coupled
 from ..bodies.surface import put_other
 from ..memory.records import Contact
-from ..memory.state import COUPLING, COVERING, QUANTUM, Object, State
+from ..memory.state import COUPLING, COVERING, QUANTUM, State
 from .contact_force import couple, has_room_for, touch, update_mode_count
 from .contact_list import give_place_back
 
@@ -110,8 +110,12 @@ def settle_rests(state: State) -> None:
             for side in range(2):
                 if contact.point[side].slot >= 0:
                     obj = state.objects[contact.point[side].slot]
-                    if moves or (rests and obj.restless == 0 and _rings(state, obj)):
+                    if moves:
                         obj.restless = 1
+                    elif rests and obj.restless == 0:  # they ring, or may
+                        rings = obj.spectral > 0 or obj.fading > 0 or is_coupled(state, obj)
+                        if rings or is_heard(state, obj, obj.first, obj.first + obj.live, least_heard(state, obj)):
+                            obj.restless = 1
             index = state.contacts[index].next
     while _spread(state):
         pass
@@ -145,14 +149,6 @@ def settle_rests(state: State) -> None:
                                 state.bank.y1[mode] = state.bank.y2[mode] = 0.0
                             obj.live = obj.has_contact = 0
             index = contact.next
-
-
-@kernel
-def _rings(state: State, obj: Object) -> bool:
-    """True if an object's modes are heard, or may be."""
-    if obj.spectral > 0 or obj.fading > 0 or is_coupled(state, obj):
-        return True
-    return is_heard(state, obj, obj.first, obj.first + obj.live, least_heard(state, obj))
 
 
 @kernel

@@ -29,7 +29,7 @@ from ..bodies.objects import modes_of, point_of, shapes_at
 from ..bodies.sensing import push_sensed
 from ..bodies.surface import direct, has_moved, keep_spot, put
 from ..memory.quality import holds_steps
-from ..memory.records import SLID, Contact, Slide
+from ..memory.records import SLID, Contact
 from ..memory.state import COUPLING, COVERING, LEAD, QUANTUM, ROLLING, State
 from .contact_list import give_room_back
 from .coupled_rolls import LEAST, LEAVING, NEVER, couple_roll, may_feel, position_of
@@ -270,7 +270,9 @@ def _drive(state: State, contact: Contact, frame: int) -> None:
     friction.drive[1] = slide.slip + (contact.now.speed - slide.slip) * ((frame + 1) / QUANTUM)
     slide.laid += (1.0 - slide.laid) / (_LAID * state.rate)
     if slide.press > 0:
-        friction.normal[1] = slide.laid * share_of(state.rolls[contact.roll]) * _force_of_press(state, slide)
+        presses = slide.pressed >= 0 and state.contacts[slide.pressed].gesture == slide.press
+        force = max(state.contacts[slide.pressed].forces[0], 0.0) if presses else 0.0  # over the last sample
+        friction.normal[1] = slide.laid * share_of(state.rolls[contact.roll]) * force
         return
     friction.normal[1] = slide.laid * _own_force(state, contact, frame)
 
@@ -286,11 +288,3 @@ def _own_force(state: State, contact: Contact, frame: int) -> float:
     feed, after = feed_of(state, contact), min(frame + 1, QUANTUM - 1)
     here, there = feed[frame, 0] * state.rate + weight, feed[after, 0] * state.rate + weight
     return 0.5 * (max(here, 0.0) + max(there, 0.0))
-
-
-@kernel
-def _force_of_press(state: State, slide: Slide) -> float:
-    """Return the force (N) of the press that a slide's friction feels, over the last sample."""
-    if slide.pressed < 0 or state.contacts[slide.pressed].gesture != slide.press:
-        return 0.0
-    return max(state.contacts[slide.pressed].forces[0], 0.0)
