@@ -140,7 +140,11 @@ def unpacked(arrays: Arrays, modes: Modes) -> Modes:
 
 
 def _rounded(clicks: tuple[Click, ...]) -> tuple[Click, ...]:
-    return tuple(Click(*single(np.array(each[:3])).tolist(), tuple(single(each.along).tolist())) for each in clicks)
+    found = []
+    for each in clicks:
+        frequency, decay, strength = single(np.array(each[:3])).tolist()
+        found.append(Click(frequency, decay, strength, tuple(single(np.array(each.along)).tolist())))
+    return tuple(found)
 
 
 def _packed_table(name: str, table: NDArray[np.float64]) -> dict[str, NDArray[Any]]:
