@@ -206,7 +206,8 @@ def _modes(lines: Lines, loudest: float, mass: float, top: float) -> Modes:
     masses = masses if lines.modal_mass is None else lines.modal_mass
     loudness = loudest * 10 ** (lines.level / 20) if lines.loudness is None else lines.loudness  # Pa per N s
     # A mode of mass M radiates 4 pi loudness^2 M/(rho c) (1/s), and no more than it loses.
-    masses = np.minimum(masses, IMPEDANCE * math.log(1000) / lines.t60 / (2 * math.pi * loudness**2))
+    with np.errstate(divide="ignore"):  # of what is silent
+        masses = np.minimum(masses, IMPEDANCE * math.log(1000) / lines.t60 / (2 * math.pi * loudness**2))
     shape = 1 / np.sqrt(masses)
     sign = np.where(_random(len(masses), len(masses)) < 0.5, -1.0, 1.0)
     weight = sign * loudness / shape

@@ -55,6 +55,12 @@ class Change(NamedTuple):
     sound: float
     stiffness: float
 
+    @property
+    def click(self) -> float:
+        """Octaves of what sounds as the whole body is moved, beside `amplitude`: air that it moves, over its mass."""
+        size = self.amplitude + self.pitch - 0.5 * self.stiffness
+        return 3.0 * size + self.amplitude
+
 
 def _change(own: Modes, frequency: Array, decay: Array, sound: Array | float, amplitude: float, more: float) -> Change:
     """Return the change to frequencies (Hz) and decays (1/s); sound: octaves; more: of stiffness, beside what pitch and
@@ -267,7 +273,8 @@ def changed(own: Modes, changes: list[Change]) -> Modes:
         frequency=own.unheard.frequency * 2.0**whole.pitch,
         strike=own.unheard.strike * 2.0**amplitude,
     )
+    clicks = tuple(each._replace(strength=each.strength * 2.0 ** (whole.click + amplitude)) for each in own.clicks)
     return replace(
-        own, frequency=own.frequency * pitch, decay=own.decay * loss, pressure=own.pressure * sound,
+        own, clicks=clicks, frequency=own.frequency * pitch, decay=own.decay * loss, pressure=own.pressure * sound,
         strike=own.strike * 2.0**amplitude, mass=own.mass * 4.0**-amplitude, unheard=unheard,
     )  # fmt: skip

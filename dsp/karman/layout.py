@@ -76,7 +76,8 @@ class Sheet(Record):
     turn: int  # samples since that was looked at
     retuned: int  # times its object had got new coefficients as those here were made
     scale: float  # samples of modes over what they were without the gains of gestures
-    tension: float  # factor on the stretching energy: the square of the tune
+    strained: float  # displacements over those that strain the plate of the tables as much
+    tension: float  # factor on the energy that it holds then
     leaves: int  # 1: it falls asleep: the force of stretching fades
     left: int  # samples of that yet
     share: float  # of the force that there is still: 1 until then

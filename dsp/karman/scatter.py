@@ -45,7 +45,8 @@ def scatter(sheet: Sheet, space: Space, y1: View[float], y2: View[float], second
         # 4 n^2 D (1/s) for modes of an energy (J) with so many below them.
         energy = square / count
         flat = sheet.mixing[0] * energy * (sheet.below + begin + size) / sheet.tension
-        angle = math.sqrt(seconds * (energy * (flat + sheet.mixing[1]) / math.sqrt(sheet.tension))) / size
+        faster = sheet.strained / math.sqrt(sheet.tension)
+        angle = math.sqrt(seconds * (energy * (flat + sheet.mixing[1]) * faster)) / size
         _turn(sheet, space, y2, begin, size, half * min(angle, _MOST))
         begin += 2 * size
 

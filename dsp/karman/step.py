@@ -73,28 +73,29 @@ def displace(sheet: Sheet, y1: View[float], place: View[f32]) -> None:
     where they are FAINT."""
     n, plain = sheet.functions, sheet.plain
     cosine, sine, turned = place[:n], place[n : 2 * n], place[2 * n : 3 * n]
-    moved = sheet.moved
+    moved, strained = sheet.moved, sheet.strained
     for i in range(n):
-        found = y1[i] * moved[i]
+        found = y1[i] * moved[i] * strained
         found = found if abs(found) >= FAINT else 0.0
         cosine[i] = found
         turned[i] = -found
     for i in range(plain):
         sine[i] = 0.0
     for i in range(plain, n):
-        found = y1[n - plain + i] * moved[n - plain + i]
+        found = y1[n - plain + i] * moved[n - plain + i] * strained
         sine[i] = found if abs(found) >= FAINT else 0.0
 
 
 @simd_kernel
 def take(sheet: Sheet, energy: float, answer: View[f32]) -> None:
-    """Take the stretching energy V (J) and its gradient (2, functions), both at a tune of 1, as looked at now."""
+    """Take the stretching energy V (J) and its gradient (2, functions), both of the plate of the tables, as looked at
+    now."""
     n, plain = sheet.functions, sheet.plain
     now, last, before = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2]
     tension = sheet.tension * sheet.share
     square = 2.0 * tension * energy + sheet.c0
     sheet.truth = math.sqrt(max(square, _FLOOR * sheet.c0, _LEAST))
-    scale = tension / sheet.truth
+    scale = tension * sheet.strained / sheet.truth
     for i in range(2 * n - plain):
         before[i] = last[i]
     for i in range(n):

@@ -29,3 +29,6 @@ HAND = 200.0
 
 MACRO_NODES = 9
 """Places of a macro, from 0 to 1, at which the modes of a body are known; between two they go by equal ratios."""
+
+RELIEF_DAMPING = 0.7
+"""Damping ratio of the modes that keep slow forces from being heard (runtime/relief.py)."""

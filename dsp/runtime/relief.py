@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array
+from ..numerics.constants import RELIEF_DAMPING as DAMPING
 from ..numerics.settled import single
 
 OCTAVES = 2.0
 REACH = 2.0  # times the middle of a band: a relief's natural frequency
-DAMPING = 0.7  # its damping ratio
 TURN = (1 - DAMPING**2) ** 0.5  # frequency over natural frequency
 
 

@@ -25,5 +25,7 @@ def table_of(plan: Plan, level: float, axes: Sequence[Sequence[Change]]) -> NDAr
             head[:, axis, node] = change.amplitude, change.pitch, change.stiffness
             to = rows[2 + axis * NODES + node]
             to[:] = np.array([[change.pitch], [change.loss], [change.sound]])
+            to[1, plan.felt : plan.bent] = change.pitch  # a relief's damping ratio stays
+            to[2, plan.bent : plan.heard] = change.click
             to[:, : plan.felt] = change.modes[:, plan.order]
     return table

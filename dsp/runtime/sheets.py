@@ -72,7 +72,7 @@ class Sheets:
         sheet["functions"], sheet["plain"], sheet["every"] = laid.functions, laid.plain, min(every, MOST_EVERY)
         sheet["highest"] = laid.highest
         sheet["growth"], sheet["least"] = laid.growth, laid.least
-        sheet["scale"] = sheet["tension"] = sheet["share"] = 1.0
+        sheet["scale"] = sheet["strained"] = sheet["tension"] = sheet["share"] = 1.0
         sheet["drained"][: laid.drained.size] = laid.drained
         sheet["follows"] = FOLLOWS
         self._fill_ladder(sheet, laid)

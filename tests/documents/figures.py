@@ -247,7 +247,7 @@ def edits() -> str:
     ]
     head = ("edited, or begun with", "s to a sound", "as a ratio")
     note = (
-        f"Ratios are relative to a fixed compilation by numba, which took {found['fixed']:.2f} s "
+        f"Ratio 1 is {found['fixed']:.2f} s, in which numba compiles one fixed function ten times "
         "([bench/compiling.py](tests/bench/compiling.py))."
     )
     return f"{_machine(found | {'quick': False})}\n\n{table(head, lines)}\n\n{note}"

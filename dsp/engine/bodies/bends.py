@@ -16,15 +16,12 @@ from ...resonator.mode import energy_of, ring_from, settle_under
 from ..memory.records import Contact
 from ..memory.state import COUPLING, Object, State
 from .objects import (
-    frequency_of,
-    highest_of,
     modes_of,
     point_of,
     relief_of,
     ringing_of,
     shape_at,
-    sigma_of,
-    weigh_anew,
+    share_of,
 )
 from .retuning import retune
 
@@ -145,7 +142,7 @@ def retune_bent(state: State, obj: Object, stretch: float, share: float) -> None
         contact.unsettled = 1
         if contact.trait.held == 1:
             # Bring the static output under a press to the modes as they are tuned now: those that have passed the
-            # highest frequency hold no bend any more, and what the mix subtracts steps with what they leave.
+            # highest frequency answer by another weight.
             force = pressing_force(contact) * contact.now.gain
             for side in range(2):
                 point = contact.point[side]
@@ -165,11 +162,11 @@ def find_static(state: State, contact: Contact, side: int, obj: Object, count: i
     """Put the static output for a push of 1 N on so many modes, whose shapes are in `work`, into `static`."""
     left = right = 0.0
     for i in range(min(count, obj.bent)):
-        frequency, sigma, weight = frequency_of(state, obj, i), 0.0, 0.0
-        if i >= obj.felt:
+        if i < obj.felt:
+            frequency, sigma, weight = ringing_of(state, obj, i)
+            weight *= share_of(state, obj, i, frequency)
+        else:
             frequency, sigma, weight = relief_of(state, obj, i)
-        elif frequency <= highest_of(state):
-            sigma, weight = sigma_of(state, obj, i), state.bank.weight[obj.first + i]
         if frequency > 0.0:
             omega = 2.0 * math.pi * frequency
             heard = state.scratch.work[i] * weight * omega / (omega * omega + sigma * sigma)
@@ -228,7 +225,6 @@ def ring_tensed(state: State, obj: Object, share: float) -> None:
     """Retune the modes that ring to the tension, after a share of the coming sample."""
     modes = modes_of(state, obj, 0, obj.live)
     for i in range(min(obj.live, obj.felt)):
-        frequency, sigma, weight = ringing_of(state, obj, i)
+        frequency, sigma, _ = ringing_of(state, obj, i)
         if frequency > 0.0:
-            weigh_anew(state, obj, i, weight)
             ring_from(modes, i, frequency, sigma, state.rate, share)

@@ -12,6 +12,8 @@ A mode's samples stay as they are where its weight changes: what rings goes on w
 heard as the body is then.
 """
 
+import math
+
 import numpy as np
 
 from ...macros import ENGINE_SETTINGS, GLIDE, SHAPING
@@ -24,7 +26,7 @@ from ..memory.capacity import SHAPE_VALUES
 from ..memory.commands import Event
 from ..memory.records import ContactPoint
 from ..memory.state import Object, State
-from .objects import MUTED, is_muted
+from .objects import is_felt
 
 AXES = len(SHAPING)
 COLUMNS = 3
@@ -126,18 +128,16 @@ def _scale(obj: Object, point: ContactPoint, ratio: float, slower: float) -> Non
 
 @kernel
 def reshape_mode(state: State, obj: Object, i: int) -> None:
-    """Bring an object's mode i to its settings; clicks stay as they are."""
-    if obj.bent <= i < obj.unheard:
-        return
+    """Bring an object's mode i to its settings; a click keeps its band."""
     bank, j = state.bank, obj.first + i
     shape, at, step = bank.shape, obj.reshaped + HEAD + i, COLUMNS * obj.size
     first = at + 2 * step
+    weight = shape[at + 2 * obj.size] + shape[at + step + 2 * obj.size]
+    bank.weight[j] = weight * 2.0 ** _moved(obj, shape, first + 2 * obj.size, step)
+    if obj.bent <= i < obj.unheard:
+        return
     frequency = shape[at] + shape[at + step]
     sigma = shape[at + obj.size] + shape[at + step + obj.size]
-    weight = shape[at + 2 * obj.size] + shape[at + step + 2 * obj.size]
-    muted = is_muted(state, obj, i)
     bank.frequency[j] = frequency * 2.0 ** _moved(obj, shape, first, step)
-    most = max(sigma, _LOSSIEST * bank.frequency[j])
+    most = max(sigma, _LOSSIEST * bank.frequency[j]) if is_felt(obj, i) else math.inf
     bank.sigma[j] = min(sigma * 2.0 ** _moved(obj, shape, first + obj.size, step), most)
-    weight *= 2.0 ** _moved(obj, shape, first + 2 * obj.size, step)
-    bank.weight[j] = weight * MUTED if muted else weight

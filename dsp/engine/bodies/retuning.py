@@ -6,7 +6,7 @@ from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode, yield_less
 from ...resonator.simd import LANES
 from ..memory.state import Object, State
-from .objects import frequency_of, highest_of, is_felt, modes_of, relief_of, ringing_of, weigh_anew
+from .objects import is_felt, modes_of, relief_of, ringing_of, share_of
 from .reshaping import reshape_mode
 
 
@@ -16,14 +16,12 @@ def retune(state: State, obj: Object, count: int) -> None:
     modes = modes_of(state, obj, 0, obj.size)
     for _ in range(count):
         i = obj.retuning
+        strength = state.bank.weight[obj.first + i]
         if obj.reshaped >= 0:
             reshape_mode(state, obj, i)
         if is_felt(obj, i):
             frequency, sigma, weight = ringing_of(state, obj, i)
-            # The share of its shape by which an object's mode i is felt that rings at a frequency (Hz): at a
-            # lower one than its own, it yields as far as there.
-            share = frequency / frequency_of(state, obj, i) if frequency > highest_of(state) else 1.0
-            weigh_anew(state, obj, i, weight)
+            share = share_of(state, obj, i, frequency)
             set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
             if share != 1.0:
                 yield_less(modes, i, share)
@@ -33,12 +31,14 @@ def retune(state: State, obj: Object, count: int) -> None:
             set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
             base = (i // LANES) * RESPONSES + i % LANES
             modes.response[base + MOBILITY] = modes.response[base + MOBILITY + LANES] = 0.0
-        elif modes.a2[i] == 0.0:  # not yet made: no setting changes it, and all of its modes are made at once
+        else:
             bank, j = state.bank, obj.first + i
-            if bank.frequency[j] > 0.0:
-                set_click(modes, i, bank.frequency[j], bank.sigma[j], state.rate, bank.weight[j])
-            else:
+            if modes.a2[i] == 0.0 and bank.frequency[j] > 0.0:  # not yet made: all of its modes are made at once
+                set_click(modes, i, bank.frequency[j], bank.sigma[j], state.rate, strength)
+            elif modes.a2[i] == 0.0:
                 set_mode(modes, i, 0.0, 0.0, state.rate, 0.0j)
+            if bank.weight[j] != strength:
+                yield_less(modes, i, bank.weight[j] / strength)
         obj.retuning = (i + 1) % obj.size
     obj.stale_modes -= count
     obj.retuned += 1 if count > 0 else 0

@@ -10,7 +10,7 @@ from ..memory.commands import Event
 from ..memory.mounted import SENSORS
 from ..memory.sensor_record import SensorState
 from ..memory.state import QUANTUM, Object, State
-from .objects import is_muted, place, shape_at
+from .objects import frequency_of, highest_of, place, shape_at
 from .surface import put_at
 
 
@@ -50,7 +50,8 @@ def begin_sensing(state: State, obj: Object) -> None:
             sensor.retuned, sensor.count = obj.retuned, obj.felt
             for i in range(obj.felt):
                 at = obj.first + i
-                shape = 0.0 if is_muted(state, obj, i) else _shape_of(state, obj, sensor, i)
+                is_over = frequency_of(state, obj, i) > highest_of(state)
+                shape = 0.0 if is_over else _shape_of(state, obj, sensor, i)
                 set_sensed(
                     sensor.rows, i, bank.a1[at], bank.a2[at], shape, bank.weight[at], state.rate,
                     sensor.mounted.acceleration == 1,

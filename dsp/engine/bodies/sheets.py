@@ -163,7 +163,11 @@ def _renew(state: State, obj: Object, sheet: Sheet) -> None:
     if level != sheet.level:
         sheet.level, sheet.turn, sheet.looked = level, 0, 0
     scale = math.sqrt(obj.amplified)
-    sheet.tension = obj.settings.tune * obj.settings.tune * obj.stiffened
+    # A body whose strain is the same has the same share of its energy in it: the square of a frequency is that of a
+    # factor on displacements, times one on the energy.
+    sheet.strained = math.sqrt(obj.stiffened) / obj.lowered
+    pitch = obj.settings.tune * obj.lowered / sheet.strained
+    sheet.tension = pitch * pitch
     if sheet.retuned != obj.retuned or sheet.scale != scale:
         sheet.retuned, sheet.scale = obj.retuned, scale
         bank, first = state.bank, obj.first

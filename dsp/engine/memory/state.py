@@ -183,7 +183,7 @@ class Object(Record):
     reshaped: int  # first value of the table by which macros change its modes (bodies/reshaping.py), -1: it has none
     amplitude: float  # factor of its shapes by these
     lowered: float  # factor of its frequencies by these, on the whole
-    stiffened: float  # factor of the stretching of a plate by these
+    stiffened: float  # factor of the stretching of a flat plate by these
     faults: int  # times it was silenced for not being finite
     settings: Settings
     place: Place

@@ -376,3 +376,36 @@ def test_no_macro_holds_up_the_sound_by_more_gestures_sent_ahead_than_are_bounde
     say(session, "/object/a/impact", 0.1, time=480_000.0 + MOST)
     why = f"{MOST + 1} gestures that were sent ahead would change: expected at most {MOST}"
     assert refusal(session, "/object/a/macro/force", 0.2) == why
+
+
+def struck(preset: str, striker: str, macros: dict[str, float], **keys: float) -> np.ndarray:
+    """Return the octaves (dB) of a blow on an object and the half second after it."""
+    with carom.Scene(RATE, limiter=False) as scene:
+        body = scene.new("a", preset, **keys)
+        if macros:
+            body.macro(**macros)
+        body.impact(1.0, striker=striker)
+        sound = scene.render(0.5).samples[:, 0].astype(float)
+    power, frequency = np.abs(np.fft.rfft(sound)) ** 2, np.fft.rfftfreq(len(sound), 1.0 / RATE)
+    edges = 45.0 * 2.0 ** np.arange(9)
+    return 10.0 * np.log10([power[(frequency >= f) & (frequency < 2.0 * f)].sum() for f in edges])
+
+
+@pytest.mark.parametrize("striker", ["wet-finger", "hammer"])
+@pytest.mark.parametrize("name", ["steel-plate", "steel-ring", "marimba-bar", "opera-gong"])
+def test_a_size_by_its_macro_sounds_as_the_preset_of_that_size(name, striker):
+    """Modes that it brings above hearing keep their part in what slow forces bend, clicks go with the mass that moves,
+    and what couples modes with the strain."""
+    for value in (0.2, 0.4, 0.6):
+        macro, key = struck(name, striker, {"size": value}), struck(name, striker, {}, size=size_at(value))
+        loud = key > key.max() - 40.0
+        assert np.abs(macro - key)[loud].max() < 2.0
+
+
+@pytest.mark.parametrize("name", ["steel-ring", "church-bell"])
+@pytest.mark.parametrize("macro", ["brightness", "damping"])
+def test_a_soft_blow_does_not_thump_where_decays_change(name, macro):
+    """What slow forces bend stays unheard: below the lowest mode no octave is louder than it was by more than 3 dB."""
+    plain = struck(name, "wet-finger", {})
+    for value in (0.1, 0.9):
+        assert (struck(name, "wet-finger", {macro: value}) - plain)[:2].max() < 3.0
