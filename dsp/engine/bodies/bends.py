@@ -22,6 +22,7 @@ from .objects import (
     ringing_of,
     shape_at,
     share_of,
+    weigh_anew,
 )
 from .retuning import retune
 
@@ -225,6 +226,7 @@ def ring_tensed(state: State, obj: Object, share: float) -> None:
     """Retune the modes that ring to the tension, after a share of the coming sample."""
     modes = modes_of(state, obj, 0, obj.live)
     for i in range(min(obj.live, obj.felt)):
-        frequency, sigma, _ = ringing_of(state, obj, i)
+        frequency, sigma, weight = ringing_of(state, obj, i)
         if frequency > 0.0:
+            weigh_anew(state, obj, i, weight)
             ring_from(modes, i, frequency, sigma, state.rate, share)

@@ -19,6 +19,10 @@ TURN = math.sqrt(1.0 - RELIEF_DAMPING * RELIEF_DAMPING)
 """Of a relief, and of a mode that is tuned too high to be heard: its frequency in its natural frequency."""
 TAMED = 2.0 * math.pi * RELIEF_DAMPING / TURN
 """The decay (1/s) of the same for each Hz."""
+GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
+_FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
+_MUTED = 2.0**-200  # of a mode's weight while it is only felt: a power of two, so that it comes back to the bit
+_FAINTEST = 1e-30  # no mode has a weight below (runtime/plan.py) that is not muted
 _HEAVIEST = 10.0  # of a mode's decay a sample, in nepers: it is gone in one, and more only costs digits
 
 
@@ -108,12 +112,13 @@ def relief_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     """Return the frequency (Hz), decay (1/s) and weight of an object's mode i, a relief (see runtime/relief.py), as it
     is now.
 
-    It follows the pitch, up to the highest frequency there is, where it answers slow forces as it would above.
+    It follows the pitch, up to the highest frequency there is, where it answers slow forces as it would above. Where
+    the modes that it belongs to are silent, it is.
     """
     pitch = pitch_of(obj)
     frequency = state.bank.frequency[obj.first + i] * pitch
     share = min(1.0, highest_of(state) / max(frequency, 1e-9))
-    weight = state.bank.weight[obj.first + i] * share
+    weight = state.bank.weight[obj.first + i] * share if share > GONE or obj.reshaped >= 0 else 0.0
     return frequency * share, state.bank.sigma[obj.first + i] * pitch * share, weight
 
 
@@ -121,24 +126,43 @@ def relief_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
 def ringing_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     """Return frequency (Hz), decay (1/s) and weight of the answer to forces of mode i of an object, as it rings now.
 
-    A mode that is tuned above `highest_of` does not ring: it stays there, damped as its relief is, and answers slow
-    forces as before (`share_of`), so that the relief has what it takes away. One that is felt alone
-    (runtime/unheard.py) rings as high as the bank can have it.
+    A mode that is tuned above `highest_of` is felt and not heard: its weight is next to nothing as long as it is there.
+    It rings as high as the bank can have it, as do those that are felt alone (runtime/unheard.py), but fades, as the
+    spectral bank drops it. Nothing excites such a mode of a plate whose modes can be coupled. A mode that macros have
+    brought there does not ring: it is damped as its relief is, and answers slow forces as before (`share_of`), so that
+    the relief has what it takes away; blows feel it less exactly.
     """
     frequency, sigma = frequency_of(state, obj, i), sigma_of(state, obj, i)
     weight, highest = state.bank.weight[obj.first + i], highest_of(state)
+    weight = weight / _MUTED if abs(weight) < _FAINTEST else weight
     if i >= obj.unheard:
         return recurring(frequency, 0.5 * state.rate), sigma, weight
-    if frequency > highest:
+    if frequency <= highest:
+        return frequency, sigma, weight
+    if obj.reshaped >= 0:
         return highest, TAMED * highest, weight / TURN
-    return frequency, sigma, weight
+    if obj.sheet >= 0:
+        return highest, sigma + _FADE, 0.0
+    return recurring(frequency, 0.5 * state.rate), sigma + _FADE, _MUTED * weight
+
+
+@kernel
+def weigh_anew(state: State, obj: Object, i: int, weight: float) -> None:
+    """Scale the samples of an object's mode i to a weight that `ringing_of` says: it keeps its energy."""
+    at, bank = obj.first + i, state.bank
+    if weight == 0.0 or weight == bank.weight[at] or obj.reshaped >= 0:
+        return
+    factor = _MUTED if abs(weight) < abs(bank.weight[at]) else 1.0 / _MUTED
+    bank.weight[at] = weight
+    bank.y1[at] *= factor
+    bank.y2[at] *= factor
 
 
 @kernel
 def share_of(state: State, obj: Object, i: int, frequency: float) -> float:
     """Return the share of its shape by which an object's mode i is felt that rings at a frequency (Hz): at another one
     than its own it yields as far as there."""
-    own, tamed = frequency_of(state, obj, i), i < obj.felt and frequency == highest_of(state)
+    own, tamed = frequency_of(state, obj, i), i < obj.felt and obj.reshaped >= 0
     return (frequency / TURN if tamed else frequency) / own if frequency != own else 1.0
 
 

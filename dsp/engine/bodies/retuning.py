@@ -6,7 +6,7 @@ from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode, yield_less
 from ...resonator.simd import LANES
 from ..memory.state import Object, State
-from .objects import is_felt, modes_of, relief_of, ringing_of, share_of
+from .objects import is_felt, modes_of, relief_of, ringing_of, share_of, weigh_anew
 from .reshaping import reshape_mode
 
 
@@ -22,6 +22,7 @@ def retune(state: State, obj: Object, count: int) -> None:
         if is_felt(obj, i):
             frequency, sigma, weight = ringing_of(state, obj, i)
             share = share_of(state, obj, i, frequency)
+            weigh_anew(state, obj, i, weight)
             set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
             if share != 1.0:
                 yield_less(modes, i, share)

@@ -23,7 +23,8 @@ def ladder():
     rng = np.random.default_rng(4)
     sheet, space = np.zeros(1, SHEET), np.zeros(1, SPACES)
     sheet["functions"] = sheet["plain"] = COUPLED
-    sheet["rungs"], sheet["below"], sheet["span"], sheet["tension"] = RUNGS, BELOW, 0.25, 1.0
+    sheet["rungs"], sheet["below"], sheet["span"] = RUNGS, BELOW, 0.25
+    sheet["tension"] = sheet["strained"] = 1.0
     sheet["free"] = COUPLED - BELOW
     sheet["ladder"][0, :RUNGS] = BELOW + rng.permutation(RUNGS)
     modes = BELOW + RUNGS

@@ -57,7 +57,7 @@ def swung(frequency, ratio, rate, periods=60.0, every=1, growth=2.2):
     sheet = np.zeros(1, SHEET)
     theta = omega / rate
     sheet["functions"] = sheet["plain"] = 1
-    sheet["scale"] = sheet["tension"] = sheet["share"] = 1.0
+    sheet["scale"] = sheet["strained"] = sheet["tension"] = sheet["share"] = 1.0
     # It begins at rest, at a sample: half of a kick lies before it.
     state = np.array([omega * amplitude, omega * amplitude * math.cos(theta), 2 * math.cos(theta), -1.0, 1.0])
     prepare(sheet[0], Heard(state[2:3], state[3:4], state[4:5], state[4:5]), rate)
@@ -125,7 +125,7 @@ def test_a_slow_force_is_heard_as_the_acceleration_of_what_it_bends(slow):
     theta, r = omega / rate, math.exp(-200.0 / rate)
     sheet = np.zeros(1, SHEET)
     sheet["functions"] = sheet["plain"] = sheet["grids"]["domed"] = 1
-    sheet["scale"] = sheet["tension"] = sheet["share"] = 1.0
+    sheet["scale"] = sheet["strained"] = sheet["tension"] = sheet["share"] = 1.0
     sheet["highest"], sheet["growth"], sheet["c0"], sheet["psi"] = 5_000.0, 2.2, 1e9, math.sqrt(1e9)
     state = np.array([0.0, 0.0, 2 * r * math.cos(theta), -(r**2), 1.0])
     prepare(sheet[0], Heard(state[2:3], state[3:4], state[4:5], state[4:5]), rate)
@@ -152,7 +152,7 @@ def test_a_mode_that_is_bent_by_stretching_loses_by_its_motion_alone(rate):
     theta, r = omega / rate, math.exp(-decay / rate)
     sheet = np.zeros(1, SHEET)
     sheet["functions"] = sheet["plain"] = 1
-    sheet["scale"] = sheet["tension"] = sheet["share"] = sheet["drained"][0, 0] = 1.0
+    sheet["scale"] = sheet["strained"] = sheet["tension"] = sheet["share"] = sheet["drained"][0, 0] = 1.0
     sheet["given"], sheet["growth"], sheet["grids"]["domed"] = 0.999, 2.2, 1
     # It begins at rest, q' = 0, where v = q' + decay q: half of a kick lies before it.
     v = decay * q - 0.5 * force / rate
