@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.bodies.modes import Modes
-from ..dsp.engine.bodies.objects import GONE, sigma_of, weigh
+from ..dsp.engine.bodies.objects import TAMED, TURN, sigma_of, weigh
 from ..dsp.engine.memory.channels import pan_gains
 from ..dsp.kept import Kept
 from ..dsp.resonator.bank import top_of
@@ -18,7 +18,7 @@ _ROWS = 4  # between which mode shapes are interpolated
 
 
 class Click(NamedTuple):
-    """A heavily damped sound of a body, wherever it is struck.
+    """A heavily damped sound of a body about the point that is struck.
 
     An impulse of J (N s) at t = 0 adds, at the output c,
     J gains[c] exp(-decay t) (cos(w t) - decay/w sin(w t)), w = 2 pi frequency.
@@ -99,7 +99,7 @@ def mode_table(
     known = heard_as(modes, level, settings, gains, rate)
     relief = Relief(known.relief.frequencies.copy(), known.relief.decays.copy(), known.relief_at(position))
     return ModeTable(
-        known.frequencies.copy(), known.decays.copy(), known.gains_at(position), known.clicks, relief
+        known.frequencies.copy(), known.decays.copy(), known.gains_at(position), known.clicks_at(position), relief
     )  # fmt: skip
 
 
@@ -120,6 +120,17 @@ class Heard(NamedTuple):
         """Return the gains of its modes, (n, channels), struck at a position (0 to 1)."""
         shape = _shape_at(self.modes.along, position)[self.heard]
         return self.level * (self.sides * shape).T * self.gains
+
+    @property
+    def shares(self) -> list[NDArray[np.float64]]:
+        """The shares of its clicks at equally spaced positions along the strike path."""
+        rows = max(len(self.modes.along), _ROWS)
+        return [each.rows(rows if len(each.along) > 1 else _ROWS) for each in self.modes.clicks]
+
+    def clicks_at(self, position: float) -> tuple[Click, ...]:
+        """Return its clicks, struck at a position (0 to 1)."""
+        heard = zip(self.clicks, self.shares, strict=True)
+        return tuple(each._replace(gains=each.gains * _shape_at(rows[:, None], position)) for each, rows in heard)
 
     def relief_at(self, position: float) -> NDArray[np.float64]:
         """Return the gains of its relief, (m, channels), struck at a position (0 to 1)."""
@@ -181,13 +192,9 @@ def places_of(modes: Modes, level: float, settings: Settings, gains: NDArray[np.
     top = top_of.py_func(rate)
     heard = np.flatnonzero((modes.frequency <= top) & (frequencies <= top))
     rows = modes.along if len(modes.along) >= _ROWS else np.repeat(modes.strike[:1], _ROWS, axis=0)
-    plan = planned(modes, top, 0.5 * rate, len(gains) == 2)
-    found = plan.relief
-    share = np.minimum(1.0, top / (found.frequency * settings.tune))
-    shapes = [found.shape[side if len(gains) == 2 else 0, : plan.rows] for side in range(len(gains))]
-    sized = [
-        level * gain * shape * np.where(share > GONE, share, 0.0) for gain, shape in zip(gains, shapes, strict=True)
-    ]
+    found = _still(modes, settings.tune, len(gains), rate)
+    shapes = found.along if len(gains) == 2 else [found.along[0]] * len(gains)
+    sized = [level * gain * shape * found.share for gain, shape in zip(gains, shapes, strict=True)]
     return Places(rows[:, heard], level * _sides(modes, len(gains))[:, heard].T * gains, np.array(sized))
 
 
@@ -202,7 +209,8 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
     """Return the decays of all modes, as the engine has them."""
     if not len(modes.decay):  # a small body that clicks alone
         return modes.decay
-    state: Any = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
+    bank = SimpleNamespace(sigma=modes.decay, held=np.zeros_like(modes.decay))
+    state: Any = SimpleNamespace(bank=bank, rate=rate)
     obj: Any = SimpleNamespace(first=0, settings=settings)
     most = int(np.argmax(modes.decay))
     if settings.decay == 1.0 and settings.damp == 0.0 and sigma_of.py_func(state, obj, most) == modes.decay[most]:
@@ -212,14 +220,24 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
 
 def _still(modes: Modes, tune: float, channels: int, rate: float) -> _Still:
     """Return the relief of modes that are heard in so many channels, as the engine has it
-    (engine/bodies/objects.py)."""
+    (engine/bodies/objects.py), after the sum of what modes that are tuned too high answer."""
     top = top_of.py_func(rate)
     plan = planned(modes, top, 0.5 * rate, channels == 2)
     found = plan.relief
     frequency = found.frequency * tune
     share = np.minimum(1.0, top / frequency)
-    along = found.shape[:, : plan.rows]
-    return _Still(frequency * share, found.decay * tune * share, along, np.where(share > GONE, share, 0.0))
+    still = _Still(frequency * share, found.decay * tune * share, found.shape[:, : plan.rows], share)
+    own = plan.columns[0, : plan.felt] * tune
+    over = np.flatnonzero(own > top)
+    if not over.size:
+        return still
+    left, balance = plan.columns[2:, over]
+    answers = plan.shape[: plan.rows, over] * (top / (own[over] * TURN**2))
+    tamed = np.stack([answers @ left, answers @ (left * balance)])[: len(still.along), :, None]
+    return _Still(
+        np.append(top, still.frequencies), np.append(TAMED * top, still.decays),
+        np.concatenate([tamed, still.along], axis=2), np.append(1.0, still.share),
+    )  # fmt: skip
 
 
 def _shape_at(strike: NDArray[np.float64], position: float) -> NDArray[np.float64]:

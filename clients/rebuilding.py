@@ -85,8 +85,8 @@ def rebuild(row: Row) -> NDArray[np.float64]:
         for kind in ("modes", "relief"):
             _ring(own, body, kind, forces, rate)
         for n, click in enumerate(body["clicks"]):
-            rubbed = forces[1].total * float(n < body["rubbed_clicks"])
-            _click(own, click, forces[0].total + rubbed + forces[2].total, 0, rate)
+            pushed, rubbed, fed = (each.along(np.asarray(click["along"], np.float64)) for each in forces)
+            _click(own, click, pushed + rubbed * float(n < body["rubbed_clicks"]) + fed, 0, rate)
         if len(body["bends"]):
             own -= _lines(body["bends"], frames)
         sound += own * _lines(body["fades"], frames) if len(body["fades"]) else own

@@ -85,6 +85,8 @@ class StrikerPreset:
     exponent: float = HERTZ_EXPONENT
     material: Material | None = None
     radius: float | None = None
+    area: float = 0.0
+    """m^2 that it covers where it is pressed on; 0: it touches at a point."""
     sound: StrikerSound | None = None
     """Sound of the striker itself."""
     slide: Mapping[str, float] = field(default_factory=dict)
@@ -94,7 +96,7 @@ class StrikerPreset:
     def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:
         """Make a striker from its file's data. `where` begins the text of a PresetError."""
         required = (*DESCRIPTION, *(BALL if "material" in data or "radius" in data else LAW))
-        taken = (*required, *LICENCE, *LOST, "mass", *SOUNDS, "slide")
+        taken = (*required, *LICENCE, *LOST, "mass", "area", *SOUNDS, "slide")
         fields = {key: domain for key, domain in STRIKER.items() if key in taken}
         values = check(where, data, fields, required)
         values.pop("licence", None)

@@ -94,6 +94,7 @@ STRIKER: Fields = {
     **DESCRIPTION,
     **LICENCE,
     **LAW_FIELDS,
+    "area": Quantity(0, 10, "m2"),
     "material": Name(),
     **dict.fromkeys(SOUNDS, Section()),
     "slide": Section(),

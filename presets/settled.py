@@ -67,7 +67,7 @@ def rounded(modes: Modes) -> Modes:
         decay=single(modes.decay),
         pressure=single(modes.pressure),
         strike=single(modes.strike),
-        clicks=_clicks(modes.clicks),
+        clicks=_rounded(modes.clicks),
         unheard=None if unheard is None else Unheard(*map(single, unheard)),
         sheet=sheet,
     )
@@ -103,7 +103,6 @@ def packed(modes: Modes) -> dict[str, NDArray[Any]]:
         "frequency": modes.frequency.astype(np.float32),
         "decay": modes.decay.astype(np.float32),
         "pressure": modes.pressure.astype(np.float32),
-        "clicks": np.array(modes.clicks, np.float32).reshape(-1, 3),
         **_packed_table("strike", modes.strike),
     }
     if modes.unheard is not None:
@@ -134,14 +133,18 @@ def unpacked(arrays: Arrays, modes: Modes) -> Modes:
         decay=arrays["decay"].astype(np.float64),
         pressure=arrays["pressure"].astype(np.float64),
         strike=_unpacked_table("strike", arrays),
-        clicks=_clicks(arrays["clicks"]),
+        clicks=_rounded(modes.clicks),
         unheard=unheard,
         sheet=sheet,
     )
 
 
-def _clicks(rows: Any) -> tuple[Click, ...]:
-    return tuple(Click(*each) for each in single(rows).reshape(-1, 3).tolist())
+def _rounded(clicks: tuple[Click, ...]) -> tuple[Click, ...]:
+    found = []
+    for each in clicks:
+        frequency, decay, strength = single(np.array(each[:3])).tolist()
+        found.append(Click(frequency, decay, strength, tuple(single(np.array(each.along)).tolist())))
+    return tuple(found)
 
 
 def _packed_table(name: str, table: NDArray[np.float64]) -> dict[str, NDArray[Any]]:

@@ -24,6 +24,8 @@ class SupportPreset(NamedTuple):
     """N: with which such a hand presses, where none is given."""
     most: float = math.inf
     """N: the greatest load that may be set, an estimate: under more, neither flesh nor a pad is as its law has it."""
+    area: float = 0.0
+    """m^2 that it covers, as a resistance alone: no mode is spared; 0: it touches at a point."""
     resistance: float = 0.0
     """N s/m: of the ground; 0: it is rigid."""
     wavelength: float = 0.0
@@ -48,17 +50,17 @@ _TABLE = 3e9, 0.3, 700.0, 0.025  # Young's modulus (Pa), Poisson's ratio, densit
 
 SUPPORTS = {
     "felt": SupportPreset(
-        "A pad of felt, 5 mm thick, on rigid ground",
+        "A pad of felt of 4 x 4 cm, 5 mm thick, on rigid ground",
         "stiffness over load: that of felt of an inch, on which any mass swings at some 20 Hz (Tyzzer and Hardy, J. "
         "Acoust. Soc. Am. 19, 1947, abstract), times 25.4/5; exponent: 2.2-3.5 of piano hammers (Hall and Askenfelt "
         "1988); dissipation: for a loss factor of 0.2 at 500 Hz, an estimate",
-        stiffness=2e10, dissipation=0.5, exponent=3.0, most=10_000.0,
+        stiffness=2e10, dissipation=0.5, exponent=3.0, most=10_000.0, area=1.6e-3,
     ),
     "foam": SupportPreset(
         "A block of soft polyurethane foam of 4 x 4 x 2 cm, on rigid ground",
         "Young's modulus 0.1 MPa and loss factor 0.3 at 500 Hz and 1 N: estimates, within what is measured of such "
         "foams (an estimate, after 0.05-0.3 MPa, 0.1-0.5)",
-        stiffness=8e3, dissipation=0.75, exponent=1.0, most=10_000.0,
+        stiffness=8e3, dissipation=0.75, exponent=1.0, most=10_000.0, area=1.6e-3,
     ),
     "finger": SupportPreset(
         "A fingertip that touches lightly",
@@ -68,10 +70,11 @@ SUPPORTS = {
         stiffness=2.5e5, dissipation=1.5, exponent=2.0, mass=0.006, load=1.0, most=200.0,
     ),
     "palm": SupportPreset(
-        "The flat of a hand that is laid on",
+        "The flat of a hand, laid on: 80 cm2",
         "at 50 N: 50 kN/m and 100 N s/m, as models of the palm have it (an estimate, after ISO 10068); stiffening with "
-        "load and the mass of the flesh that moves with it: estimates",
-        stiffness=1.3e7, dissipation=2.0, exponent=2.0, mass=0.1, load=5.0, most=2_000.0,
+        "load and the mass of the flesh that moves with it: estimates; 80 cm2: 0.4 to 0.5 % of the body's surface "
+        "(Rossiter et al., Burns 22, 1996), of 1.8 m2",
+        stiffness=1.3e7, dissipation=2.0, exponent=2.0, mass=0.1, load=50.0, most=2_000.0, area=8e-3,
     ),
     "table": SupportPreset(
         "A large table top of chipboard, 25 mm thick",

@@ -27,7 +27,7 @@ _OBJECT = pa.struct(
         **dict.fromkeys(("name", "preset", "shape", "material"), pa.string()),
         **dict.fromkeys(("mass", "position"), pa.float64()),
         "modes": _SINES,
-        "clicks": pa.list_(_CLICK),
+        "clicks": pa.list_(pa.struct([*_CLICK, pa.field("along", _LIST)])),
         "relief": _SINES,
         "linear": pa.bool_(),
         "by_moments": pa.list_(pa.int64()),

@@ -63,6 +63,7 @@ class Followed:
         self._seen: dict[int, list[_Seen]] = {}
         self._in_space: set[int] = set()
         self._panicked: set[int] = set()
+        self._covered: set[int] = set()
 
     def look(self, performer: Performer) -> None:
         """Take notice of a quantum that was computed."""
@@ -82,6 +83,9 @@ class Followed:
                 self._seen.setdefault(serial, []).append(seen)
                 if record["fading"] > 0:
                     self._panicked.add(serial)
+                first, felt = int(record["first"]), int(record["felt"])
+                if performer.engine.state[0]["bank"]["held"][first : first + felt].any():
+                    self._covered.add(serial)
 
     def fades(self, serial: int, gains: NDArray[np.float64], quanta: int) -> Ends:
         """Return an object's gains at the beginning and the end of each quantum, between which they go as lines, as
@@ -103,9 +107,9 @@ class Followed:
         return whole
 
     def stayed(self, serial: int) -> bool:
-        """True if an object rang on as it was made, through no panic, and was never heard from a place in space."""
+        """True if an object rang on as it was made: no panic, nothing that covered it, and no place in space."""
         settings = {each.settings for each in self._seen.get(serial, ())}
-        return serial not in self._in_space | self._panicked and len(settings) <= 1
+        return serial not in self._in_space | self._panicked | self._covered and len(settings) <= 1
 
     def all_in(self, serials: Iterable[int]) -> bool:
         """True if no object was there but these."""
@@ -144,7 +148,7 @@ class Told:
         elsewhere, too; on_path: but nowhere off its strike path."""
         serial, quanta = self._placed.handle.serial, -(-frames // QUANTUM)
         position = self._placed.position if touched is None else touched
-        heard = self._heard
+        heard, shares = self._heard, self._heard.shares
         laid = self._placed.modes, self._level, self._settings, self.gains, self._rate
         return {
             **self._identity,
@@ -153,7 +157,7 @@ class Told:
             "by_moments": [*self._by_moments],
             **self._rubbed,
             "modes": sines(heard.frequencies, heard.decays, heard.gains_at(position)),
-            "clicks": [_click(each) for each in heard.clicks],
+            "clicks": [_click(each) | {"along": [*rows]} for each, rows in zip(heard.clicks, shares, strict=True)],
             "relief": sines(heard.relief.frequencies, heard.relief.decays, heard.relief_at(position)),
             "places": _places(places_of(*laid)) if moves else {},
             "fades": followed.fades(serial, self.gains, quanta),

@@ -23,7 +23,10 @@ turning heard, which a blow beside the centre of mass adds.
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from .air import IMPEDANCE, SPEED
+from .material import Array
 
 _SPHERE = math.sqrt(0.5)  # damping ratio
 _DISC = 0.466
@@ -45,6 +48,12 @@ class Click(NamedTuple):
     """1/s"""
     strength: float
     """Pa per N s"""
+    along: tuple[float, ...] = (1.0,)
+    """Its shares at equally spaced positions along the strike path; one: it is alike everywhere."""
+
+    def rows(self, count: int) -> Array:
+        """Return its shares at so many equally spaced positions along the strike path."""
+        return np.interp(np.linspace(0, 1, count), np.linspace(0, 1, len(self.along)), self.along)
 
 
 def sphere(mass: float, radius: float) -> Click:

@@ -304,7 +304,7 @@ def _parts(bar: Modes, found: Coupled, tube: Tube, overtones: list[tuple[int, Ar
     taken = np.bincount(of, (loud / most) ** 2, bar.frequency.size)
     most *= np.sqrt(np.maximum(taken / _MOST_TAKEN, 1.0))[of]
     whole = np.bincount(own[moves], share.real[moves], bar.frequency.size)[own]
-    felt = np.sqrt((share.real[moves] / whole[moves] * (1 - np.minimum(taken, _MOST_TAKEN))[own][moves]))
+    felt = np.sqrt(share.real[moves] / whole[moves] * (1 - np.minimum(taken, _MOST_TAKEN))[own][moves])
     audible = np.abs(loud) * np.abs(bar.strike).max(axis=0)[of]
     keep = audible > _SILENT * audible.max(initial=0.0)
     return [

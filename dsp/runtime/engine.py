@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bodies.macros import Change
+from ..bodies.material import Array
 from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
@@ -387,6 +388,12 @@ class Engine:
         `level` (amplitude) is full scale per Pa at 1 m. EngineFull if there is no room.
         """
         return self._memory.lay_out(modes, level, self.top_frequency)
+
+    def lay_out_cover(self, modes: Modes, squares: Array) -> tuple[Handle, dict[str, float]]:
+        """Lay out what covers an object of some modes: the silent object whose shapes are their mean squares (P, n)."""
+        order = self._memory.plan(modes, self.top_frequency).order
+        silent = np.zeros((2, order.size))
+        return self.lay_out(Modes(modes.frequency[order], np.ones(order.size), squares[:, order], silent, 1.0), 1.0)
 
     def plan(self, modes: Modes) -> None:
         """Plan the layout of modes, which `lay_out` takes then if it is requested it soon. Any thread may ask; a plan

@@ -104,10 +104,11 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
         first = felt + side * bands
         _fill(plan, first, still.frequency, still.decay, *weights)
         plan.shape[:, first : first + bands] = still.shape[side if has_sides else 0]
-    # Clicks are moved by any force, wherever that acts, and are heard alike on both sides.
+    # Clicks are moved by any force, by where that acts along the strike path, and are heard alike on both sides.
     for start, click in zip(starts, modes.clicks, strict=True):
         _fill(plan, start, click.frequency, click.decay, click.strength, 1.0)
         plan.shape[:, start : start + CLICK_MODES] = 1.0
+        plan.shape[:rows, start : start + CLICK_MODES] = click.rows(rows)[:, None]
     _fill(plan, heard, unheard.frequency, unheard.decay, _least(sides), 1.0)
     plan.shape[:, heard:count] = unheard.strike
     if plan.faces.size == 0 and targets()[0].is_portable:

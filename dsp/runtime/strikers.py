@@ -67,7 +67,7 @@ class Strikers:
 @lru_cache(maxsize=64)
 def _laid(sound: StrikerSound, top: float) -> np.void:
     """Return the bytes of a striker, of STRIKER, with its modes up to `top` (Hz), and no serial yet; read-only."""
-    modes: list[tuple[float, ...]] = [sound.click] * CLICK_MODES if sound.click else []
+    modes: list[tuple[float, ...]] = [sound.click[:3]] * CLICK_MODES if sound.click else []
     if sound.ringing:
         each = zip(sound.ringing.frequency, sound.ringing.decay, sound.ringing.weight, strict=True)
         modes += [mode for mode in each if mode[0] <= top]

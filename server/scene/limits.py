@@ -51,6 +51,7 @@ class ContactLaws:
         self._laws: dict[tuple[str, Material | None], Contact] = {}
         self._sounds: dict[tuple[str, bool], StrikerSound | None] = {}
         self._radii: dict[str, float | None] = {}
+        self._areas: dict[str, float] = {}
         self._sliding: dict[str, dict[str, float]] = {}
         self._surfaces: dict[str, SurfacePreset] = {}
 
@@ -74,6 +75,12 @@ class ContactLaws:
             self._radii[striker] = self._presets.striker(striker).radius
         return self._radii[striker]
 
+    def area_of(self, striker: str) -> float:
+        """Return the area (m^2) that a striker covers where it is pressed on; 0: it touches at a point."""
+        if striker not in self._areas:
+            self._areas[striker] = self._presets.striker(striker).area
+        return self._areas[striker]
+
     def ball_of(self, striker: str) -> float | None:
         """Return the radius (m) of a striker whose stiffness follows from it; else None."""
         radius, preset = self.radius_of(striker), self._presets.striker(striker)
@@ -95,6 +102,7 @@ class ContactLaws:
         """Read the files again from now on."""
         self._laws.clear()
         self._radii.clear()
+        self._areas.clear()
         self._sliding.clear()
         self._surfaces.clear()
         self._sounds.clear()

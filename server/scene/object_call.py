@@ -32,7 +32,7 @@ class Memory:
     """Whether a gesture of that id went on."""
     is_played: bool | None = None
     ground: Handle | None = None
-    """What a support's ground is in the engine."""
+    """What a support's ground is in the engine, or what covers the object."""
     begin: Begin | None = None
     others: list[PlayedObject] = field(default_factory=list)
     """Other objects that it is about."""

@@ -3,8 +3,11 @@
 import math
 from itertools import islice
 
+import numpy as np
+
+from ...dsp.bodies.covered import mean_squares
 from ...dsp.bodies.ground import ground, position_of
-from ...dsp.engine.memory.commands import Command, Kind
+from ...dsp.engine.memory.commands import Command, Handle, Kind
 from ...dsp.numerics.constants import HARDEST_REST, STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import SETTINGS
@@ -17,11 +20,13 @@ from ..osc.wire import Message
 from .contact_law import bent
 from .object_call import ObjectCall
 from .objects import PlayedObject
-from .touching import feet_values
+from .touching import feet_values, place_values
 from .transaction import Sent, Transaction, is_off_path
 
 _REST = "/object/NAME/rest"
 _LAW = ("stiffness", "dissipation", "exponent")
+_OF_A_POINT = {"stiffness", "exponent", "mass", "resistance"}
+"""Keys of what touches at a point: where one is given, a support covers no area."""
 
 
 def rest(to: ObjectCall) -> None:
@@ -38,7 +43,7 @@ def rest(to: ObjectCall) -> None:
         words = f"another object, {', '.join(SUPPORTS)} or {NO_REST}"
         raise Refused(f"what = {shown(what)}: expected {words}{_meant(to, what)}")
     support = None if other else SUPPORTS[what]
-    feet = feet_values(to, other)
+    feet = [place_values(to, other)] if support and support.mass else feet_values(to, other)  # a hand finds its place
     id = to.id(to.transaction.gestures.made_for)
     gesture = {to.start(id) for _ in feet}.pop()  # one number
     message = to.canonical
@@ -88,6 +93,10 @@ def _lay(
     if other and resistance:
         raise Refused(f"resistance = {resistance:g}: expected none, as {to.values.words['what']} is an object")
     time = _time(to, other)
+    covers = support.area if support and not _OF_A_POINT & numbers.keys() else 0.0
+    if covers:
+        _cover(to, message, [command._replace(time=time, values=values | foot) for foot in feet], covers)
+        return most
     if other or not resistance:
         command = command._replace(time=time, by=other.handle if other else None)
         for foot in feet:
@@ -96,22 +105,54 @@ def _lay(
     engine = to.transaction.engine
     places = tuple((foot["x"], foot["y"], foot["z"]) for foot in feet)
     wavelength = support.wavelength if support and feet[0]["on_surface"] else 0.0  # else the path's length is not known
-    again, handle = to.memory.ground is not None, to.memory.ground
-    if handle is None:
-        handle, layout = engine.lay_out(ground(resistance, engine.top_frequency, places, wavelength), 1.0)
-        to.memory.ground = laid = handle
-        to.transaction.on_undo(lambda: engine.release(laid))
+    made = ground(resistance, engine.top_frequency, places, wavelength)
+    laid = None if to.memory.ground else engine.lay_out(made, 1.0)
+    under = [{"by_position": position_of(number, len(feet))} for number in range(len(feet))]
+    rests = [command._replace(time=time, values=values | each) for each in map(dict.__or__, feet, under)]
+    _lay_under(to, message, rests, laid)
+    return most
+
+
+def cover(to: ObjectCall, press: Command, area: float) -> None:
+    """Let a press that covers an area (m^2) take of all modes of the object, beside what it does at its point."""
+    _cover(to, to.canonical, [press._replace(time=_time(to, None))], area)
+
+
+def _cover(to: ObjectCall, message: Message, feet: list[Command], area: float) -> None:
+    """Lay on what covers an area (m^2) at each place, as commands say: their dissipation alone, without a spring."""
+    preset, values = to.obj.preset, [dict(each.values) for each in feet]
+    body = to.obj.modes, preset.shape, preset.geometry, preset.material, area
+    if values[0]["on_surface"]:
+        found = [mean_squares(*body, point=(foot["x"], foot["y"], foot["z"]))[0] for foot in values]
+        squares = np.array(found + found[-1:] * (4 - len(found)))
+        for number, foot in enumerate(values):
+            foot["position"] = position_of(number, len(feet))
+    else:
+        squares = mean_squares(*body)
+    rests = [each._replace(values=foot | {"stiffness": 0.0}) for each, foot in zip(feet, values, strict=True)]
+    laid = None if to.memory.ground else to.transaction.engine.lay_out_cover(to.obj.modes, squares)
+    _lay_under(to, message, rests, laid)
+
+
+def _lay_under(
+    to: ObjectCall, message: Message, rests: list[Command], laid: tuple[Handle, dict[str, float]] | None
+) -> None:
+    """Lay an object on a silent one, as commands say, which goes with the last of them; laid: that object and its
+    layout, None where the message has been carried out before."""
+    engine, before = to.transaction.engine, to.memory.ground
+    if laid:
+        handle, layout = laid
+        to.memory.ground = handle
+        to.transaction.on_undo(lambda: engine.release(handle))
         settings = {name: each.in_engine(each.default or 0.0) for name, each in SETTINGS.items()}
-        _add(to, message, Command(time, Kind.NEW, handle, {**layout, **settings}))
-    for number, foot in enumerate(feet):
-        under = {"by_position": position_of(number, len(feet))}
-        _add(to, message, command._replace(time=time, values=values | foot | under, by=handle))
-    if again:
-        return most
-    _add(to, message, Command(time, Kind.FREE, handle))  # it goes once nothing rests on it
+        _add(to, message, Command(rests[0].time, Kind.NEW, handle, {**layout, **settings}))
+    for command in rests:
+        _add(to, message, command._replace(by=to.memory.ground))
+    if before:
+        return
+    _add(to, message, Command(rests[0].time, Kind.FREE, handle))
     engine.leave(handle)
     to.transaction.on_undo(lambda: engine.stay(handle))
-    return most
 
 
 def _meant(to: ObjectCall, what: str) -> str:

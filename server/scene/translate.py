@@ -55,7 +55,7 @@ from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
 from .objects import RETUNED, PlayedObject, Turn
 from .placing import SPACE_HANDLERS, place_object
-from .resting import rest, stand
+from .resting import cover, rest, stand
 from .sensing import SENSOR_HANDLERS
 from .shattering import shatter
 from .steering import CHANGE_WORK, steer
@@ -194,7 +194,12 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
     if gesture.swarms:
         motion = gathered(to, motion)
         motion |= to.transaction.pulses(0.0 if gesture.swarms == DROPS else law.exponent)
-    _strike(to, by, law, Command(NOW, gesture.name, gesture=number, values=motion))
+    command = Command(NOW, gesture.name, gesture=number, values=motion)
+    _strike(to, by, law, command)
+    area = to.transaction.laws.area_of(to.striker) if gesture.held and not (by or to.is_point_mass) else 0.0
+    if area:
+        lossy = {**motion, **law._asdict(), "restitution": 0.0, **place_values(to, None), "gain": 1.0}
+        cover(to, command._replace(values=lossy), area)
 
 
 def _velocity(values: Values) -> float:

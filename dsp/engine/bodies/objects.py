@@ -77,11 +77,9 @@ def frequency_of(state: State, obj: Object, i: int) -> float:
 
 @kernel
 def sigma_of(state: State, obj: Object, i: int) -> float:
-    """Return the decay (1/s) of an object's mode i as it is now, with a hand on it."""
-    return min(
-        state.bank.sigma[obj.first + i] / obj.settings.decay + HAND * obj.settings.damp * obj.settings.damp,
-        _HEAVIEST * state.rate,
-    )
+    """Return the decay (1/s) of an object's mode i as it is now, with hands on it."""
+    at, hand = obj.first + i, HAND * obj.settings.damp * obj.settings.damp
+    return min(state.bank.sigma[at] / obj.settings.decay + hand + state.bank.held[at], _HEAVIEST * state.rate)
 
 
 @kernel

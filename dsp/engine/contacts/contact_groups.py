@@ -52,9 +52,11 @@ def solve_groups(state: State, frame: int) -> None:
             member = 0
             while member < group.size:
                 for k in range(count):
-                    free = group.size < GROUP and candidates[k] >= 0
-                    if free and _see_each_other(state.contacts[group.member[member]], state.contacts[candidates[k]]):
-                        _join(group, candidates, k)
+                    if group.size < GROUP and candidates[k] >= 0:
+                        one, other = state.contacts[group.member[member]], state.contacts[candidates[k]]
+                        held = one.coupled.tolerance == HELD or other.coupled.tolerance == HELD
+                        if not held and share_object(one, other):
+                            _join(group, candidates, k)
                 member += 1
             _solve(state, frame)
 
@@ -75,13 +77,6 @@ def _join(group: CoupledGroup, candidates: View[int], i: int) -> None:
     group.member[group.size] = candidates[i]
     candidates[i] = -1
     group.size += 1
-
-
-@kernel
-def _see_each_other(contact: Contact, other: Contact) -> bool:
-    """True if two contacts touch the same object, and neither holds its force."""
-    held = contact.coupled.tolerance == HELD or other.coupled.tolerance == HELD
-    return not held and share_object(contact, other)
 
 
 @noinline_kernel

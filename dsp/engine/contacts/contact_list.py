@@ -11,7 +11,7 @@ from ...numerics.random import STEP, mixed
 from ..memory.commands import Event
 from ..memory.filling import fill_roll, fill_swarm
 from ..memory.records import Contact
-from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, FADING, UNWEIGHED, Object, State
+from ..memory.state import CLOSED, COUPLING, COVERING, END_GONE, ENDED, FADING, UNWEIGHED, Object, State
 
 KEPT_ASIDE = 2
 """`aside` of a contact whose striker has left, and is kept for a while."""
@@ -215,8 +215,18 @@ def leave_table(state: State, number: int) -> None:
 @kernel
 def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     """Take a contact, which follows `before` (-1: the first), out of its object's list and free its place."""
+    contact = state.contacts[index]
     take_out(state, obj, before, index)
-    free_means(state, state.contacts[index])
+    at = obj.contact
+    while contact.trait.held == 1 and at >= 0:  # what covers beside a press goes with it
+        other = state.contacts[at]
+        other.until = 0.0 if other.solver == COVERING and other.gesture == contact.gesture else other.until
+        at = other.next
+    if contact.solver == COVERING:
+        for i in range(obj.first, obj.first + obj.size):
+            state.bank.held[i] = 0.0
+        obj.stale_modes = obj.size
+    free_means(state, contact)
     free_place(state, index)
 
 

@@ -13,6 +13,7 @@ from ...native.records import field, set_field
 from ...numerics.legendre import KEPT
 from ...rolling.body import weigh
 from ...schema import BY_POINT, POINT, STEERABLE, gestures_steered_by
+from ..bodies.covers import cover
 from ..bodies.strikers import roll_striker
 from ..bodies.surface import PLACES, THERE, put, put_other
 from ..memory.order import wake
@@ -22,6 +23,7 @@ from ..memory.state import (
     BEHIND,
     CLOSED,
     COUPLING,
+    COVERING,
     END_NO_ROOM,
     END_RESTED,
     END_STOPPED,
@@ -67,11 +69,13 @@ _POINT, _BY_POINT = STEERABLE.index(POINT[0].name), STEERABLE.index(BY_POINT[0].
 @noinline_kernel
 def update_contacts(state: State, obj: Object) -> None:
     """Bring an object's contacts to a new quantum: parameters glide, rolls go on, stopped gestures end."""
+    covers = uncovers = False
     before = -1
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
         after = contact.next
+        covers |= contact.solver == COVERING
         obj.rubbed |= contact.trait.slips
         if contact.aside != KEPT_ASIDE:
             # Bring what can be steered nearer to its target.
@@ -110,7 +114,7 @@ def update_contacts(state: State, obj: Object) -> None:
                     elif contact.m != now.mass:
                         contact.m = coupled.m = now.mass
                         contact.unsettled = 1
-                    if contact.trait.rests == 1 and contact.touching == 1:
+                    if contact.trait.rests == 1 and contact.solver == COUPLING:
                         bear_load(contact)
         # Tie the objects of a contact together; forget one that is gone; note where modes are retuned.
         other = contact.point[1]
@@ -121,7 +125,7 @@ def update_contacts(state: State, obj: Object) -> None:
                 contact.unsettled = 1
             else:
                 wake(state, other.slot)
-                partner.leaned_on |= contact.trait.rests
+                partner.leaned_on |= int(contact.trait.rests == 1 or contact.solver == COVERING)
                 if contact.asleep == 0:
                     obj.shares_contact = partner.shares_contact = 1
                 contact.unsettled |= partner.stale_modes > 0 or partner.detuned == 1
@@ -131,8 +135,10 @@ def update_contacts(state: State, obj: Object) -> None:
         if ended:
             rested = is_gone(state, contact) or has_run_out(contact)
             gesture, breaks = contact.gesture, contact.trait.breaks
+            uncovers |= contact.solver == COVERING
+            beside = contact.solver == COVERING and contact.trait.held == 1  # the press that it is part of has its end
             end_contact(state, obj, before, index)
-            if breaks == 0 or not is_running(state, gesture):  # thick parts fall beside the others
+            if not beside and (breaks == 0 or not is_running(state, gesture)):  # thick parts fall beside the others
                 report_end(state, gesture, END_RESTED if rested else END_STOPPED)
         else:
             before = index
@@ -141,6 +147,8 @@ def update_contacts(state: State, obj: Object) -> None:
                 if contact.point[1].slot >= 0:
                     state.objects[contact.point[1].slot].has_contact = 1
         index = after
+    if covers:
+        cover(state, obj, uncovers)
 
 
 @kernel
@@ -153,6 +161,9 @@ def _go_on(state: State, index: int) -> bool:
         return _roll_on(state, index)
     if contact.trait.swarms > 0:
         return swarm_on(state, index)
+    if contact.solver == COVERING:
+        contact.touching, contact.asleep, contact.ahead = int(contact.start < state.position + QUANTUM), 1, QUANTUM
+        return contact.until < state.position + QUANTUM or contact.point[1].slot < 0
     if contact.touching == 0:
         return contact.start >= contact.until
     if is_gone(state, contact):

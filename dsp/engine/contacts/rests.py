@@ -24,7 +24,7 @@ from ..bodies.objects import is_heard, least_heard
 from ..bodies.sheets import is_coupled
 from ..bodies.surface import put_other
 from ..memory.records import Contact
-from ..memory.state import COUPLING, QUANTUM, State
+from ..memory.state import COUPLING, COVERING, QUANTUM, State
 from .contact_force import couple, touch, update_mode_count
 from .contact_list import give_place_back
 from .room import find_coupled_room
@@ -100,23 +100,22 @@ def settle_rests(state: State) -> None:
         index = state.objects[state.order[i]].contact
         while index >= 0:
             # Say whether the objects of a contact can't sleep: it acts on them, a rest swings, or they ring.
-            contact = state.contacts[index]
+            contact, coupled = state.contacts[index], state.contacts[index].coupled
             acts = contact.touching == 1 or contact.start < state.position + QUANTUM
-            rests = contact.trait.rests == 1 and contact.touching == 1
-            coupled, least = contact.coupled, _STILL * contact.coupled.rest_compression
-            away = abs(coupled.motion[0] - coupled.rest_compression)
-            still = coupled.touching == 1 and away < least and abs(coupled.v) < least * coupled.swing
-            moves = acts and not (rests and (contact.asleep == 1 or still))
+            rests = contact.trait.rests == 1 and contact.solver == COUPLING
+            least = _STILL * coupled.rest_compression
+            away, pace = abs(coupled.motion[0] - coupled.rest_compression), abs(coupled.v)
+            still = coupled.touching == 1 and away < least and pace < least * coupled.swing
+            moves = acts and contact.solver != COVERING and not (rests and (contact.asleep == 1 or still))
             for side in range(2):
                 if contact.point[side].slot >= 0:
                     obj = state.objects[contact.point[side].slot]
-                    rings = False
-                    if not moves and rests and obj.restless == 0:
-                        rings = obj.spectral > 0 or obj.fading > 0 or is_coupled(state, obj)
-                        end = obj.first + obj.live
-                        rings = rings or is_heard(state, obj, obj.first, end, least_heard(state, obj))
-                    if moves or rings:
+                    if moves:
                         obj.restless = 1
+                    elif rests and obj.restless == 0:  # they ring, or may
+                        rings = obj.spectral > 0 or obj.fading > 0 or is_coupled(state, obj)
+                        if rings or is_heard(state, obj, obj.first, obj.first + obj.live, least_heard(state, obj)):
+                            obj.restless = 1
             index = state.contacts[index].next
     while _spread(state):
         pass
@@ -124,7 +123,7 @@ def settle_rests(state: State) -> None:
         index = state.objects[state.order[i]].contact
         while index >= 0:
             contact = state.contacts[index]
-            if contact.trait.rests == 1 and contact.touching == 1:
+            if contact.trait.rests == 1 and contact.solver == COUPLING:
                 if state.objects[contact.point[0].slot].restless == 1:
                     # Wake a rest, to be computed in this quantum.
                     contact.asleep = contact.ahead = 0

@@ -25,7 +25,18 @@ from ..memory.channels import ask_gains
 from ..memory.meter_record import WINDOW
 from ..memory.quality import BY_ITSELF, room_for_coupling
 from ..memory.records import BANDS, LOWEST, ZONES, Contact
-from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, FADING, LEFT_OUT, QUANTUM, UNWEIGHED, State
+from ..memory.state import (
+    CLOSED,
+    COUPLING,
+    COVERING,
+    END_NO_ROOM,
+    END_RESTED,
+    FADING,
+    LEFT_OUT,
+    QUANTUM,
+    UNWEIGHED,
+    State,
+)
 from ..output.space_lines import line_of, travels
 from .contact_list import (
     KEPT_ASIDE,
@@ -100,6 +111,8 @@ def weigh_contact(state: State, contact: Contact) -> float:
     """Return how loud a contact would be at the listener: the weighted mean square of the output over WINDOW."""
     if contact.aside == KEPT_ASIDE:
         return 0.0
+    if contact.solver == COVERING:
+        return math.inf  # what mutes is heard by what it takes
     # As which blows it counts: of what mass (kg), how fast (m/s), and how many in WINDOW.
     trait, asked, law = contact.trait, contact.target, contact.trait.swarms
     m, v, often, rate = contact.m, contact.v_in, 1.0, asked.rate

@@ -30,7 +30,7 @@ from ..bodies.sensing import push_sensed
 from ..bodies.surface import direct, has_moved, keep_spot, put
 from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact
-from ..memory.state import COUPLING, LEAD, QUANTUM, ROLLING, State
+from ..memory.state import COUPLING, COVERING, LEAD, QUANTUM, ROLLING, State
 from .contact_list import give_room_back
 from .coupled_rolls import LEAST, LEAVING, NEVER, couple_roll, may_feel, position_of
 from .presses import add_static
@@ -126,7 +126,8 @@ def lead_slide(state: State, contact: Contact, changed: bool) -> None:
     slide.pressed = -1
     index = state.objects[contact.point[0].slot].contact if slide.press > 0 else -1
     while index >= 0 and slide.pressed < 0:
-        if state.contacts[index].gesture == slide.press and state.contacts[index].trait.held == 1:
+        held = state.contacts[index].trait.held == 1 and state.contacts[index].solver != COVERING
+        if held and state.contacts[index].gesture == slide.press:
             slide.pressed = index
         index = state.contacts[index].next
     friction, law = slide.friction, contact.target

@@ -266,7 +266,7 @@ def carry_out(state: State, event: Event) -> None:
         for channel in range(state.output.channels):
             obj.place.gain[channel] = obj.place.asked[channel]
         for i in range(obj.first, obj.first + obj.size):
-            state.bank.a2[i] = 0.0
+            state.bank.a2[i] = state.bank.held[i] = 0.0
         wake(state, event.slot)
     elif kind == KIND_FREE:
         obj = state.objects[event.slot]

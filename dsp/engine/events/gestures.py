@@ -31,7 +31,7 @@ from ..contacts.slides import begin_slide
 from ..contacts.swarms import begin_swarm
 from ..memory.commands import IN_VALUES, Event
 from ..memory.quality import coarseness_of
-from ..memory.state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING, Object, State
+from ..memory.state import CLOSED, COVERING, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING, Object, State
 from .steering import steer_existing
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
@@ -122,6 +122,10 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
             contact.push_target = target.force
             target.gain = 1.0  # a hand that is softer is one that presses less
         contact.now = contact.target
+        if contact.k == 0.0 and (trait.rests == 1 or trait.held == 1):
+            # Lay on what covers an area, and has no spring; its force comes gradually.
+            contact.solver = COVERING
+            contact.v_in = contact.now.load = contact.now.force = 0.0
         if not find_room(state, index):
             stats.impacts += 1
             free_place(state, index)

@@ -85,6 +85,7 @@ class Solver(IntEnum):
     CLOSED = 0  # the closed form
     COUPLED = 1  # with the modes
     ROLLING = 2  # a roll's own
+    COVERING = 3  # none: what covers an area takes of each mode (bodies/covers.py)
 
 
 class End(IntEnum):
@@ -98,7 +99,7 @@ class End(IntEnum):
 
 
 # The same as plain numbers, which kernels compare with.
-CLOSED, COUPLING, ROLLING = (int(solver) for solver in Solver)
+CLOSED, COUPLING, ROLLING, COVERING = (int(solver) for solver in Solver)
 END_RESTED, END_STOPPED, END_NO_ROOM, END_GONE, END_JOINED = (int(end) for end in End)
 
 
@@ -233,6 +234,7 @@ class Bank(Record):
     balance: Annotated[View[float], MODES]
     frequency: Annotated[View[float], MODES]
     sigma: Annotated[View[float], MODES]
+    held: Annotated[View[float], MODES]  # decay (1/s) by what covers an object (bodies/covers.py)
     place: Annotated[View[i32], MODES]  # 1 + a mode's place in the spectral bank, 0: it has none
     bin: Annotated[View[i16], MODES]  # of the spectral bank, where it has one
     fading_y1: Annotated[View[float], MODES]  # what a panic lets fade, with its coefficients

@@ -40,7 +40,7 @@ def test_a_blow_is_rebuilt(tmp_path, number):
         (
             'preset = "steel-ring"\nmaterial = "brass"',
             "",
-            '[press]\nforce = 2\nstriker = "mute"\nuntil = 0.1',
+            '[press]\nforce = 2\nstriker = "fingertip"\nuntil = 0.1',
         ),
         (
             'preset = "glass-plate"',
@@ -52,8 +52,10 @@ def test_a_blow_is_rebuilt(tmp_path, number):
         ('preset = "wood-board"', "", '[roll]\nspeed = 0.5\nstriker = "glass-marble"\nsurface = "wood"\ntravel = 0.2'),
         ('preset = "steel-plate"', "", '[slide]\nspeed = 0.4\nstriker = "box"\nsurface = "wood"\ntravel = 0.3'),
         ('preset = "cymbal"', "", '[slide]\nspeed = 0.03\nstriker = "bow"\nsurface = "steel"\nuntil = 0.15'),
+        ('preset = "pot-lid"', "", "[impact]\nvelocity = 1\nposition = 0.93"),
+        ('preset = "gong"', "", '[roll]\nspeed = 0.5\nstriker = "glass-marble"\nsurface = "wood"\ntravel = 0.6'),
     ],
-    ids=["tuned", "by", "press", "rest", "spin", "bounce", "roll", "slide", "bow"],
+    ids=["tuned", "by", "press", "rest", "spin", "bounce", "roll", "slide", "bow", "disc", "rolled"],
 )
 @pytest.mark.slow
 def test_what_no_recipe_of_ours_does_is_rebuilt(tmp_path, object_keys, by, gesture):

@@ -108,9 +108,11 @@ def test_a_word_that_another_score_says_is_no_factor(tmp_path):
 
 
 def test_sensors_rests_and_space_in_scores(tmp_path):
-    """A score has presets of sensors; what rests is rebuilt from its contacts, what is heard from a place is not."""
-    sensing = SCORE + "0.01 /sensor/new tip bar 0.9 preset piezo-27 full 10\n0.05 /object/bar/rest felt 0.3\n"
-    for more, linear in (("", True), ("0.01 /listener 0 0 1\n0.02 /object/bar/place 2 1 0\n", False)):
+    """A score has presets of sensors; what rests is rebuilt from its contacts, what is heard from a place is not, nor
+    what a pad covers, of which no contact is solved."""
+    sensing = SCORE + "0.01 /sensor/new tip bar 0.9 preset piezo-27 full 10\n0.05 /object/bar/rest finger 0.3\n"
+    placed_in_space, padded = "0.01 /listener 0 0 1\n0.02 /object/bar/place 2 1 0\n", "0.05 /object/bar/rest felt 0.6\n"
+    for more, linear in (("", True), (placed_in_space, False), (padded, False)):
         recipe = read(placed(tmp_path, two=sensing + more))
         require_sound(recipe, Presets())
         (item,) = items(recipe, range(1))

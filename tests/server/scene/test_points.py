@@ -118,7 +118,7 @@ def row_at(modes, place):
 
 @pytest.mark.parametrize("kind", ["press", "roll", "slide"])
 def test_a_point_is_steered_by_all_at_once_by_one_coordinate_and_along_a_list(mug, modes, kind):
-    striker = ("striker", "hand") if kind == "press" else ("striker", "steel", "radius", 0.005)
+    striker = ("striker", "fingertip") if kind == "press" else ("striker", "steel", "radius", 0.005)
     say(mug, f"/object/mug/{kind}", 1.0, "point", *HERE, "id", "g", *striker)
     engine = mug.engine
     engine.process(4800)
@@ -142,7 +142,7 @@ def test_a_point_is_steered_by_all_at_once_by_one_coordinate_and_along_a_list(mu
 
 
 def test_a_gesture_that_began_on_the_path_glides_from_there(mug, modes):
-    say(mug, "/object/mug/press", 1.0, 0.5, "id", "g", "striker", "hand")
+    say(mug, "/object/mug/press", 1.0, 0.5, "id", "g", "striker", "fingertip")
     mug.engine.process(4800)
     say(mug, "/gesture/g/point", *HERE)
     mug.engine.process(64)

@@ -63,7 +63,7 @@ def test_an_object_stands_as_if_a_message_had_laid_it_there(presets):
     free = heard(presets, (*new, "rest", "none"))
     np.testing.assert_array_equal(heard(presets, new), heard(presets, (*new, "rest", "none"), REST))
     power = [np.square(sound[12_000:]).sum() for sound in (heard(presets, new), free)]
-    assert power[0] < 0.25 * power[1]
+    assert power[0] < 0.3 * power[1]
 
 
 REST = "/object/a/rest", "felt", 0.1
@@ -137,7 +137,7 @@ def test_on_two_felts_each_bears_half(presets, tmp_path):
     two = tmp_path / "presets" / "objects" / "two.toml"
     two.write_text(STANDS.replace("positions = [0.1]", "positions = [0.1, 0.7]"))
     free = "/object/new", "a", "two", "rest", "none"
-    halves = [("/object/a/rest", "felt", at, "load", G * MASS / 2, "mass", MASS / 2, "id", "x") for at in (0.1, 0.7)]
+    halves = [("/object/a/rest", "felt", at, "load", G * MASS / 2, "id", "x") for at in (0.1, 0.7)]
     sound = heard(presets, ("/object/new", "a", "two"))
     np.testing.assert_array_equal(sound, heard(presets, free, *halves))
     np.testing.assert_array_equal(sound, heard(presets, free, ("/object/a/rest", "felt", "id", "x")))
