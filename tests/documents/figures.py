@@ -251,7 +251,7 @@ def edits() -> str:
     ]
     head = ("edited, or begun with", "s to a sound", "as a ratio")
     note = (
-        f"Ratio 1 is {found['fixed']:.2f} s, in which numba compiles one fixed function ten times "
+        f"Ratios are to {found['fixed']:.2f} s, in which numba compiles one fixed function ten times\n"
         "([bench/compiling.py](tests/bench/compiling.py))."
     )
     return f"{_machine(found | {'quick': False})}\n\n{table(head, lines)}\n\n{note}"
