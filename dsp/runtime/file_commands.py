@@ -36,6 +36,7 @@ from ..schema import (
     ROOM,
     STEERABLE,
     STEPS,
+    STIFFNESS,
     Parameter,
     gestures_steered_by,
 )
@@ -58,7 +59,8 @@ def _of_gesture(name: str) -> _Bounds:
     bounds = {f"values.{key}": (value, value) for key, value in DEFAULTS[name].items()}
     for key, each in (SHARED | OWN[name]).items():
         also = (DEFAULTS[name][key],) if key in DEFAULTS[name] else ()
-        bounds[f"values.{key}"] = _bounds_of(each, *also)
+        covers = key == STIFFNESS.name and (GESTURES[name].held or GESTURES[name].rests)  # has no spring
+        bounds[f"values.{key}"] = _bounds_of(each, *also, *([0.0] if covers else []))
     if GESTURES[name].breaks:
         least, most = bounds["values.seed"]
         bounds["values.seed"] = least, most + OTHER_SEED

@@ -50,7 +50,7 @@ _SHEET = {
     "rungs": (0, MOST_SCATTERED), "ladder": (0, MOST_SCATTERED), "below": (0.0, 1e6), "span": (0.0, 1.0),
     "start": (0, MOST_SCATTERED), "free": (0, MOST_SCATTERED), "mixing": (0.0, 1e30), "mixes": (0, 1_000_000),
     "highest": (0.0, 1e6), "every": (0, 64), "growth": (0.0, 1e9), "least": (0.0, 1e9), "scale": (0.0, 1.0),
-    "tension": (0.0, 1.0), "share": (0.0, 1.0), "drained": (0.0, 1.0), "follows": (0.0, 1.0),
+    "strained": (0.0, 1.0), "tension": (0.0, 1.0), "share": (0.0, 1.0), "drained": (0.0, 1.0), "follows": (0.0, 1.0),
 }  # fmt: skip
 _STRIKER = {
     "size": (0, STRIKER_MODES), "serial": (0, MANY), "clicks": (0, STRIKER_MODES), "radius": (0.0, 1e3),
