@@ -20,7 +20,7 @@ from .heard import BAFFLES, Best, heard, largest, loaded
 from .karman import Sheet, mixing
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
-from .near import critical_frequency, round_field
+from .near import critical_frequency, near_field, round_field
 from .radiation.round import Every, Loads, Round
 from .residual import with_residual
 from .ring import Doublets, doublets
@@ -288,8 +288,7 @@ def membrane(
     if modes.frequency.size == MOST_MODES:
         shortest = float(np.sort(np.repeat(wave, 2 if split else 1))[MOST_MODES - 1])
         modes = with_residual(modes, tension, rigidity, areal, shortest, 2 * radius)
-    whole = acceleration.disc(mass, radius)
-    clicks = round_field(areal, radius, whole, math.inf, held=True) if baffle == "free" else ()
+    clicks = near_field(areal, acceleration.disc(mass, radius), math.inf, held=True) if baffle == "free" else ()
     return replace(modes, clicks=clicks, glide=membrane_glide(material, radius, thickness, tension), cone=CONE * mass)
 
 

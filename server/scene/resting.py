@@ -113,9 +113,10 @@ def _lay(
     return most
 
 
-def cover(to: ObjectCall, press: Command, area: float) -> None:
-    """Let a press that covers an area (m^2) take of all modes of the object, beside what it does at its point."""
-    _cover(to, to.canonical, [press._replace(time=_time(to, None))], area)
+def cover(to: ObjectCall, message: Message, press: Command, area: float) -> None:
+    """Let a press that covers an area (m^2) take of all modes of the object, beside what it does at its point; message:
+    that of the press."""
+    _cover(to, message, [press._replace(time=_time(to, None))], area)
 
 
 def _cover(to: ObjectCall, message: Message, feet: list[Command], area: float) -> None:

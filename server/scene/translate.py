@@ -195,11 +195,11 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
         motion = gathered(to, motion)
         motion |= to.transaction.pulses(0.0 if gesture.swarms == DROPS else law.exponent)
     command = Command(NOW, gesture.name, gesture=number, values=motion)
-    _strike(to, by, law, command)
+    message = _strike(to, by, law, command)
     area = to.transaction.laws.area_of(to.striker) if gesture.held and not (by or to.is_point_mass) else 0.0
     if area:
         lossy = {**motion, **law._asdict(), "restitution": 0.0, **place_values(to, None), "gain": 1.0}
-        cover(to, command._replace(values=lossy), area)
+        cover(to, message, command._replace(values=lossy), area)
 
 
 def _velocity(values: Values) -> float:
@@ -350,8 +350,8 @@ _OF_GESTURES: dict[str, Callable[[ObjectCall], None]] = {
 """Handlers of gestures whose law, velocity or surface takes more than their values."""
 
 
-def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
-    """Add the command of a gesture, with the values that every gesture has."""
+def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> Message:
+    """Add the command of a gesture, with the values that every gesture has; return the message that it stands for."""
     transaction = to.transaction
     drops = GESTURES[str(command.kind)].swarms == DROPS
     sound = (
@@ -370,8 +370,10 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
     if to.is_played and not GESTURES[str(command.kind)].held:
         made_up, played = _make_up(to, command._replace(values=values), sound)
         values |= made_up
-    _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
+    message = to.canonical
+    _add(transaction, message, command._replace(values=values), to.obj, by)
     begin(to, str(command.kind), command.gesture, played, to.base)
+    return message
 
 
 def _make_up(to: ObjectCall, command: Command, sound: StrikerSound | None) -> tuple[dict[str, float], Played | None]:

@@ -118,10 +118,11 @@ def test_a_session_of_all_that_is_declared(tmp_path, seed, by_clock):
 
 
 @pytest.mark.slow
-def test_a_rest_on_another_object_is_one_line(tmp_path):
+def test_a_rest_or_a_press_of_several_contacts_is_one_line(tmp_path):
     rng = random.Random(1)
     begin = [Message("/object/new", each) for each in (("a", "wine-glass"), ("b", "wood-board"))]
     rests = [Message("/object/a/rest", args) for args in (("b", 0.5, "load", 2.0), ("table",), ("felt", "id", "mat"))]
+    rests += [Message(f"/object/{name}/press", (5.0, "striker", each)) for name, each in (("a", "hand"), ("b", "mute"))]
     todo = [[each] for each in reversed(begin)]
 
     def messages() -> list[Message]:
@@ -132,7 +133,8 @@ def test_a_rest_on_another_object_is_one_line(tmp_path):
         return [Message(f"/object/{rng.choice('ab')}/impact", (rng.random(),))]
 
     lines = replay(tmp_path, rng, messages, 80)
-    assert [line.message.address for line in lines].count("/object/a/rest") == 3
+    addresses = [line.message.address for line in lines]
+    assert addresses.count("/object/a/rest") == 3 and len([each for each in addresses if each.endswith("/press")]) == 2
 
 
 @pytest.mark.slow
