@@ -196,8 +196,9 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
         motion |= to.transaction.pulses(0.0 if gesture.swarms == DROPS else law.exponent)
     command = Command(NOW, gesture.name, gesture=number, values=motion)
     message = _strike(to, by, law, command)
-    area = to.transaction.laws.area_of(to.striker) if gesture.held and not (by or to.is_point_mass) else 0.0
-    if area:
+    # A plate that swells takes its energy from what bends it, and would have what a cover loses back.
+    covers = gesture.held and not (by or to.is_point_mass) and to.obj.modes.sheet is None
+    if area := to.transaction.laws.area_of(to.striker) if covers else 0.0:
         lossy = {**motion, **law._asdict(), "restitution": 0.0, **place_values(to, None), "gain": 1.0}
         cover(to, message, command._replace(values=lossy), area)
 

@@ -29,7 +29,8 @@ def test_the_best_modes_are_those_of_all_to_the_bit(name, most):
     few, expected = make(**arguments, best=best), best.of(make(**arguments))
     assert most is None or few.frequency.size <= most
     for each in ("frequency", "decay", "strike", "pressure", "mass", "clicks", "glide", "cone"):
-        assert np.array_equal(getattr(few, each), getattr(expected, each)), each
+        one, other = getattr(few, each), getattr(expected, each)
+        assert one == other if each == "clicks" else np.array_equal(one, other), each
     for one, other in zip(few.unheard or (), expected.unheard or (), strict=True):
         assert np.array_equal(one, other)
 

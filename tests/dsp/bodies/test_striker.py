@@ -25,7 +25,7 @@ def test_a_magnified_shard_sounds_as_a_larger_plate_does():
     are as loud."""
     found, wanted = magnified(shard(1.0), RATIO), shard(RATIO)
     assert (found.mass, found.radius) == pytest.approx((wanted.mass, wanted.radius))
-    assert found.click == pytest.approx(wanted.click)
+    assert found.click[:-1] == pytest.approx(wanted.click[:-1]) and found.click.along == wanted.click.along
     assert found.ringing.mobility == pytest.approx(wanted.ringing.mobility)
     for name in ("frequency", "decay", "weight"):
         assert getattr(found.ringing, name) == pytest.approx(getattr(wanted.ringing, name), rel=0.01)

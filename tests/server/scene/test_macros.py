@@ -399,7 +399,7 @@ def test_a_size_by_its_macro_sounds_as_the_preset_of_that_size(name, striker):
     for value in (0.2, 0.4, 0.6):
         macro, key = struck(name, striker, {"size": value}), struck(name, striker, {}, size=size_at(value))
         loud = key > key.max() - 40.0
-        assert np.abs(macro - key)[loud].max() < 2.0
+        assert np.abs(macro - key)[loud].max() < 3.0
 
 
 @pytest.mark.parametrize("name", ["steel-ring", "church-bell"])
