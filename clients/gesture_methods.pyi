@@ -505,8 +505,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until the speed is 0; steers a running slide of
-        this `id` (default NAME)."""
+        """Begin a gesture that drags the striker on the object until the speed is 0; steers a running slide of this
+        `id` (default NAME)."""
 
     def rest(
         self,
@@ -636,8 +636,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until the speed is 0; steers a running slide of
-        this `id` (default NAME)."""
+        """Begin a gesture that drags the striker on the object until the speed is 0; steers a running slide of this
+        `id` (default NAME)."""
 
     def rest(
         self,

@@ -177,8 +177,7 @@ SEED = Parameter(
 OTHER_SEED = 2.0**40
 """What the seed of a shatter's thick parts is above that of its other pieces."""
 ROUGHNESS = Parameter(
-    "roughness", 0.0, 100.0, "times", "factor that multiplies the roughness", default=1.0, useful=(0.0, 10.0),
-    steerable=True,
+    "roughness", 0.0, 100.0, "times", "factor on the roughness", default=1.0, useful=(0.0, 10.0), steerable=True,
 )  # fmt: skip
 TRAVEL = Parameter(
     "travel", 0.0, 1e3, "m", "length of the strike path, along which it goes to and fro; 0: it stays in place",
@@ -248,8 +247,7 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide",
-    "drags the striker over the object until the speed is 0; steers a running slide of this `id` (default NAME)",
+    "slide", "drags the striker on the object until the speed is 0; steers a running slide of this `id` (default NAME)",
     replace(SPEED, help="slip speed of the striker over the surface; 0 stops it"),
     (
         replace(FORCE, otherwise="the striker's weight"),
@@ -314,8 +312,7 @@ EXCITATION = Parameter(
     "excitation", 0.0, 0.98, "", "share of the blows that are set off by other blows", default=0.0, steerable=True
 )
 MEMORY = Parameter(
-    "memory", 1e-4, 10.0, "s", "time within which a blow sets off others", default=0.05, useful=(0.001, 0.1),
-    steerable=True,
+    "memory", 1e-4, 10.0, "s", "time for a blow to set off others", default=0.05, useful=(0.001, 0.1), steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
     "rain", "lets drops fall on the object until stopped", replace(RATE, help="drops per second, on average"),
@@ -467,9 +464,7 @@ SETTINGS = {
             useful=(0.5, 20.0),
         ),
         Parameter("tune", -60.0, 60.0, "semitones", "shift of all frequencies", default=0.0, useful=(-24.0, 24.0)),
-        Parameter(
-            "decay", 0.001, 100.0, "times", "factor that multiplies all decay times", default=1.0, useful=(0.1, 10.0)
-        ),
+        Parameter("decay", 0.001, 100.0, "times", "factor on all decay times", default=1.0, useful=(0.1, 10.0)),
         Parameter("damp", 0.0, 1.0, "", "damping as by a hand: 0 none, 1 the firmest", default=0.0),
     )
 }  # fmt: skip

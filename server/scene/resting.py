@@ -121,16 +121,16 @@ def cover(to: ObjectCall, message: Message, press: Command, area: float) -> None
 
 def _cover(to: ObjectCall, message: Message, feet: list[Command], area: float) -> None:
     """Lay on what covers an area (m^2) at each place, as commands say: their dissipation alone, without a spring."""
-    preset, values = to.obj.preset, [dict(each.values) for each in feet]
+    preset, places = to.obj.preset, [dict(each.values) for each in feet]
     body = to.obj.modes, preset.shape, preset.geometry, preset.material, area
-    if values[0]["on_surface"]:
-        found = [mean_squares(*body, point=(foot["x"], foot["y"], foot["z"]))[0] for foot in values]
+    if places[0]["on_surface"]:
+        found = [mean_squares(*body, point=(foot["x"], foot["y"], foot["z"]))[0] for foot in places]
         squares = np.array(found + found[-1:] * (4 - len(found)))
-        for number, foot in enumerate(values):
+        for number, foot in enumerate(places):
             foot["position"] = position_of(number, len(feet))
     else:
         squares = mean_squares(*body)
-    rests = [each._replace(values=foot | {"stiffness": 0.0}) for each, foot in zip(feet, values, strict=True)]
+    rests = [each._replace(values=foot | {"stiffness": 0.0}) for each, foot in zip(feet, places, strict=True)]
     laid = None if to.memory.ground else to.transaction.engine.lay_out_cover(to.obj.modes, squares)
     _lay_under(to, message, rests, laid)
 
