@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.bodies.modes import Modes
-from ..dsp.engine.bodies.objects import TAMED, TURN, sigma_of, weigh
+from ..dsp.engine.bodies.objects import GONE, sigma_of, weigh
 from ..dsp.engine.memory.channels import pan_gains
 from ..dsp.kept import Kept
 from ..dsp.resonator.bank import top_of
@@ -220,24 +220,14 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
 
 def _still(modes: Modes, tune: float, channels: int, rate: float) -> _Still:
     """Return the relief of modes that are heard in so many channels, as the engine has it
-    (engine/bodies/objects.py), after the sum of what modes that are tuned too high answer."""
+    (engine/bodies/objects.py)."""
     top = top_of.py_func(rate)
     plan = planned(modes, top, 0.5 * rate, channels == 2)
     found = plan.relief
     frequency = found.frequency * tune
     share = np.minimum(1.0, top / frequency)
-    still = _Still(frequency * share, found.decay * tune * share, found.shape[:, : plan.rows], share)
-    own = plan.columns[0, : plan.felt] * tune
-    over = np.flatnonzero(own > top)
-    if not over.size:
-        return still
-    left, balance = plan.columns[2:, over]
-    answers = plan.shape[: plan.rows, over] * (top / (own[over] * TURN**2))
-    tamed = np.stack([answers @ left, answers @ (left * balance)])[: len(still.along), :, None]
-    return _Still(
-        np.append(top, still.frequencies), np.append(TAMED * top, still.decays),
-        np.concatenate([tamed, still.along], axis=2), np.append(1.0, still.share),
-    )  # fmt: skip
+    along = found.shape[:, : plan.rows]
+    return _Still(frequency * share, found.decay * tune * share, along, np.where(share > GONE, share, 0.0))
 
 
 def _shape_at(strike: NDArray[np.float64], position: float) -> NDArray[np.float64]:
