@@ -136,3 +136,11 @@ def test_modes_can_be_read_after_the_scene_is_closed():
         np.testing.assert_array_equal(before, after)
     for one, other in zip(inside.clicks, plate.modes(0.3).clicks, strict=True):
         np.testing.assert_array_equal(one.gains, other.gains)
+
+
+def test_a_table_of_an_object_tuned_too_high_has_the_reliefs_of_one_that_is_not() -> None:
+    """Modes that are tuned too high are muted: they are neither in the table nor in its relief."""
+    with carom.Scene(48_000, calibrated=True) as scene:
+        plain, tuned = (scene.new(f"o{tune}", "steel-ring", tune=tune).modes() for tune in (0, 24))
+    assert len(tuned.frequencies) < len(plain.frequencies)
+    assert len(tuned.relief.frequencies) == len(plain.relief.frequencies)
