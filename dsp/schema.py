@@ -199,7 +199,7 @@ BOUNCE = Gesture(
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until the speed is 0; steers a running roll of this `id` (default NAME)",
+    "roll", "rolls the striker over the object until the speed is 0, or steers the running roll `id` (default NAME)",
     SPEED,
     (
         *_STEERED_LAW,
@@ -247,7 +247,7 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker on the object until the speed is 0; steers a running slide of this `id` (default NAME)",
+    "slide", "drags the striker on the object until the speed is 0, or steers the running slide `id` (default NAME)",
     replace(SPEED, help="slip speed of the striker over the surface; 0 stops it"),
     (
         replace(FORCE, otherwise="the striker's weight"),
@@ -406,7 +406,7 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter",
-    "breaks the object; its pieces, each like the striker, bounce until they lie still",
+    "breaks the object; its pieces, which `striker` describes, bounce until they lie still",
     replace(VELOCITY, help="speed at which the object hits something and breaks; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),

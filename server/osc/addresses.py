@@ -172,7 +172,7 @@ _OBJECTS = (
 _RUNNING = (
     Verb(
         "/gesture/ID/stop",
-        "ends the gesture: a striker does not come back, a rolling or sliding body halts, a hand lets go",
+        "ends the gesture: a bouncing striker is caught, a rolling or sliding body halts, a hand lets go",
     ),
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
@@ -215,7 +215,7 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns headroom on or off, an automatic level before the limiter. Scores begin without it, servers with it",
+        "turns headroom, an automatic level before the limiter, on or off. Scores begin without it, servers with it",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(

@@ -44,7 +44,7 @@ TOUCHED = (
 WORLD = (
     Verb(
         BODY,
-        "makes a body of a simulation, and the object that rings for it. A box or plate has three edges, a sphere a "
+        "makes a body of a simulation, and the object that rings for it. A box or plate takes three lengths, a sphere a "
         "radius, a cylinder or capsule a radius and a length along z",
         (
             Word("name", "name of the body"),
