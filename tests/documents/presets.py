@@ -7,11 +7,11 @@ from pathlib import Path
 from carom.dsp.schema import GESTURES
 from carom.presets import BUILT_IN, KINDS, Presets, gestures
 from carom.presets import schema as known
+from carom.presets.meanings import MEANINGS
 from carom.presets.supports import SUPPORTS
 from carom.presets.values import Choice, Many, Name, OneOrMany, Quantity, Row, Rows, Whole
 from tests.bench.loudness import MEASURED
 from tests.documents.markdown import table
-from tests.documents.meanings import MEANINGS
 
 _HEAD = ("key", "value", "default", "meaning")
 _REQUIRED_OF_OBJECT = ("description", "source", "shape", "level")
