@@ -169,10 +169,10 @@ def supports() -> str:
     for name, each in SUPPORTS.items():
         load = each.load or 1.0
         spring = each.exponent * each.stiffness ** (1 / each.exponent) * load ** (1 - 1 / each.exponent)
-        law = f"at {load:g} N {spring:.2g} N/m, {each.dissipation * load:.2g} N s/m"
+        law = f"{spring:.2g} N/m, {each.dissipation * load:.2g} N s/m at {load:g} N"
         ground = f"; ground {each.resistance:.3g} N s/m" if each.resistance else ""
         mass = f"; {each.mass:g} kg" if each.mass else ""
-        of = f"by the material, on {each.material}" if each.material else law
+        of = f"from both materials, of which one is {each.material}" if each.material else law
         lines.append(f"| `{name}` | {each.description} | {of}{mass}{ground} |")
     return "\n".join(lines)
 
