@@ -485,7 +485,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[PressKeys],
     ) -> None:
-        """Begin a gesture that lays the striker (a hand, a mute) on the object and presses until stopped."""
+        """Begin a gesture that presses the striker (a hand, a mute) on the object until stopped."""
 
     def spin(
         self,
@@ -516,8 +516,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another or on a support until stopped; both ring for less time,
-        and may buzz."""
+        """Begin a gesture that lays the object on another or on a support until stopped; touching objects ring for
+        less time."""
 
     def rain(
         self,
@@ -619,7 +619,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[PressKeys],
     ) -> None:
-        """Begin a gesture that lays the striker (a hand, a mute) on the object and presses until stopped."""
+        """Begin a gesture that presses the striker (a hand, a mute) on the object until stopped."""
 
     def spin(
         self,
@@ -647,8 +647,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another or on a support until stopped; both ring for less time,
-        and may buzz."""
+        """Begin a gesture that lays the object on another or on a support until stopped; touching objects ring for
+        less time."""
 
     def rain(
         self,
