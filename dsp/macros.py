@@ -44,10 +44,10 @@ MACROS = {
     macro.name: macro
     for macro in (
         _macro("size", "size of the body", ("small", "large"),
-            "all lengths times s = 16^(m - 0.5); frequencies scale as 1/s, masses as s^3",
+            "all lengths times s = 16^(m - 0.5); so frequencies times 1/s, masses times s^3",
             20, (0.25, 0.8), True),
         _macro("material", "material of the body", ("plastic", "steel"),
-            "the material, in the order below; density, stiffness and losses change by equal ratios in between",
+            "the material, in the order below; density, stiffness and losses change gradually in between",
             21, (0.3, 1.0), True),
         _macro("brightness", "decay time of high partials", ("dark", "bright"),
             "below 0.5: a loss that grows as the frequency squared; above 0.5: less loss of high partials",
@@ -61,8 +61,8 @@ MACROS = {
         _macro("force", "strength of gestures", ("gentle", "strong"),
             "velocity, force or load times 8^(2 m - 1)",
             25, (0.4, 0.65), False),
-        _macro("place", "position of gestures", ("one end", "other end"),
-            "positions, shifted towards one end of the strike path or the other",
+        _macro("place", "position of gestures", ("one end", "the other end"),
+            "positions, shifted towards one or the other end of the strike path",
             26, (0.2, 0.8), False),
         _macro("roughness", "roughness of surfaces under rolls and slides", ("smooth", "rough"),
             "roughness times 10^(2 m - 1)",

@@ -128,7 +128,7 @@ GAIN = Parameter(
     "gain", -120.0, 40.0, "dB", "level of the gesture", default=0.0, useful=(-40.0, 12.0), steerable=True, glide=0.02
 )
 BY_POSITION = Parameter(
-    "by_position", 0.0, 1.0, "", "position on the striking object's strike path", otherwise="that object's"
+    "by_position", 0.0, 1.0, "", "position on the striking object's strike path", otherwise="the other object's"
 )
 LOAD = Parameter(
     "load", 1e-6, 1e5, "N", "normal force",
@@ -140,7 +140,7 @@ RESISTANCE = Parameter(
 )  # fmt: skip
 BY_RADIUS = Parameter(
     "by_radius", 1e-4, 10.0, "m",
-    "radius of curvature of the striking object where it touches", useful=(1e-3, 0.1), otherwise="0.01",
+    "radius of curvature of the contact with the other object", useful=(1e-3, 0.1), otherwise="0.01",
 )  # fmt: skip
 STRIKE = (*LAW, RESTITUTION, POSITION, GAIN)
 """The parameters that all gestures share."""
@@ -155,8 +155,8 @@ THROW = Parameter(
     "velocity", -100.0, 100.0, "m/s", "speed of a throw, downwards; negative: upwards", default=0.0, useful=(-5.0, 5.0)
 )
 SPEED = Parameter(
-    "speed", 0.0, 100.0, "m/s", "speed along the surface; 0 stops it", useful=(0.01, 5.0), steerable=True, glide=0.02,
-    otherwise=_OBJECTS,
+    "speed", 0.0, 100.0, "m/s", "speed along the surface; 0: the striker stops", useful=(0.01, 5.0), steerable=True,
+    glide=0.02, otherwise=_OBJECTS,
 )  # fmt: skip
 RADIUS = Parameter(
     "radius", 1e-4, 10.0, "m", "radius of the rolling body", useful=(1e-3, 0.2), steerable=True,
@@ -168,7 +168,7 @@ GRAVITY = Parameter(
     glide=0.02,
 )  # fmt: skip
 IRREGULARITY = Parameter(
-    "irregularity", 0.0, 1.0, "", "deviation of the body from a ball, which makes its bounces uneven",
+    "irregularity", 0.0, 1.0, "", "deviation of the striker from a ball, so that its bounces are uneven",
     default=0.0, steerable=True, steered="from its next contact on",
 )  # fmt: skip
 SEED = Parameter(
@@ -176,11 +176,11 @@ SEED = Parameter(
 )
 OTHER_SEED = 2.0**40
 """What the seed of a shatter's thick parts is above that of its other pieces."""
-ROUGHNESS = Parameter(
-    "roughness", 0.0, 100.0, "times", "factor on the roughness", default=1.0, useful=(0.0, 10.0), steerable=True,
+ROUGHNESS = Parameter("roughness", 0.0, 100.0, "times",
+    "factor on the roughness of the surface", default=1.0, useful=(0.0, 10.0), steerable=True,
 )  # fmt: skip
 TRAVEL = Parameter(
-    "travel", 0.0, 1e3, "m", "length of the strike path, along which it goes to and fro; 0: it stays in place",
+    "travel", 0.0, 1e3, "m", "length of the strike path, on which the striker goes to and fro; 0: it stays in place",
     default=0.0, useful=(0.0, 2.0),
 )  # fmt: skip
 
@@ -194,12 +194,12 @@ BOUNCE = Gesture(
         replace(GRAVITY, steered="from its next flight on"),
         IRREGULARITY,
         SEED,
-        Parameter("weight", 0, 1, "", "1: gravity acts in every contact; 0: only near rest", default=0.0),
+        Parameter("weight", 0, 1, "", "1: gravity acts in every contact; 0: only in those near rest", default=0.0),
     ),
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until the speed is 0; steers a running roll of this `id` (default NAME)",
+    "roll", "rolls the striker over the object until the speed is 0, or steers the running roll `id` (default NAME)",
     SPEED,
     (
         *_STEERED_LAW,
@@ -209,7 +209,7 @@ ROLL = Gesture(
             "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, in radii", default=0.0, steerable=True,
         ),
         Parameter(
-            "friction", 0.0, 10.0, "", "share of the body's weight that slows it down", default=0.0, useful=(0.0, 0.2),
+            "friction", 0.0, 10.0, "", "braking force, as a share of the weight", default=0.0, useful=(0.0, 0.2),
             steerable=True,
         ),
         GRAVITY,
@@ -220,11 +220,11 @@ ROLL = Gesture(
     rolls=True,
 )  # fmt: skip
 PRESS = Gesture(
-    "press", "lays the striker (a hand, a mute) on the object and presses until stopped", FORCE, _STEERED_LAW,
+    "press", "presses the striker (a hand, a mute) on the object until stopped", FORCE, _STEERED_LAW,
     fixed=("gain",), held=True,
 )  # fmt: skip
 DURATION = Parameter(
-    "duration", 0.0, 3600.0, "s", "time until it lies still; 0 does nothing", useful=(0.1, 10.0), otherwise=_OBJECTS
+    "duration", 0.0, 3600.0, "s", "time until the disc is still; 0 does nothing", useful=(0.1, 10.0), otherwise=_OBJECTS
 )
 SPIN = Gesture(
     "spin", "lets a coin, a lid or a ring spin down on the object, ever faster and fainter",
@@ -233,11 +233,11 @@ SPIN = Gesture(
         Parameter("angle", 0.1, 80.0, "degrees", "tilt at the beginning", default=20.0, useful=(1.0, 40.0)),
         Parameter("radius", 1e-3, 10.0, "m", "radius of the disc", default=0.0116, useful=(0.005, 0.2)),
         Parameter(
-            "quickening", 0.1, 0.9, "", "exponent n: the rate of contacts grows as t^-n with the time t that is left",
+            "quickening", 0.1, 0.9, "", "exponent n: with a time t left, the rate of contacts is proportional to t^-n",
             default=0.4, useful=(0.3, 0.5),
         ),
         Parameter(
-            "flat", 0.001, 1.0, "", "length of the flat on the rim, which hits once a turn, as a share of the radius",
+            "flat", 0.001, 1.0, "", "length of a flat on the rim, which hits once a turn, as a share of the radius",
             default=0.2, steerable=True, steered="from its next contact on",
         ),
         replace(IRREGULARITY, help="variation of the contacts in time and strength"),
@@ -247,19 +247,19 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker on the object until the speed is 0; steers a running slide of this `id` (default NAME)",
-    replace(SPEED, help="slip speed of the striker over the surface; 0 stops it"),
+    "slide", "drags the striker on the object until the speed is 0, or steers the running slide `id` (default NAME)",
+    replace(SPEED, help="slip speed of the striker over the surface; 0: the striker stops"),
     (
         replace(FORCE, otherwise="the striker's weight"),
         Parameter(
-            "sweep", -1.0, 100.0, "m/s", "speed of the contact over the object; 0: a bow; -1: the slip speed",
+            "sweep", -1.0, 100.0, "m/s", "speed of the contact over the object; 0: none, as a bow; -1: the slip speed",
             useful=(0.0, 5.0), steerable=True, glide=0.02, otherwise=_STRIKERS,
         ),
         Parameter(
             "radius", 1e-4, 10.0, "m", "radius of the tip", useful=(1e-4, 0.05), steerable=True, otherwise=_STRIKERS
         ),
         Parameter(
-            "patch", 0.0, 1.0, "m", "width of the contact, which averages shorter roughness away", useful=(0.0, 0.02),
+            "patch", 0.0, 1.0, "m", "width of the contact; roughness finer than this averages out", useful=(0.0, 0.02),
             steerable=True, otherwise=_STRIKERS,
         ),
         ROUGHNESS,
@@ -272,8 +272,8 @@ SLIDE = Gesture(
             otherwise=_STRIKERS,
         ),
         Parameter(
-            "stribeck", 1e-6, 100.0, "m/s", "slip speed halfway from static to dynamic friction", useful=(0.001, 1.0),
-            steerable=True, otherwise=_STRIKERS,
+            "stribeck", 1e-6, 100.0, "m/s", "slip speed at which friction is halfway from static to dynamic",
+            useful=(0.001, 1.0), steerable=True, otherwise=_STRIKERS,
         ),
         Parameter(
             "tangential", 1e-3, 1e12, "N/m", "stiffness of the contact along the surface, before it slips; 0: rigid",
@@ -289,14 +289,15 @@ SLIDE = Gesture(
     slips=True,
 )  # fmt: skip
 REST = Gesture(
-    "rest", "lays the object on another or on a support until stopped; both ring for less time, and may buzz",
+    "rest", "lays the object on another or on a support until stopped; touching objects ring for less time",
     LOAD,
     (
-        *_STEERED_LAW,
+        replace(_STEERED_LAW[0], help="mass that moves at the contact", otherwise="from the load, or the hand's"),
+        *(replace(each, otherwise="the support's, or from both materials") for each in _STEERED_LAW[1:]),
         replace(BY_POSITION, help="position on the strike path of the other object", steerable=True,
             glide=POSITION.glide),
     ),
-    fixed=("gain",), rests=True, what="another object, or a support: felt, foam, finger, palm or table",
+    fixed=("gain",), rests=True, what="name of another object, or a support: felt, foam, finger, palm or table",
 )  # fmt: skip
 MOST_BLOWS = 1e6
 """1/s: of a swarm's blows of its own, at most."""
@@ -304,15 +305,14 @@ RATE = Parameter("rate", 0.0, MOST_BLOWS, "1/s", "blows per second, on average",
 SPREAD = Parameter(
     "spread", 0.0, 1.0, "", "share of the strike path that the blows cover, around the position", default=1.0
 )
-VARIETY = Parameter(
-    "variety", 0.0, 1.0, "", "variation of size: grains are up to 1 + variety times larger or smaller",
-    default=0.0, steerable=True,
+VARIETY = Parameter("variety", 0.0, 1.0, "",
+    "variation of size: strikers are up to 1 + variety times larger or smaller", default=0.0, steerable=True,
 )  # fmt: skip
 EXCITATION = Parameter(
     "excitation", 0.0, 0.98, "", "share of the blows that are set off by other blows", default=0.0, steerable=True
 )
-MEMORY = Parameter(
-    "memory", 1e-4, 10.0, "s", "time for a blow to set off others", default=0.05, useful=(0.001, 0.1), steerable=True,
+MEMORY = Parameter("memory", 1e-4, 10.0, "s",
+    "mean time from a blow to those that it sets off", default=0.05, useful=(0.001, 0.1), steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
     "rain", "lets drops fall on the object until stopped", replace(RATE, help="drops per second, on average"),
@@ -322,7 +322,7 @@ RAIN = Gesture(
             default=5e-4, useful=(2e-4, 1e-3), steerable=True,
         ),
         Parameter(
-            "reach", 1.0, 100.0, "", "distance of the farthest drops, as a multiple of the nearest's; they are fainter",
+            "reach", 1.0, 100.0, "", "distance of the farthest, faintest drops, as a multiple of that of the nearest",
             default=1.0, useful=(1.0, 10.0),
         ),
         SPREAD,
@@ -335,12 +335,12 @@ SHAKE = Gesture(
     RATE,
     (
         Parameter(
-            "speed", 0.0, 100.0, "m/s", "scale of the speeds at which grains hit; 37 % are faster",
+            "speed", 0.0, 100.0, "m/s", "scale of the speeds at which grains hit; 37 % of the grains are faster",
             default=1.0, useful=(0.05, 5.0), steerable=True, glide=0.02,
         ),
         Parameter(
             "evenness", 0.5, 10.0, "",
-            "evenness of the speeds; the share exp(-(v/speed)^evenness) is above v; 2: as in a gas",
+            "evenness of the speeds: a share exp(-(v/speed)^evenness) is faster than v; 2: as in a gas",
             default=2.0, steerable=True,
         ),
         EXCITATION,
@@ -395,7 +395,7 @@ STEP = Gesture(
             "crackles", 0.0, 1e4, "1/N", "crackles per newton of change in the force of the foot",
             default=0.5, useful=(0.05, 10.0), steerable=True,
         ),
-        replace(DURATION, help="time of the foot on the ground", low=0.05, default=0.65, useful=(0.3, 2.0)),
+        replace(DURATION, help="time for which the foot is on the ground", low=0.05, default=0.65, useful=(0.3, 2.0)),
         *(each for each in CRUMPLE.keys if each.name in ("energy", "steepness", "decades")),
         VARIETY,
         SPREAD,
@@ -406,17 +406,17 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter",
-    "breaks the object; its pieces, each like the striker, bounce until they lie still",
+    "breaks the object; its pieces, which `striker` describes, bounce until they lie still",
     replace(VELOCITY, help="speed at which the object hits something and breaks; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),
         replace(HEIGHT, help="greatest height from which a piece falls", default=0.1),
         Parameter("steepness", 1.01, 3.0, "", "exponent b in the distribution m^-b of the masses", default=1.35),
-        replace(MASS, name="wall_mass", help="total mass of the pieces as thick as the striker; 0: the object's mass",
+        replace(MASS, name="wall_mass", help="total mass of all pieces but the thick parts; 0: the object's mass",
             useful=None, default=0.0, or_zero=True),
         replace(MASS, name="thick_mass", help="mass of the thick parts, such as foot, bottom and neck; 0: none",
             useful=None, default=0.0, or_zero=True),
-        Parameter("thick_ratio", 0.1, 10.0, "times", "thickness of the thick parts, as a multiple of the striker's",
+        Parameter("thick_ratio", 0.1, 10.0, "times", "thickness of the thick parts, as a multiple of other pieces'",
             default=2.5),
         Parameter("thick_parts", 1, MOST_PIECES, "", "number of thick parts", default=1.0, whole=True),
         SPREAD,
@@ -456,7 +456,7 @@ SETTINGS = {
         Parameter("gain", -120.0, 40.0, "dB", "level of the object", default=0.0, useful=(-40.0, 12.0)),
         Parameter(
             "pan", -1.0, 1.0, "",
-            "pan from left (-1) to right (1); with more than two channels, the angle on the ring, 0 in front",
+            "pan: -1 left, 1 right; with more than two channels, the angle on the ring of speakers, 0 in front",
             default=0.0,
         ),
         Parameter(
@@ -471,7 +471,7 @@ SETTINGS = {
 
 # Settings of the whole.
 CHANNELS = Parameter(
-    "channels", 1, CAPACITY.channels, "", "number of channels; 2: left and right, else a ring", default=2, whole=True
+    "channels", 1, CAPACITY.channels, "", "number of channels; 2: left and right; others: a ring", default=2, whole=True
 )
 SENSED = Parameter(
     "sensors", 0, CAPACITY.sensors, "", "number of channels for sensors, after those of the sound", whole=True
@@ -489,7 +489,7 @@ STEPS = Parameter(
 )  # fmt: skip
 ROOM = Parameter(
     "modes", 0, 2**31 - 1, "",
-    "largest number of modes coupled at once, with 32 more counted for each contact; 0: any number",
+    "largest number of modes coupled at once; each contact counts as 32 more; 0: any number",
     default=0.0, useful=(0, 65_536), whole=True,
 )  # fmt: skip
 OVER = Parameter("over", 0.0, 3600.0, "s", "duration of the change", default=0.0, useful=(0.01, 10.0))

@@ -18,7 +18,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "--kind",
         type=Path,
         metavar="FOLDER",
-        help="folder of other recordings of A's kind, whose mutual distances are shown beside B's",
+        help="folder of recordings like A; the distances between them are shown beside that from A to B",
     )
     parser.add_argument(
         "--plot", type=Path, metavar="OUT.png", help="picture of both spectrograms, third octaves and decays"

@@ -19,12 +19,12 @@ class DatasetError(CaromError, RuntimeError):
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("recipe", metavar="RECIPE", help="TOML file, or the name of one of Carom's own")
+    parser.add_argument("recipe", metavar="RECIPE", help="TOML file, or the name of one of Carom's recipes")
     parser.add_argument(
         "out",
         type=Path,
         metavar="OUT",
-        help="folder for shards and table; what is already there is kept",
+        help="folder for shards and table; files that are already in it are kept",
     )
     parser.add_argument("--count", type=whole, metavar="N", help="number of items (the recipe's)")
     parser.add_argument("--workers", type=whole, metavar="N", help="number of processes (one for each processor)")

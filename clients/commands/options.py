@@ -18,7 +18,7 @@ RATE = 48_000
 """Hz, where no other rate is given."""
 
 
-SCORE = "score, text or binary, or the name of one of Carom's own; -: stdin"
+SCORE = "score, text or binary, or the name of one of Carom's scores; -: stdin"
 """The help of an argument that is a score."""
 
 
@@ -57,7 +57,7 @@ def add_server(parser: argparse.ArgumentParser) -> None:
     """Add the options that say where the server is; `client` reads them."""
     parser.add_argument("--host", default="127.0.0.1", help="name or address of the server (%(default)s)")
     parser.add_argument("--port", type=_port, default=DEFAULT_PORT, help="port of the server (%(default)s)")
-    parser.add_argument("--tcp", action="store_true", help="TCP, which loses nothing; other hosts always get it")
+    parser.add_argument("--tcp", action="store_true", help="use TCP, which loses nothing; always used for other hosts")
 
 
 def client(arguments: argparse.Namespace) -> Client:

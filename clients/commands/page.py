@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def _options(parser: argparse.ArgumentParser) -> None:
     add_options(parser)
     parser.set_defaults(page=PAGE_PORT)
-    parser.add_argument("--no-browser", action="store_true", help="no browser: print the address of the page only")
+    parser.add_argument("--no-browser", action="store_true", help="print the address of the page, but open no browser")
 
 
 def _run(arguments: argparse.Namespace) -> int:

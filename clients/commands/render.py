@@ -56,7 +56,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--limiter", **SWITCH, help="limiter, which keeps the sound within full scale (the score's, else on)"
     )
-    normalize = f"peak of the file, dB of full scale, without limiter unless it is on ({PEAK:g})"
+    normalize = f"peak of the file, dB of full scale; the limiter is off unless you set it to on ({PEAK:g})"
     parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)
     add_full_scale(parser, otherwise="the score's, else 4")
     add_bank(parser, None, "the score's, else float64")
@@ -64,7 +64,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--budget", type=number, nargs=2, metavar=("STEPS", "MODES"), help=budget)
     parser.add_argument(
         "--object", action="append", default=[], metavar="[CHANNEL:]PRESET",
-        help="object that plays a MIDI file, or a channel of it, such as 10:tom; may be given several times",
+        help="object to play a MIDI file or one of its channels, such as 10:tom; may be given several times",
     )  # fmt: skip
     add_presets(parser)
 

@@ -95,12 +95,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def _add_files_and_midi(parser: argparse.ArgumentParser) -> None:
     """Add the options of what is written, and of MIDI."""
-    parser.add_argument("--record", type=_file, metavar="OUT.wav", help="file that records the sound")
-    parser.add_argument("--log", type=_file, metavar="OUT.txt", help="file that logs all messages, as a score")
+    parser.add_argument("--record", type=_file, metavar="OUT.wav", help="file to record the sound to")
+    parser.add_argument("--log", type=_file, metavar="OUT.txt", help="file to log all messages to, as a score")
     parser.add_argument("--recordings", type=Path, metavar="DIR", help="folder for what clients record by /record")
     parser.add_argument(
         "--quota", type=size, default="10GB", metavar="SIZE",
-        help="largest size of all files there (%(default)s)",
+        help="largest size of all files in the folder of --recordings (%(default)s)",
     )  # fmt: skip
     parser.add_argument(
         "--midi", action="append", default=[], metavar="PORT",

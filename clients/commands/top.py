@@ -7,7 +7,7 @@ from .parser import Command
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--once", action="store_true", help="one view, then the end")
+    parser.add_argument("--once", action="store_true", help="show the state once, then exit")
     add_server(parser)
 
 

@@ -169,7 +169,7 @@ _KINDS: Mapping[str, Mapping[str, Any]] = {
 """The keys of each kind of distribution; the first is its own name."""
 
 FORMS = {
-    "uniform = [low, high]": "evenly between two numbers; with `steps = N` one of N values, including both ends",
+    "uniform = [low, high]": "evenly between two numbers; with `steps = N`, one of N values, which include both ends",
     "log_uniform = [low, high]": "evenly by ratio, from low to high; `steps` as above",
     "normal = [mean, deviation], low = X, high = Y": "from a normal distribution, cut off at two numbers",
     "choice = [...]": "one of the words or numbers; `weights = [...]` sets how often each is drawn",

@@ -47,23 +47,24 @@ from .space_verbs import LISTENING, PLACING
 from .wire import MOST_PORT, Message
 from .world_verbs import WORLD
 
-STRIKER = Word("striker", "preset of the striker", "the object's for this gesture, else for strikes")
+STRIKER = Word("striker", "preset of the striker", "the object's for this gesture, or else for strikes")
 
 ON_SURFACE = Vector(
     "point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"
 )
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "point on the other object, which strikes or supports")
-_DIRECTED = Vector("direction", DIRECTION, "direction of the push or slip at a point, in place of the normal")
+_DIRECTED = Vector("direction", DIRECTION, "direction of the push at a point, in place of the normal")
+_SLIPPING = Vector("direction", DIRECTION, "direction of the slip at a point; the push is along the normal")
 _BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "direction of the push on the striking object, at `by_point`")
 PLAY = Number(
-    "play", 0, 1, "", "1: make-up, the level that suits players; 0: the level that physics gives", whole=True,
-    otherwise="as `/play` says",
+    "play", 0, 1, "", "1: make-up, a level that suits players; 0: the level of physics", whole=True,
+    otherwise="the setting of `/play`",
 )  # fmt: skip
 STRIKE: tuple[Number | Word | Vector, ...] = (
     STRIKER,
     *LAW,
     RESTITUTION,
-    Word("by", "name of an object that strikes, and rings, too"),
+    Word("by", "name of another object that strikes; it rings, too"),
     ON_SURFACE,
     BY_POSITION,
     BY_ON_SURFACE,
@@ -91,7 +92,7 @@ _WORDS: dict[str, tuple[Word | Vector, ...]] = {
         *((_SURFACE,) if gesture.along else ()),
         *((_PRESS,) if gesture.slips else ()),
         *((_ONTO,) if gesture.breaks else ()),
-        *((_DIRECTED,) if gesture.slips else (_DIRECTED, _BY_DIRECTED) if _is_pushed(gesture) else ()),
+        *((_SLIPPING,) if gesture.slips else (_DIRECTED, _BY_DIRECTED) if _is_pushed(gesture) else ()),
     )
     for name, gesture in GESTURES.items()
 }
@@ -141,7 +142,7 @@ VELOCITY = Number("velocity", 0, 127, "", "MIDI velocity", useful=(1, 127))
 _OBJECTS = (
     Verb(
         "/object/new",
-        "makes an object from a preset; the preset's keys may follow, such as `length`, `material` or `size`",
+        "makes an object from a preset; keys such as `length`, `material` or `size` change the preset's values",
         (Word("name", "name of the new object"), Word("preset", "name of its preset")),
         keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER, NOTE, PITCH),
         open_keys=True,
@@ -164,7 +165,7 @@ _OBJECTS = (
     ),
     Verb(
         "/object/NAME/free",
-        "removes the object and the copies for its notes once they are silent; the name can be used again immediately",
+        "removes the object and the copies for its notes once they are silent; its name can be used again immediately",
         optional=(Number("at_once", 0, 1, "", "1: removes it immediately, with a short fade", default=0, whole=True),),
     ),
 )
@@ -172,7 +173,7 @@ _OBJECTS = (
 _RUNNING = (
     Verb(
         "/gesture/ID/stop",
-        "ends the gesture: a striker does not come back, a rolling or sliding body halts, a hand lets go",
+        "ends the gesture: a bouncing striker is caught, a rolling or sliding body halts, a hand lets go",
     ),
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
@@ -194,7 +195,7 @@ _ENGINE = (
     Verb(
         "/quality",
         "sets how much is left out to save time, from 0 (nothing) to 8; under load the server leaves out more",
-        (Number("quality", 0, 8, "", "step; each adds to those before it", whole=True),),
+        (Number("quality", 0, 8, "", "quality number; each leaves out more than the one before", whole=True),),
     ),
     Verb(
         "/bank",
@@ -210,17 +211,17 @@ _ENGINE = (
     Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
     Verb(
         "/limiter",
-        "turns the limiter on or off; it keeps true peaks about 1 dB below full scale",
+        "turns the limiter on or off; the limiter keeps true peaks below about -1 dB of full scale",
         (Either("limiter", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
         "/headroom",
-        "turns headroom on or off, an automatic level before the limiter. Scores begin without it, servers with it",
+        "turns headroom, an automatic level before the limiter, on or off. Scores begin without it, servers with it",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
         "/play",
-        "turns make-up on or off for later gestures; it is a gain that makes every striker audible on every object",
+        "turns make-up on or off for later gestures; make-up makes every striker audible on every object",
         (Either("play", ("on", "off", "1", "0"), "on or off", "off"),),
     ),
     Verb(
@@ -235,7 +236,7 @@ _ENGINE = (
     ),
     Verb(
         "/full_scale",
-        "sets a score's pressure of full scale; a server accepts only the one it was started with",
+        "sets a score's pressure of full scale; a server accepts only the pressure it was started with",
         (FULL_SCALE,),
     ),
     Verb("/end", "ends a score's render at this message's time; servers ignore it"),
@@ -261,7 +262,7 @@ _SERVER = (
                 0,
                 3,
                 "",
-                "0: nothing, 1: warnings and ends of gestures, 2: contacts, too, 3: levels, too",
+                "0: nothing; 1: warnings and ends of gestures; 2: also contacts; 3: also levels",
                 whole=True,
             ),
         ),

@@ -20,12 +20,15 @@ RESONANCE = Parameter(
 DAMPING = Parameter(
     "damping", 1e-4, 10.0, "", "damping ratio of the resonance", useful=(0.01, 1.0), otherwise="the preset's"
 )
-FULL = Parameter("full", 1e-9, 1e9, "", "value of a sample of 1.0", default=1.0, useful=(0.01, 10_000.0))
+FULL = Parameter(
+    "full", 1e-9, 1e9, "", "acceleration or velocity, in SI units, of a sample of 1.0", default=1.0,
+    useful=(0.01, 10_000.0),
+)  # fmt: skip
 
 SENSORS = (
     Verb(
         SENSOR,
-        "mounts a sensor on an object; its own channel, in SI units, follows those of the sound",
+        "mounts a sensor on an object; the sensor's channel, in SI units, follows the channels of the sound",
         (Word("name", "name of the sensor"), Word("object", "name of the object")),
         (PLACE,),
         (

@@ -18,10 +18,10 @@ def _degrees(name: str, help: str) -> Parameter:
     return Parameter(name, -360.0, 360.0, "degrees", help, default=0.0)
 
 
-OVER = Parameter("over", 0.0, 3600.0, "s", "duration of the way there", default=0.0)
+OVER = Parameter("over", 0.0, 3600.0, "s", "duration of the move", default=0.0)
 XYZ = tuple(_metres(name, f"{name} of the place") for name in "xyz")
 T60 = Parameter(
-    "t60", 0.05, 60.0, "s", "time in which the reverberation falls by 60 dB", otherwise="by the absorption, else 0.5"
+    "t60", 0.05, 60.0, "s", "time in which the reverberation falls by 60 dB", otherwise="from `absorption`, or else 0.5"
 )
 
 LISTENING = (
@@ -58,8 +58,8 @@ LISTENING = (
             *(_metres(name, f"{name} of the lowest corner", 0.0) for name in ("x", "y", "z")),
             Parameter("absorption", 0.001, 1.0, "", "share of the energy that each wall absorbs", otherwise="by `t60`"),
             T60,
-            Parameter("t60_high", 0.05, 60.0, "s", "the same at high frequencies", otherwise="`t60`"),
-            Parameter("late", 0, 1, "", "1: reflections and reverberation, 0: reflections alone", default=1.0),
+            Parameter("t60_high", 0.05, 60.0, "s", "`t60` at high frequencies", otherwise="`t60`"),
+            Parameter("late", 0, 1, "", "1: reflections and reverberation; 0: reflections alone", default=1.0),
         ),
     ),
 )

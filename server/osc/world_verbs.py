@@ -30,22 +30,22 @@ def _number(
 
 
 TOUCHED = (
-    _number("approach", "speed at which they approach", "m/s"),
-    _number("slip", "speed at which they slip over each other", "m/s", 0.0),
-    _number("depth", "depth of their overlap"),
+    _number("approach", "speed at which the bodies approach each other", "m/s"),
+    _number("slip", "speed at which the bodies slip over each other", "m/s", 0.0),
+    _number("depth", "depth of the bodies' overlap"),
     _number("force", "normal force", "N", 0.0, 1e6),
     _number("mass", "effective mass along the normal", "kg", 1e-9, 1e6),
     RESTITUTION,
     _number("friction", "coefficient of friction", "", 0.0, 100.0),
-    _number("impulse", "impulse of the normal force in the step, in place of the approach", "N s", 0.0, 1e6),
+    _number("impulse", "impulse of the normal force in the step, in place of `approach`", "N s", 0.0, 1e6),
 )
 """Quantities that may be reported of a point of contact."""
 
 WORLD = (
     Verb(
         BODY,
-        "makes a body of a simulation, and the object that rings for it. A box or plate has three edges, a sphere a "
-        "radius, a cylinder or capsule a radius and a length along z",
+        "makes a body of a simulation, and the object that rings for it. A box or plate takes three lengths, a sphere "
+        "a radius, a cylinder or capsule a radius and a length along z",
         (
             Word("name", "name of the body"),
             Either("shape", tuple(SIZES), "shape of the body"),
@@ -65,7 +65,7 @@ WORLD = (
             ),
             Parameter("held", 0, 1, "", "1: the body does not move", otherwise="0"),
             Parameter("rings", 0, 1, "", "0: the body is silent", otherwise="1"),
-            Word("object", "preset of an object that rings in its place"),
+            Word("object", "preset of an object that rings in place of the body"),
             Parameter("most_modes", 1, 4096, "", "largest number of modes", whole=True),
         ),
     ),
@@ -75,7 +75,7 @@ WORLD = (
         (Word("a", "name of a body"), Word("b", "name of the other body")),
         keys=(
             Word("surface", "preset of the surface"),
-            Word("support", "support that sets their contact law: felt, foam, finger or palm"),
+            Word("support", "support that sets the contact law: felt, foam, finger or palm"),
             *PAIRED,
         ),
     ),
@@ -89,7 +89,7 @@ WORLD = (
         "sets the pose of a body: x y z (m) of its centre of mass, then optionally its quaternion w x y z, velocity "
         "x y z (m/s) and spin x y z (rad/s)",
         (Word("name", "name of the body"),),
-        many=Numbers(Parameter("value", -_FAR, _FAR), 13, "values", "numbers of the pose, in this order"),
+        many=Numbers(Parameter("value", -_FAR, _FAR), 13, "values", "numbers of the pose, in the order above"),
     ),
     Verb(
         "/world/touch",

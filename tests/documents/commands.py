@@ -28,7 +28,7 @@ def _reference(commands: Sequence[Command]) -> str:
         rows = [(_signature(action), _help(action)) for action in _told(found[command.name])]
         if command.name == "page":
             of_serve = {(_signature(action), _help(action)) for action in _told(found["serve"])}
-            rows = [*(row for row in rows if row not in of_serve), ("the options of `carom serve`", "as there")]
+            rows = [*(row for row in rows if row not in of_serve), ("options of `carom serve`", "as for `carom serve`")]
         head = f"## `carom {command.name}{f' {command.usage}' * bool(command.usage)}`"
         does = f"{command.help[0].upper()}{command.help[1:]}."
         sections.append("\n\n".join([head, does, *([table(("argument or option", "meaning"), rows)] if rows else [])]))

@@ -9,20 +9,20 @@ _MEANINGS = {
     "description": "description in one line",
     "design": "distribution of the items over the factors",
     "differ": "factors (SECTION.KEY) in which pairs may differ; any if not given",
-    "count": "number of items; of a grid, the number of its points if not given",
+    "count": "number of items; of a grid, if not given, the number of its points",
     "seed": "seed of all random numbers",
     "seconds": "length of each clip",
     "rate": "sampling rate",
     "channels": "number of channels; 2: left and right",
     "format": "format of the sound files",
     "samples": "bits of a sample, or floats (WAV only)",
-    "full_scale": "pressure of a sample of 1.0; if not given, a power of two for each item",
+    "full_scale": "pressure of a sample of 1.0; if not given, each item has a power of two",
     "licence": "licence of the clips",
     "split": '`{ by = "geometry", test = 0.2, validation = 0.1 }`: shares of test and validation items',
     "shard": "number of items in a shard",
-    "size": "factor of all lengths of the preset; `[by]` has it too",
+    "size": "factor of all lengths of the preset; also a key of `[by]`",
     "at": "beginning of the gesture; 0 if not given",
-    "until": "time at which it is stopped; never if not given",
+    "until": "time at which the gesture is stopped; never if not given",
 }
 
 
@@ -33,7 +33,7 @@ def keys() -> str:
     own = {"object": "`[object]` ", "impact": "any gesture's "}
     rows += [(f"{own[name]}`{key}`", str(domain), _MEANINGS[key]) for name in own for key, domain in OWN[name].items()]
     rows.append(
-        (f"`[{SCORE}]` `file`", "a score beside the recipe", "score of an item; `$KEY` stands for a drawn value")
+        (f"`[{SCORE}]` `file`", "a score in the recipe's folder", "score of each item; `$KEY` stands for a drawn value")
     )
     forms = [(f"`{{ {form} }}`", what) for form, what in FORMS.items()]
     return "\n\n".join([table(("key", "value", "meaning"), rows), table(("distribution", "draws"), forms)])
