@@ -7,8 +7,8 @@ import carom
 from carom.clients.cli import main
 from carom.clients.examples.meshes import household
 from carom.dsp.errors import CaromError
-from carom.dsp.mesh import forms
-from carom.dsp.runtime.engine import Engine
+from carom.dsp.mesh import forms, model
+from carom.dsp.runtime.engine import Engine, prepare
 from carom.server.scene.session import Session
 from tests import needs
 from tests.server.scene.support import say
@@ -20,10 +20,13 @@ QUICK = ("--modes", "12", "--points", "60")
 
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path, monkeypatch):
-    """A cache of tables that the test begins without."""
+    """A cache of tables that the test begins without, and models of half the cells."""
     import platformdirs
 
+    prepare()  # the engine, whose code would be compiled into an empty cache
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "cache" / name)
+    monkeypatch.setattr(model, "CELLS", (4, 40))
+    monkeypatch.setattr(model, "FINE", (4, 80))
 
 
 def ply(vertices=4, faces=4, points="1"):
@@ -55,7 +58,8 @@ def test_a_scale_that_is_none_is_named(tmp_path, capsys, scale):
 
 
 @pytest.mark.slow
-def test_a_mesh_becomes_an_object_with_a_report(tmp_path, capsys):
+def test_a_mesh_becomes_an_object_with_a_report(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(model, "CELLS", (4, 80))  # its mass to four digits
     file = written(forms.box(0.2, 0.03, 0.008), tmp_path / "bar.stl", 1e-3)
     out = tmp_path / "mine"
     assert main(["mesh", str(file), str(out), "--name", "bar", "--material", "steel", *QUICK]) == 1

@@ -13,10 +13,9 @@ from tests.support import serving
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [7, 8])
-def test_junk_does_no_harm(tmp_path, seed):
+def test_junk_does_no_harm(tmp_path):
     with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
-        found = fuzz(server.process, server.port, 10_000, seed)
+        found = fuzz(server.process, server.port, 10_000, 7)
         assert found.streams > 50
         times = sorted(found.answers)
         assert found.hangs < len(times) // 100  # a batch may hold several objects to be made

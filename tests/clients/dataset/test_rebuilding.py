@@ -40,18 +40,18 @@ def test_a_blow_is_rebuilt(tmp_path, number):
         (
             'preset = "steel-ring"\nmaterial = "brass"',
             "",
-            '[press]\nforce = 2\nstriker = "fingertip"\nuntil = 0.1',
+            '[press]\nforce = 2\nstriker = "fingertip"\nuntil = 0.05',
         ),
         (
             'preset = "glass-plate"',
             'preset = "iron-pan"',
-            '[rest]\nwhat = "by"\nby_position = 0.3\nposition = 0.4\nuntil = 0.1',
+            '[rest]\nwhat = "by"\nby_position = 0.3\nposition = 0.4\nuntil = 0.05',
         ),
-        ('preset = "ceramic-tile"', "", '[spin]\nduration = 0.2\nstriker = "coin"'),
+        ('preset = "ceramic-tile"', "", '[spin]\nduration = 0.1\nstriker = "coin"'),
         ('preset = "marimba-bar"', "", '[bounce]\nheight = 0.001\nstriker = "ball-bearing"'),
         ('preset = "wood-board"', "", '[roll]\nspeed = 0.5\nstriker = "glass-marble"\nsurface = "wood"\ntravel = 0.2'),
         ('preset = "steel-plate"', "", '[slide]\nspeed = 0.4\nstriker = "box"\nsurface = "wood"\ntravel = 0.3'),
-        ('preset = "cymbal"', "", '[slide]\nspeed = 0.03\nstriker = "bow"\nsurface = "steel"\nuntil = 0.15'),
+        ('preset = "cymbal"', "", '[slide]\nspeed = 0.03\nstriker = "bow"\nsurface = "steel"\nuntil = 0.07'),
         ('preset = "pot-lid"', "", "[impact]\nvelocity = 1\nposition = 0.93"),
         ('preset = "gong"', "", '[roll]\nspeed = 0.5\nstriker = "glass-marble"\nsurface = "wood"\ntravel = 0.6'),
     ],
@@ -60,7 +60,7 @@ def test_a_blow_is_rebuilt(tmp_path, number):
 @pytest.mark.slow
 def test_what_no_recipe_of_ours_does_is_rebuilt(tmp_path, object_keys, by, gesture):
     by = f"[by]\n{by}\n" if by else ""
-    text = f"count = 1\nseconds = 0.2\nchannels = 2\n[object]\n{object_keys}\n{by}{gesture}\n"
+    text = f"count = 1\nseconds = 0.1\nchannels = 2\n[object]\n{object_keys}\n{by}{gesture}\n"
     assert max(missed(recipe_of(tmp_path, text), 0)) < -60
 
 

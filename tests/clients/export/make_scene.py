@@ -19,6 +19,7 @@ from typing import Any
 from carom.clients.export import c, web
 from carom.clients.export.machines import machine_of
 from carom.clients.export.scene import Scene, bake_scene
+from carom.dsp import runtime
 from carom.dsp.engine.memory.state import RING
 from carom.dsp.runtime import engine
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, STRIKE, Parameter
@@ -194,7 +195,7 @@ def use(name: str) -> None:
     """Put a module's callback in the place of the engine's."""
     other = importlib.import_module(name)
     engine.callback, engine.MODULE = SimpleNamespace(compute=other.callback), name
-    web.callback = c.callback = other
+    runtime.callback = web.callback = c.callback = other
 
 
 if __name__ == "__main__":

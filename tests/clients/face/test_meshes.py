@@ -24,13 +24,29 @@ SIZE = 0.2, 0.03, 0.008
 BAR = forms.box(*SIZE)
 
 
-@pytest.fixture(autouse=True)
-def own_cache(tmp_path, monkeypatch):
-    """A folder of tables that the test begins without, and models of few cells, which are made in a second."""
+def keep_tables(monkeypatch, folder):
     for module in ("made", "meshes"):
-        monkeypatch.setattr(f"carom.presets.{module}.cache_folder", lambda: tmp_path / "kept")
+        monkeypatch.setattr(f"carom.presets.{module}.cache_folder", lambda: folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def shared_cache(tmp_path_factory):
+    """A folder of tables that these tests share."""
+    return tmp_path_factory.mktemp("kept")
+
+
+@pytest.fixture(autouse=True)
+def few_cells(shared_cache, monkeypatch):
+    """Models of few cells, which are made in a second, and once."""
+    keep_tables(monkeypatch, shared_cache)
     monkeypatch.setattr("carom.dsp.mesh.model.CELLS", (3, 30))
-    return tmp_path / "kept"
+
+
+@pytest.fixture
+def own_cache(few_cells, tmp_path, monkeypatch):
+    """A folder of tables that the test begins without."""
+    return keep_tables(monkeypatch, tmp_path / "kept")
 
 
 def touch(point, normal=(0, 0, 1), mass=0.05):

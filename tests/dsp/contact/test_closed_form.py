@@ -152,13 +152,17 @@ def test_moments_are_the_forces(samples):
             assert abs(moments[n] - expected) * WEIGHT[n] < 1e-5 * momentum
 
 
-EXTREMES = [(1e-6, 1e-9, 1e16, 0.0, 1.0), (10.0, 1e3, 1e16, 1e3, 6.0), (1e3, 1e-9, 1e16, 1e3, 1.0)]
+EXTREMES = [
+    ((1e-6, 1e-9, 1e16, 0.0, 1.0), 192_000.0),
+    ((10.0, 1e3, 1e16, 1e3, 6.0), 22_050.0),  # it takes 9.5 s, which are many samples
+    ((1e3, 1e-9, 1e16, 1e3, 1.0), 192_000.0),
+]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("contact_law", EXTREMES)
-def test_extremes_stay_finite_and_keep_their_momentum(contact_law):
+@pytest.mark.parametrize(("contact_law", "rate"), EXTREMES)
+def test_extremes_stay_finite_and_keep_their_momentum(contact_law, rate):
     v_in, m, _, mu, _ = contact_law
-    all_moments = np.array(list(taken(*contact_law, 192_000.0, 0.5)))
+    all_moments = np.array(list(taken(*contact_law, rate, 0.5)))
     assert np.isfinite(all_moments).all()
     assert all_moments[:, 0].sum() == pytest.approx(m * v_in * (1 + contact.restitution(v_in, mu)), rel=1e-12)

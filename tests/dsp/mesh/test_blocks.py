@@ -95,12 +95,13 @@ def test_shapes_are_of_unit_mass_and_move_the_body_as_a_whole_in_no_way(block):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", [Block(BOX, (0.1, 0.08, 0.03)), Block(CYLINDER, (0.02, 0.08))])
+@pytest.mark.parametrize("block", [Block(BOX, (0.1, 0.08, 0.03)), Block(CYLINDER, (0.03, 0.04))])
 def test_shapes_at_faces_and_edges_are_those_of_finite_cells(block):
-    """All of one frequency together: a pair's shapes may be turned, and their span may not."""
-    own = solve(block, STEEL, 24)
+    """All of one frequency together: a pair's shapes may be turned, and their span may not. The cells' frequencies are
+    off by less than 0.8 %: other tests tell how far ours are."""
+    own = solve(block, STEEL, 18)
     parts = Parts((block.surface,), (STEEL,))
-    other = cells.solve(parts, sizing.sizes(block.surface, 130), 4, 24)
+    other = cells.solve(parts, sizing.sizes(block.surface, 60), 3, 18)
     half = np.array(block.edges) / 2
     if block.kind == BOX:
         points = np.array([*itertools.product(*([-0.99, 0.3, 0.99],) * 3)]) * half
@@ -108,13 +109,13 @@ def test_shapes_at_faces_and_edges_are_those_of_finite_cells(block):
         angle = np.arange(0, 6.2, 0.7)
         round_ = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * 0.99 * half
         points = np.vstack([round_ + np.array([0, 0, z * half[2]]) for z in (-0.99, 0.2, 0.99)])
-    mine, theirs = (each.at(points).reshape(-1, 24) for each in (own, other))
+    mine, theirs = (each.at(points).reshape(-1, 18) for each in (own, other))
     begin = RIGID
-    while begin < 20:
+    while begin < 14:
         end = begin + 1
         while own.frequency[end] < 1.003 * own.frequency[end - 1]:
             end += 1
-        assert np.abs(other.frequency[begin:end] / own.frequency[begin:end] - 1).max() < 4e-3
+        assert np.abs(other.frequency[begin:end] / own.frequency[begin:end] - 1).max() < 8e-3
         basis = np.linalg.qr(theirs[:, begin:end])[0]
         left = mine[:, begin:end] - basis @ (basis.T @ mine[:, begin:end])
         assert np.linalg.norm(left) < 0.07 * np.linalg.norm(mine[:, begin:end])

@@ -129,6 +129,7 @@ def test_two_skins_without_a_thickness_between_are_no_body():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("coarse")
 def test_walls_thinner_than_any_cell_feels_are_said():
     """A cup that is pressed flat, to a thousandth: no cell of the grid is filled by a thousandth."""
     metal = Material("metal", 7850.0, 200e9, 0.29, 1.0, 0.0)

@@ -28,8 +28,8 @@ def turned(place, degrees, pieces, count):
 @pytest.mark.slow
 def test_the_bottom_of_a_cup_of_thick_walls_rings_as_polynomials_of_high_degree_do():
     place = partial(meshes.can, WALL)
-    body = meshes.skin((2, 36, 96), place)
-    found = rung(body, sizing.graded_sizes(body, 80, fine=False), 14)
+    body = meshes.skin((2, 36, 48), place)
+    found = rung(body, sizing.graded_sizes(body, 50, fine=False), 14)
     assert found == pytest.approx(turned(place, (3, 6), 9, 14), rel=0.015)
 
 

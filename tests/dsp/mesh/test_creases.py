@@ -92,6 +92,7 @@ def test_a_random_tube_that_meets_itself_is_closed_there():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("coarse")
 def test_a_solid_whose_surface_has_wide_gaps_is_refused(monkeypatch):
     """Nobody knows what its inside is."""
     ball, solve = forms.ball(0.1, 2), cells.solve

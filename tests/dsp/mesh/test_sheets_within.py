@@ -115,6 +115,7 @@ def test_triangles_of_a_coarse_skin_bridge_no_gap():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("coarse")
 def test_a_radiation_that_cannot_be_is_refused_with_its_place(monkeypatch):
     told = model.radiation
     monkeypatch.setattr(model, "radiation", lambda *given: told(*given)._replace(resistance=told(*given).piston * 11))
@@ -125,6 +126,7 @@ def test_a_radiation_that_cannot_be_is_refused_with_its_place(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("coarse")
 def test_a_lens_that_cells_miss_is_refused_and_asked_for_its_wall():
     ball = forms.ball(0.15, 3)
     with pytest.raises(
@@ -134,6 +136,7 @@ def test_a_lens_that_cells_miss_is_refused_and_asked_for_its_wall():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("coarse")
 def test_modes_of_a_body_of_parts_that_overlap_radiate_a_few_pistons_at_most():
     found = model_of(*forms.together(BAR, fin(4), forms.moved(BAR, (0.1, 0, 0))), STEEL, Wanted(modes=12, points=100))
     along = np.einsum("pkn,pk->pn", found.shapes, found.normals)

@@ -166,6 +166,7 @@ def test_sheets_that_do_not_touch_are_said():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("coarse")
 @pytest.mark.parametrize("wall", [0.0005, 0.006])
 def test_parts_that_ring_apart_are_told(wall):
     """Parts are told of a shell and of a sheet of cells."""

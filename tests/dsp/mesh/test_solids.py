@@ -135,7 +135,7 @@ def test_panels_of_a_square_tube_bend_as_clamped_and_supported_plates_do():
     side, wall = 0.06, 0.002
     material = Material("steel", 7850.0, 200e9, 0.3, 1.0, 0.0)
     body = square_tube(side, wall, side)
-    found = cells.solve(Parts((body,), (material,)), sizing.sizes(body, 80), 4, 24)
+    found = cells.solve(Parts((body,), (material,)), sizing.sizes(body, 50), 4, 16)
     out = np.array([[0, -1, 0], [1, 0, 0], [0, 1, 0], [-1, 0, 0]])
     moves = np.einsum("pin,pi->np", found.at(out * (side + wall) / 2 + [0, 0, side / 2]), out)
     moves /= np.abs(moves).max(axis=1)[:, None]

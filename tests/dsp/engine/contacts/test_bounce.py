@@ -138,7 +138,7 @@ def weighty_bounce(m, k, mu, a, v):
     for contacts in range(1, 10_000):
         unit = scale * v ** ((1 - a) / (1 + a))
         run = solve_ivp(
-            motion, (0, 1), (0, v), "DOP853", events=(surface, spent), rtol=1e-10, atol=(1e-12 * v * unit, 1e-12 * v),
+            motion, (0, 1), (0, v), "DOP853", events=(surface, spent), rtol=1e-8, atol=(1e-10 * v * unit, 1e-10 * v),
             first_step=1e-3 * unit,
         )  # fmt: skip
         if run.t_events[1].size:
