@@ -25,7 +25,7 @@ from .contacts.rests import settle_rests
 from .contacts.rolls import add_through, is_fed, ring_on
 from .memory.filling import fill_object
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
-from .memory.state import QUANTUM, Object, State
+from .memory.state import FADES, QUANTUM, RINGS_OUT, STAYS, Object, State
 from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, sides_of
 from .output.space import hear_space
 from .output.space_lines import add_voice, travels
@@ -262,10 +262,10 @@ def forget_quiet(state: State) -> None:
 @kernel
 def _is_over(state: State, obj: Object) -> bool:
     """True if an object was freed and nobody hears it any more."""
-    if obj.dying == 0 or obj.spectral > 0 or (obj.dying == 1 and obj.leaned_on == 1):
+    if obj.leaving == STAYS or obj.spectral > 0 or (obj.leaving == RINGS_OUT and obj.leaned_on == 1):
         return False
     silent = obj.live == 0 and obj.contact < 0 and obj.fading == 0 and obj.voice < 0
-    return silent or (obj.dying == 2 and is_faded(state, obj))
+    return silent or (obj.leaving == FADES and is_faded(state, obj))
 
 
 @kernel
@@ -275,5 +275,5 @@ def _goes_on(obj: Object) -> bool:
     if obj.contact >= 0 or obj.voice >= 0 or obj.fading > 0 or obj.stale_modes > 0 or obj.stretch != 0.0:
         return True
     if obj.spectral > 0:
-        return obj.returns == 1 or obj.dying == 2
-    return obj.live > 0 or obj.static[0] != 0.0 or obj.static[1] != 0.0 or obj.dying == 1
+        return obj.returns == 1 or obj.leaving == FADES
+    return obj.live > 0 or obj.static[0] != 0.0 or obj.static[1] != 0.0 or obj.leaving == RINGS_OUT

@@ -1,12 +1,13 @@
 """The addresses of space: places of objects, the listener and the room."""
 
 from ...dsp.schema import Parameter
+from ...dsp.space.layouts import Layout
 from .arguments import Either, Verb
 
 LISTENER, ROOM, FLOOR, PLACE = "/listener", "/room", "/floor", "/object/NAME/place"
 
 _FAR = 1e5
-LAYOUTS = ("pan", "binaural", "ambisonics")
+LAYOUTS = tuple(each.name.lower() for each in Layout)
 """Ways in which directions become channels; their places are their numbers."""
 
 

@@ -13,7 +13,7 @@ from ..bodies.sheets import is_bent
 from ..memory.channels import ask_gains
 from ..memory.order import wake
 from ..memory.quality import is_left_out
-from ..memory.state import QUANTUM, Object, State
+from ..memory.state import FADES, QUANTUM, Object, State
 from ..output.fade import fade_length, left_of
 from ..output.mix import sides_of
 from .spectral_modes import come_back, go, look, take_form
@@ -52,7 +52,7 @@ def recall_objects(state: State) -> None:
             continue
         if obj.has_contact == 1 or obj.sensors > 0 or obj.line > 0:
             come_back(state, obj)
-        elif budget > 0 and (obj.returns == 1 or obj.stale_modes > 0 or obj.dying == 2):
+        elif budget > 0 and (obj.returns == 1 or obj.stale_modes > 0 or obj.leaving == FADES):
             budget -= obj.live
             come_back(state, obj)
 
@@ -173,7 +173,7 @@ def _rings_freely(state: State, obj: Object) -> bool:
         return False
     if obj.sensors > 0 or obj.line > 0 or is_bent(state, obj):
         return False
-    if obj.stale_modes > 0 or obj.dying == 2 or obj.stretch != 0.0 or obj.driven_modes > 0:
+    if obj.stale_modes > 0 or obj.leaving == FADES or obj.stretch != 0.0 or obj.driven_modes > 0:
         return False
     since = max(obj.last_driven_at, obj.returned_at)
     if state.position - since < _CALM or is_left_out(state, obj):

@@ -35,7 +35,7 @@ from ..memory.commands import (
 )
 from ..memory.order import wake
 from ..memory.ramp_list import takes_time
-from ..memory.state import END_GONE, NOTES, QUANTUM, RING, State
+from ..memory.state import END_GONE, FADES, NOTES, QUANTUM, RING, RINGS_OUT, STAYS, State
 from ..output.late import furnish
 from ..output.space_lines import leave_space, listen, place_object
 from ..panic import let_fade
@@ -184,7 +184,7 @@ def _is_early(state: State, event: Event) -> bool:
 def _is_gone(state: State, slot: int, serial: int) -> bool:
     """True if an object is not there, or is being removed."""
     obj = state.objects[slot]
-    return obj.used == 0 or obj.serial != serial or obj.dying > 0
+    return obj.used == 0 or obj.serial != serial or obj.leaving != STAYS
 
 
 @kernel
@@ -270,7 +270,7 @@ def carry_out(state: State, event: Event) -> None:
         wake(state, event.slot)
     elif kind == KIND_FREE:
         obj = state.objects[event.slot]
-        obj.dying = 2 if event.value != 0.0 else 1
+        obj.leaving = FADES if event.value != 0.0 else RINGS_OUT
         stop_gestures_on(state, obj, event.time)
     elif kind == KIND_PANIC:
         _panic(state, event.order)

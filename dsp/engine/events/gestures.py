@@ -31,7 +31,7 @@ from ..contacts.slides import begin_slide
 from ..contacts.swarms import begin_swarm
 from ..memory.commands import IN_VALUES, Event
 from ..memory.quality import coarseness_of
-from ..memory.state import CLOSED, COVERING, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING, Object, State
+from ..memory.state import CLOSED, COVERING, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING, STAYS, Object, State
 from .steering import steer_existing
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
@@ -84,7 +84,7 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         _point_along(contact.direction[1], values.by_direction_x, values.by_direction_y, values.by_direction_z)
         other.slot, other.serial = event.by_slot, event.by_serial
         partner = state.objects[other.slot]
-        if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:
+        if partner.used == 1 and partner.serial == other.serial and partner.leaving == STAYS:
             other.on_surface = int(values.by_on_surface)
             if other.on_surface == 1 and partner.faces > 0:
                 put_at(state, partner, other, values.by_x, values.by_y, values.by_z)

@@ -1,5 +1,6 @@
 """The records of space: a listener, lines in which the sound of objects travels, a room, and its late part."""
 
+from enum import IntEnum
 from typing import Annotated
 
 from ...native.typed import Record, View, View2D, View3D, dtype_of, f32
@@ -19,6 +20,18 @@ WALLS_TOLD = 12
 """Numbers of a command for the walls and the late part."""
 LATE_FRAMES = 16_384
 """Frames of each line of the late part. A power of two."""
+
+
+class WallsChange(IntEnum):
+    """What happens to a room's walls in this quantum."""
+
+    NONE = 0
+    FADE = 1  # those that are heard fade, and others come next
+    COME = 2
+
+
+# The same as plain numbers, which kernels compare with.
+NO_CHANGE, WALLS_FADE, WALLS_COME = (int(change) for change in WallsChange)
 
 
 class Pose(Record):
@@ -83,7 +96,7 @@ class Space(Record):
 
     on: int  # 1: there is a listener
     now: int  # samples: this quantum's end
-    layout: int  # 0: panned; 1: two ears; 2: spherical harmonics
+    layout: int  # Layout (space/layouts.py)
     order: int
     head: float  # m
     speed: float  # m/s
@@ -95,7 +108,7 @@ class Space(Record):
     low: Annotated[View[float], 3]  # m: the room's corner
     high: Annotated[View[float], 3]  # m: the one across
     reflected: float  # amplitude
-    walls_change: int  # 1: walls that are heard fade in this quantum, and others come; 2: these come in
+    walls_change: int  # WallsChange
     walls_told: Annotated[View[float], WALLS_TOLD]  # what comes
     fading: int  # 1: after a panic
     faded: int

@@ -98,8 +98,17 @@ class End(IntEnum):
     JOINED = 4  # it steered a roll or slide that goes on
 
 
+class Leaving(IntEnum):
+    """The way in which a freed object goes."""
+
+    STAYS = 0
+    RINGS_OUT = 1  # it goes once silent
+    FADES = 2  # shortly
+
+
 # The same as plain numbers, which kernels compare with.
 CLOSED, COUPLING, ROLLING, COVERING = (int(solver) for solver in Solver)
+STAYS, RINGS_OUT, FADES = (int(leaving) for leaving in Leaving)
 END_RESTED, END_STOPPED, END_NO_ROOM, END_GONE, END_JOINED = (int(end) for end in End)
 
 
@@ -153,7 +162,7 @@ class Object(Record):
     used: int
     serial: int
     awake: int  # 1: it is in `order`
-    dying: int  # to be freed: 1 once silent, 2 after a short fade
+    leaving: int  # Leaving
     first: int  # mode
     size: int  # modes, a multiple of LANES
     felt: int  # its first modes, that contacts feel and settings change

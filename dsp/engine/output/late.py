@@ -11,7 +11,8 @@ import math
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.indices import index_of
-from ..memory.space_record import FRAMES, LATE_FRAMES, LATE_LINES, LINES, PATHS, WALLS_TOLD
+from ...space.layouts import AMBISONICS, PAN
+from ..memory.space_record import FRAMES, LATE_FRAMES, LATE_LINES, LINES, PATHS, WALLS_FADE, WALLS_TOLD
 from ..memory.state import QUANTUM, State
 from .fade import fade_length, left_of
 
@@ -29,7 +30,7 @@ def furnish(state: State, told: View[float]) -> None:
     for k in range(WALLS_TOLD):
         space.walls_told[k] = told[k]
     if space.on == 1 and _is_any_line_heard(state):
-        space.walls_change = 1
+        space.walls_change = WALLS_FADE
     else:
         let_walls_come(state)
 
@@ -84,10 +85,10 @@ def hear_late(state: State) -> None:
     space, output = state.surroundings, state.output
     late, lines = space.late, space.weights
     channels, energy = output.channels, 0.0
-    scale = 1.0 / math.sqrt(channels) if space.layout == 0 and channels > 2 else 1.0
+    scale = 1.0 / math.sqrt(channels) if space.layout == PAN and channels > 2 else 1.0
     for n in range(QUANTUM):
         left = left_of(state.rate, space.faded + n + 1) if space.fading == 1 else 1.0
-        if space.walls_change == 1:
+        if space.walls_change == WALLS_FADE:
             left *= 1.0 - (n + 1) / QUANTUM
         for k in range(LATE_LINES):
             taken = late.sound[k, (late.at - late.lengths[k]) % LATE_FRAMES]
@@ -105,7 +106,7 @@ def hear_late(state: State) -> None:
         for k in range(LATE_LINES):
             lines[k] /= 4.0
         for channel in range(channels):
-            order = int(math.sqrt(channel + 0.5)) if space.layout == 2 else 0
+            order = int(math.sqrt(channel + 0.5)) if space.layout == AMBISONICS else 0
             total = scale * left / math.sqrt(2.0 * order + 1.0) * lines[channel % LATE_LINES]
             output.mix[channel, n] += math.sqrt(1.0 * LATE_LINES) * total
         for k in range(LATE_LINES):

@@ -7,7 +7,7 @@ from ...native.typed import View, View2D
 from ..memory.capacity import STEMS
 from ..memory.channels import ask_gains
 from ..memory.quality import is_left_out
-from ..memory.state import QUANTUM, Object, State
+from ..memory.state import FADES, QUANTUM, Object, State
 
 _GLIDE = 0.005  # s: time constant of gains
 _FADED = 1e-6  # gain (-120 dB) at which an object's fade is over
@@ -38,7 +38,7 @@ def glide_gains(state: State, obj: Object) -> None:
     """Bring an object's gains nearer to their targets."""
     ask_gains(state, obj)
     place = obj.place
-    fades = obj.dying == 2 or is_left_out(state, obj)
+    fades = obj.leaving == FADES or is_left_out(state, obj)
     unheard = not fades and obj.live == 0 and obj.fading == 0 and obj.voice < 0  # nobody would hear it glide
     for channel in range(state.output.channels):
         asked = 0.0 if fades else place.asked[channel]

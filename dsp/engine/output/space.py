@@ -1,7 +1,7 @@
 """Space: the sound of objects with a place travels in lines to a listener, by several ways."""
 
 from ...native.jit import kernel, noinline_kernel
-from ..memory.space_record import KNOTS, LINES
+from ..memory.space_record import KNOTS, LINES, NO_CHANGE, WALLS_COME, WALLS_FADE
 from ..memory.state import QUANTUM, State
 from .fade import fade_length
 from .late import hear_late, let_walls_come
@@ -57,16 +57,16 @@ def hear_space(state: State) -> None:
                 state.stats.sounding += 1
             elif line.left == 1:
                 line.used = 0
-    if space.walls_change == 2:
+    if space.walls_change == WALLS_COME:
         for n in range(QUANTUM):
             space.late.fed[n] *= (n + 1) / QUANTUM
     if space.late.on == 1:
         hear_late(state)
-    if space.walls_change == 1:
+    if space.walls_change == WALLS_FADE:
         let_walls_come(state)
-        space.walls_change = 2
+        space.walls_change = WALLS_COME
     else:
-        space.walls_change = 0
+        space.walls_change = NO_CHANGE
     if space.fading == 1:
         space.faded += QUANTUM
         if space.faded >= fade_length(state.rate):

@@ -7,7 +7,7 @@ from ...native.records import clear_record
 from ...native.typed import View, View2D
 from ..memory.quality import is_left_out
 from ..memory.space_record import FRAMES, KNOTS, LINES, PATHS, Line, Pose, Space
-from ..memory.state import QUANTUM, Object, State
+from ..memory.state import FADES, QUANTUM, Object, State
 from ..memory.told import Told
 from .mix import sides_of
 
@@ -160,7 +160,7 @@ def send_off(state: State, slot: int, voice: View2D[float]) -> None:
     obj = state.objects[slot]
     line = state.surroundings.lines[line_of(state, obj, slot)]
     two = state.output.channels == 2
-    asked = 0.0 if obj.dying == 2 or is_left_out(state, obj) else obj.settings.gain
+    asked = 0.0 if obj.leaving == FADES or is_left_out(state, obj) else obj.settings.gain
     begin, step = line.amplitude, (asked - line.amplitude) / QUANTUM
     sound = state.surroundings.sounds[state.position // QUANTUM & (KNOTS - 1), line.number]
     share, other = state.scratch.share, 1 if two else 0

@@ -14,9 +14,10 @@ from ...resonator.simd_pole import run_filter
 from ...space.delay import AHEAD_OF, TAPS, read_moving, read_steady, read_stretch
 from ...space.harmonics import harmonics
 from ...space.head import ear_path, ear_shadow
+from ...space.layouts import AMBISONICS, BINAURAL
 from ..memory.capacity import STEMS
 from ..memory.channels import pan_gains
-from ..memory.space_record import FRAMES, KNOTS, Line, Path, Space
+from ..memory.space_record import FRAMES, KNOTS, WALLS_COME, WALLS_FADE, Line, Path, Space
 from ..memory.state import QUANTUM, State
 from .fade import left_of
 
@@ -39,8 +40,13 @@ _EASY = 1.0  # dB up to which one filter takes it all
 def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool:
     """Hear a way of a line in this quantum; return True if there was, or may soon be, something to hear."""
     space, rate = state.surroundings, state.rate
-    comes = wall > 0 and path.known == 0 and space.walls_change == 2
-    if path.known == 1 and path.still == 1 and _stays(space, line) and not (wall > 0 and space.walls_change == 1):
+    comes = wall > 0 and path.known == 0 and space.walls_change == WALLS_COME
+    if (
+        path.known == 1
+        and path.still == 1
+        and _stays(space, line)
+        and not (wall > 0 and space.walls_change == WALLS_FADE)
+    ):
         # Hear a way on which nothing has changed since the quantum before.
         begin = path.place
         path.place += QUANTUM
@@ -52,7 +58,7 @@ def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool
             space.aim[ear], space.aim[2 + ear] = path.longer[ear], path.shadow[ear]
         if space.fading == 1:
             _lay_places(space.places, begin, 1.0, path.place, 1.0)
-        for ear in range(2 if space.layout == 1 else 1):
+        for ear in range(2 if space.layout == BINAURAL else 1):
             place = min(begin - path.longer[ear], state.position - _SOONEST)
             whole = math.floor(place)
             _copy(space, line, whole - (TAPS // 2 - 1), QUANTUM + TAPS, state.position + QUANTUM)
@@ -171,7 +177,7 @@ def _aim(state: State, path: Path, wall: int, found: View[float]) -> tuple[float
     poles of the air's two filters."""
     space = state.surroundings
     far = found[6]
-    share = (0.0 if space.walls_change == 1 else space.reflected) if wall > 0 else 1.0
+    share = (0.0 if space.walls_change == WALLS_FADE else space.reflected) if wall > 0 else 1.0
     gain = share / max(far, NEAREST)
     # A direction in the axes of a pose: ahead, left and up.
     x = found[0] / far
@@ -183,18 +189,18 @@ def _aim(state: State, path: Path, wall: int, found: View[float]) -> tuple[float
     channels = state.output.channels
     for channel in range(channels):
         space.asked[channel] = 0.0
-    if space.layout == 2:
+    if space.layout == AMBISONICS:
         harmonics(space.asked, space.order, ahead, left, up)
         for channel in range(channels):
             space.asked[channel] *= gain
-    elif space.layout == 1:
+    elif space.layout == BINAURAL:
         space.asked[0] = space.asked[1] = gain
     elif channels == 2:
         pan_gains(space.asked, 2, min(max(-left, -1.0), 1.0), gain)
     else:
         level = math.sqrt(max(1.0 - up * up, 0.0))
         pan_gains(space.asked, channels, -math.atan2(left, ahead) / math.pi if level > 1e-6 else 0.0, gain)
-    if space.layout == 1:
+    if space.layout == BINAURAL:
         angle = math.acos(min(max(left, -1.0), 1.0))
         for ear in range(2):
             space.aim[ear] = ear_path(angle, space.head) / space.speed * state.rate
@@ -251,7 +257,7 @@ def _read(state: State, line: Line, before: View[float], after: View[float], out
     """Read a line at `places`: for each ear, if there are two, the ways to which go from some samples longer to others
     over the quantum."""
     space = state.surroundings
-    for ear in range(2 if space.layout == 1 else 1):
+    for ear in range(2 if space.layout == BINAURAL else 1):
         longer, more = before[ear], (after[ear] - before[ear]) / QUANTUM
         soonest = state.position - _SOONEST
         for n in range(QUANTUM):
@@ -304,7 +310,7 @@ def _copy(space: Space, line: Line, first: int, count: int, end: int) -> None:
 def _filter(state: State, path: Path, first: float, second: float) -> None:
     """Filter what was read as the air and the head do, and fade what left before a panic."""
     space = state.surroundings
-    for ear in range(2 if space.layout == 1 else 1):
+    for ear in range(2 if space.layout == BINAURAL else 1):
         heard, memory = space.heard[ear], path.memory[ear]
         if space.fading == 1:
             for n in range(QUANTUM):
@@ -316,7 +322,7 @@ def _filter(state: State, path: Path, first: float, second: float) -> None:
             memory[1] = _lose(heard, path.air[1], second, memory[1])
         else:
             memory[1] = heard[QUANTUM - 1]
-        if space.layout == 1:
+        if space.layout == BINAURAL:
             # Filter what an ear heard as the head's shadow does, which goes from one to another over the quantum.
             heard = state.surroundings.heard[ear]
             two, corner = 2.0 * state.rate, 2.0 * space.speed / space.head
@@ -351,7 +357,7 @@ def _mix_path(state: State, line: Line, path: Path) -> None:
         path.gain[channel] = space.asked[channel]
         if before == 0.0 and step == 0.0:
             continue
-        heard = space.heard[channel if space.layout == 1 else 0]
+        heard = space.heard[channel if space.layout == BINAURAL else 0]
         for n in range(QUANTUM):
             output.mix[channel, n] += heard[n] * (before + (n + 1) * step)
         if output.stems_on == 1 and line.slot < STEMS:
