@@ -474,8 +474,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the running roll
-        `id` (default NAME)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0; if a roll `id` (default
+        NAME) runs, steers it."""
 
     def press(
         self,
@@ -505,8 +505,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker on the object until the speed is 0, or steers the running slide
-        `id` (default NAME)."""
+        """Begin a gesture that drags the striker on the object until its speed is 0; if a slide `id` (default NAME)
+        runs, steers it."""
 
     def rest(
         self,
@@ -609,8 +609,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the running roll
-        `id` (default NAME)."""
+        """Begin a gesture that rolls the striker over the object until its speed is 0; if a roll `id` (default
+        NAME) runs, steers it."""
 
     def press(
         self,
@@ -637,8 +637,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker on the object until the speed is 0, or steers the running slide
-        `id` (default NAME)."""
+        """Begin a gesture that drags the striker on the object until its speed is 0; if a slide `id` (default NAME)
+        runs, steers it."""
 
     def rest(
         self,

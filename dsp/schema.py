@@ -199,7 +199,7 @@ BOUNCE = Gesture(
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until the speed is 0, or steers the running roll `id` (default NAME)",
+    "roll", "rolls the striker over the object until its speed is 0; if a roll `id` (default NAME) runs, steers it",
     SPEED,
     (
         *_STEERED_LAW,
@@ -247,7 +247,7 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker on the object until the speed is 0, or steers the running slide `id` (default NAME)",
+    "slide", "drags the striker on the object until its speed is 0; if a slide `id` (default NAME) runs, steers it",
     replace(SPEED, help="slip speed of the striker over the surface; 0: the striker stops"),
     (
         replace(FORCE, otherwise="the striker's weight"),

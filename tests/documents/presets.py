@@ -1,7 +1,7 @@
 """Tables of the presets: the keys of every kind of file, the values that they may have, and all presets there are."""
 
 import json
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from carom.dsp.schema import GESTURES
@@ -108,13 +108,9 @@ def shapes() -> str:
     parts = []
     for name, shape in known.SHAPES.items():
         one, other = ([f"`{key}`" for key in shape.fields if key in side] for side in shape.either)
-        note = f"\n\nGive either {_some(one)}, or {_some(other)}." if one else ""
+        note = f"\n\nGive keys of one group only: {', '.join(one)}; or {', '.join(other)}." if one else ""
         parts.append(f"## `{name}`\n\n{_keys(name, shape.fields, shape.required)}{note}")
     return "\n\n".join(parts)
-
-
-def _some(keys: Sequence[str]) -> str:
-    return keys[0] if len(keys) == 1 else f"some of {', '.join(keys)}"
 
 
 def listed() -> str:
