@@ -152,6 +152,7 @@ def _state() -> dict[str, Any]:
         "entries": "ring.entries", "written": "ring.written", "read": "ring.read", "position": "position",
         "ends": "ends.entries", "ended": "ends.written", "active": "stats.contacts_active", "load": "stats.load",
         "dropped": "stats.contacts_dropped", "loudest": "stats.loudest_dropped", "late": "stats.late",
+        "linear": "stats.nonlinear_dropped",
         "sounding": "stats.sounding", "queued": "queue.size",
         "plates": "curves", "pulses": "pulses",
         **{name: f"bank.{name}" for name in ("frequency", "sigma", "weight", "balance")},

@@ -231,7 +231,7 @@ void carom_load(carom *scene, int live) {
     for (int64_t table = 0; table < scene->tables; table++) carom_engine_make_pulses(scene->state, table);
     scene->next = 0;
     scene->live = live;
-    scene->computed = scene->left_out = scene->inbox_written = scene->inbox_read = 0;
+    scene->computed = scene->left_out = scene->lost = scene->inbox_written = scene->inbox_read = 0;
     scene->told[0] = 0;
     messages_begin(scene);
     if (live) make_all(scene);
@@ -402,8 +402,16 @@ static double sample_at(const carom *scene, double at) {
     return fabs(sample - nearest) <= 4.0 * (nextafter(sample, INFINITY) - sample) ? nearest : sample;
 }
 
+static int64_t told_of(const carom *scene, const char *name) {
+    int64_t place = (int64_t)number_of(item(scene->rules, "state"), name);
+    return place > 0 && place <= scene->state_size - 8 ? whole_at(scene, place) : 0;
+}
+
 int carom_send(carom *scene, const char *message, double at) {
-    return messages_perform(scene, message, at < 0.0 ? -1.0 : sample_at(scene, at));
+    if (!messages_perform(scene, message, at < 0.0 ? -1.0 : sample_at(scene, at))) return 0;
+    int64_t lost = told_of(scene, "dropped") + told_of(scene, "linear"), before = scene->lost;
+    scene->lost = lost;
+    return lost > before ? CAROM_CROWDED : CAROM_SENT;
 }
 
 const char *carom_answer(const carom *scene) {
@@ -435,11 +443,6 @@ double carom_pitch(const carom *scene, int number) {
     return pitch > 0.0 ? 69.0 + 12.0 * log2(pitch / 440.0) : NAN;
 }
 
-static int64_t told_of(const carom *scene, const char *name) {
-    int64_t place = (int64_t)number_of(item(scene->rules, "state"), name);
-    return place > 0 && place <= scene->state_size - 8 ? whole_at(scene, place) : 0;
-}
-
 void carom_report(const carom *scene, carom_state *state) {
     int64_t load = told_of(scene, "load");
     memcpy(&state->load, &load, sizeof load);
@@ -451,6 +454,7 @@ void carom_report(const carom *scene, carom_state *state) {
     int64_t loudest = told_of(scene, "loudest");
     memcpy(&state->loudest, &loudest, sizeof loudest);
     state->loudest = state->loudest > 1e-20 ? 10.0 * log10(state->loudest) - 0.691 : -200.0;
+    state->linear = (long)told_of(scene, "linear");
     state->late = (long)told_of(scene, "late");
     state->refused = (long)__atomic_load_n(&scene->left_out, __ATOMIC_RELAXED);
 }

@@ -28,6 +28,7 @@ typedef struct {
     long late;        /* commands that came after their time */
     long refused;     /* commands of the score or of messages that the engine did not take: it could not, or had no room */
     double loudest;   /* momentary loudness of the loudest contact left out so far, LUFS; -200: none was */
+    long linear;      /* blows that did not make a plate swell, as too many plates swelled at once */
 } carom_state;
 
 /* Open the bytes of a scene (the file scene.carom), which are copied. live: its objects are there, and nothing plays;
@@ -39,7 +40,10 @@ carom *carom_open(const void *baked, size_t size, int live);
 void carom_load(carom *scene, int live);
 
 /* Send a message, as a score's line has it without its time: "/object/bell/impact 1.0 0.3 striker wood". at: when, s of
-   the scene, to the sample and finer; below 0: as soon as can be. Returns 1; 0 if it is refused, and nothing happens. */
+   the scene, to the sample and finer; below 0: as soon as can be. Returns 0 if it is refused, and nothing happens. Else
+   CAROM_SENT; or CAROM_CROWDED if it is sent, and since the last message that was sent `dropped` or `linear` has risen:
+   the engine leaves out what is heard least when it comes to it, so that no message knows its own fate. */
+enum { CAROM_SENT = 1, CAROM_CROWDED = 2 };
 int carom_send(carom *scene, const char *message, double at);
 
 /* The reason for which the last message was refused; else the id of the gesture that it began, "" if none lasts. Of

@@ -85,6 +85,7 @@ struct carom {
     int64_t tables;              /* of pulses */
     double rate;
     int64_t computed, left_out;
+    int64_t lost; /* what the sender knows of that found no room in the engine */
     uint8_t *inbox; /* commands from the thread that sends to the one that computes: as many as the engine's ring has */
     int64_t inbox_written, inbox_read;
     /* of messages */

@@ -36,7 +36,26 @@ export interface Options {
   live?: boolean;
 }
 
-/** An event `warning` is a CustomEvent whose `detail` says what of the score was not played, as a server's /warning does. */
+/** What goes on, and what was left out since the beginning. */
+export interface Report {
+  /** Share of real time that computing takes, of late. */
+  readonly load: number;
+  /** Frames computed; contacts that go on; objects that ring; commands that wait for their time. */
+  readonly frames: number;
+  readonly contacts: number;
+  readonly sounding: number;
+  readonly waiting: number;
+  /** Contacts left out, as others that are heard better took all room; and the loudness of the loudest, LUFS (-200: none was). */
+  readonly dropped: number;
+  readonly loudest: number;
+  /** Blows that did not make a plate swell, as too many plates swelled at once. */
+  readonly linear: number;
+  /** Commands that came after their time; and those of the score that the engine did not take. */
+  readonly late: number;
+  readonly refused: number;
+}
+
+/** An event `warning` is a CustomEvent whose `detail` says what was left out or not played, as a server's /warning does. */
 export class Carom extends EventTarget {
   static fetch(folder?: string | URL): Promise<Files>;
   static open(context: BaseAudioContext, options?: Options): Promise<Carom>;
@@ -50,6 +69,8 @@ export class Carom extends EventTarget {
   send(address: string, ...args: Argument[]): Promise<string | undefined>;
   /** The same at a time of the scene, in s from its beginning. */
   at(time: number): { send(address: string, ...args: Argument[]): Promise<string | undefined> };
+  /** What goes on, and what was left out since the beginning. */
+  report(): Promise<Report>;
   /** Begin anew, with the score (`live: false`) or with its objects alone. */
   load(options: { live: boolean }): void;
 }

@@ -101,6 +101,11 @@ export class Carom extends EventTarget {
     return { send: (address, ...args) => this.tell({ address, args, at: time }) };
   }
 
+  /** What goes on, and what was left out so far. */
+  report() {
+    return this.tell({ report: true });
+  }
+
   tell(message) {
     const ask = ++this.count;
     return new Promise((done, fail) => {
@@ -122,7 +127,7 @@ export class Carom extends EventTarget {
     if (told.warning) this.dispatchEvent(new CustomEvent("warning", { detail: told.warning }));
     const waiting = this.asked.get(told.ask);
     this.asked.delete(told.ask);
-    if (told.refused === undefined) waiting?.done(told.id);
+    if (told.refused === undefined) waiting?.done(told.report ?? told.id);
     else waiting?.fail(new Error(told.refused));
   }
 }

@@ -239,6 +239,15 @@ export class Scene {
     return this.whole(this.map.state.position);
   }
 
+  /** What goes on, and what was left out so far, as `carom_state` has it in C. */
+  get report() {
+    const { state } = this.map;
+    const [contacts, sounding, waiting, dropped, linear, late] = ["active", "sounding", "queued", "dropped", "linear", "late"].map((name) => this.whole(state[name]));
+    const heard = this.view.getFloat64(this.base + state.loudest, true);
+    const loudest = heard > 1e-20 ? 10 * Math.log10(heard) - 0.691 : -200;
+    return { frames: this.position, contacts, sounding, waiting, dropped, loudest, linear, late, refused: this.refused };
+  }
+
   /** Give the engine what is due, and compute at most so many frames; how many are in `sound` now. */
   compute(frames) {
     const { batches, command } = this.map;

@@ -20,6 +20,7 @@ from carom.server.osc.wire import Message
 from tests import needs
 
 from .asking import asking, rules_of
+from .tiny import HEAVY
 
 pytestmark = [pytest.mark.slow, needs.without("cc")]
 
@@ -171,7 +172,7 @@ class Report(ctypes.Structure):
     _fields_ = [
         ("load", ctypes.c_double), ("frames", ctypes.c_longlong),
         *((name, ctypes.c_long) for name in ("contacts", "sounding", "waiting", "dropped", "late", "refused")),
-        ("loudest", ctypes.c_double),
+        ("loudest", ctypes.c_double), ("linear", ctypes.c_long),
     ]  # fmt: skip
 
 
@@ -200,6 +201,26 @@ def test_commands_for_which_the_engine_has_no_room_are_counted(folder: Path) -> 
     library.carom_report(scene, ctypes.byref(report))
     library.carom_close(scene)
     assert report.refused == 7
+
+
+def test_what_found_no_room_is_reported(folder: Path) -> None:
+    """The message after one that found no room says so, once; the report counts it, and how loud it would have been."""
+    library = ctypes.CDLL(str(folder / "libcarom.so"))
+    library.carom_open.restype = ctypes.c_void_p
+    baked = (folder / "scene.carom").read_bytes()
+    scene = ctypes.c_void_p(library.carom_open(baked, ctypes.c_size_t(len(baked)), 1))
+    report, sound, told = Report(), (ctypes.c_float * 512)(), []
+    for mass in (1.0, HEAVY, HEAVY, 1.0, 1.0):
+        message = f"/object/church_bell/impact 1.0 mass {mass} stiffness 1e6".encode()
+        told.append(library.carom_send(scene, message, ctypes.c_double(-1.0)))
+        library.carom_process(scene, sound, ctypes.c_size_t(256))
+    library.carom_report(scene, ctypes.byref(report))
+    library.carom_load(scene, 1)
+    told.append(library.carom_send(scene, b"/panic", ctypes.c_double(-1.0)))
+    library.carom_close(scene)
+    assert told == [1, 1, 2, 2, 1, 1]
+    assert (report.dropped, report.linear, report.refused) == (2, 2, 0)
+    assert math.isclose(report.loudest, 10.0 * math.log10(0.5) - 0.691)
 
 
 def test_the_program_on_the_page_compiles(folder: Path, tmp_path: Path) -> None:

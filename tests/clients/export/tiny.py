@@ -19,6 +19,9 @@ from carom.dsp.runtime.admission import answer, judge_command
 from carom.dsp.runtime.signature import SIGNATURE
 from carom.dsp.swarm.making import make_values
 
+HEAVY = 50.0
+"""kg: a gesture of such a mass finds no room, and is counted as left out."""
+
 
 @simd_kernel
 def _sum_of(bank: Bank, first: int, size: int) -> float:
@@ -60,6 +63,10 @@ def _take(state: State, event: Event) -> float:
         state.ends.entries[state.ends.written[0] % ENDED, 0] = event.gesture
         state.ends.entries[state.ends.written[0] % ENDED, 1] = END_RESTED
         state.ends.written[0] += 1
+        if event.values.mass >= HEAVY:
+            state.stats.contacts_dropped += 1
+            state.stats.nonlinear_dropped += 1
+            state.stats.loudest_dropped = 0.5
     elif event.kind == KIND_PANIC:
         told += 0.5
     return told
