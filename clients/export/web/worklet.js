@@ -7,10 +7,10 @@ const SAID_EVERY = 48000; // frames between two warnings
 const LOST = ["dropped", "linear", "refused"]; // counts of a report that are said
 
 class Carom extends AudioWorkletProcessor {
-  constructor({ processorOptions: { module, map, data, live } }) {
+  constructor({ processorOptions: { module, map, data, tracker, live } }) {
     super();
     try {
-      this.scene = new Scene(module, map, data);
+      this.scene = new Scene(module, map, data, tracker);
       this.warmUp();
       this.scene.load(live);
     } catch (error) {
@@ -36,10 +36,13 @@ class Carom extends AudioWorkletProcessor {
     }
   }
 
-  hear({ load, report, address, args, at, ask }) {
+  hear({ load, report, frame, address, args, at, ask }) {
     if (load !== undefined) return this.scene.load(load);
-    if (report) return this.port.postMessage({ ask, report: { load: this.load, ...this.scene.report } });
+    const { bodies } = this.scene.messages;
+    if (report) return this.port.postMessage({ ask, report: { load: this.load, ...this.scene.report, contacts: bodies?.contacts ?? null } });
     try {
+      if (frame && !bodies) throw new Error("frame: expected a scene with bodies: /world/body in its score");
+      if (frame) return this.port.postMessage({ ask, id: bodies.frame(frame, this.load ?? 0) });
       const time = at === undefined ? undefined : this.scene.sampleAt(at);
       const id = this.scene.messages.perform(address, args, time);
       if (ask) this.port.postMessage({ ask, id });

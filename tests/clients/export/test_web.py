@@ -218,7 +218,9 @@ LOST = """async (masses) => {
   const context = new AudioContext({ sampleRate: 48000 });
   const carom = await Carom.open(context);
   const warnings = [];
-  const two = new Promise((done) => carom.addEventListener("warning", ({ detail }) => warnings.push(detail) === 2 && done()));
+  const two = new Promise((done) => {
+    carom.addEventListener("warning", ({ detail }) => warnings.push(detail) === 2 && done());
+  });
   for (const mass of masses) await carom.send("/object/church_bell/impact", 1, "mass", mass, "stiffness", 1e6);
   await Promise.race([two, new Promise((done) => setTimeout(done, 5000))]);
   const report = await carom.report();
