@@ -31,7 +31,7 @@ def materials_of(presets: Iterable[ObjectPreset], simulation: Simulation | None)
     """Return the materials of a scene, those of bodies first, by the numbers that the tracker has for them."""
     found = list(simulation.materials) if simulation else []
     for preset in presets:
-        if preset.material not in found:
+        if preset.material is not None and preset.material not in found:
             found.append(preset.material)
     return found
 

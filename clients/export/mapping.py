@@ -163,14 +163,14 @@ def _state() -> dict[str, Any]:
         "ends": "ends.entries", "ended": "ends.written", "active": "stats.contacts_active", "load": "stats.load",
         "dropped": "stats.contacts_dropped", "loudest": "stats.loudest_dropped", "late": "stats.late",
         "linear": "stats.nonlinear_dropped",
-        "sounding": "stats.sounding", "queued": "queue.size",
+        "sounding": "stats.sounding", "queued": "queue.size", "slots": "objects",
         "plates": "curves", "pulses": "pulses",
         **{name: f"bank.{name}" for name in ("frequency", "sigma", "weight", "balance")},
     }  # fmt: skip
     places = {name: _offset(path) for name, path in paths.items()}
     sizes = {"values": PULSE_VALUES, "most": STATE.itemsize, "ring": RING, "events": EVENTS, "most_ended": ENDED}
     objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
-    sizes |= {"object": objects.base.itemsize, "slots": _offset("objects"), "used": objects.base.fields["used"][1]}
+    sizes |= {"object": objects.base.itemsize, "used": int(objects.base.fields["used"][1])}  # type: ignore[index]
     rooms = {
         "modes": bank["frequency"].shape[0],
         "objects": objects.shape[0],
@@ -259,7 +259,7 @@ def _preset(preset: ObjectPreset, others: list[ObjectPreset]) -> dict[str, Any]:
         "striker": preset.striker,
         "velocity": preset.velocity,
         "position": preset.position,
-        "material": preset.material.name,
+        "material": preset.material.name if preset.material else "",
         "usual": usual,
         "touching": touching,
     }

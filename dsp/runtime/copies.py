@@ -75,4 +75,5 @@ def _taken(frequency: float, material: Items[float]) -> float:
     """Return what a material takes of a mode (1/s), as `Material.decay` has it."""
     turns = 2.0 * math.pi * frequency
     rubbed = math.pi * material[2] * LOSS_FACTOR_AT * (frequency / LOSS_FACTOR_AT) ** material[3]
-    return rubbed + 0.5 * (material[0] + material[1] * turns * turns)
+    taken: float = rubbed + 0.5 * (material[0] + material[1] * turns * turns)
+    return taken

@@ -230,6 +230,7 @@ void make(carom *scene, const call *told) {
         const value *materials = part(scene, "materials"), *own = item(materials, text_of(of->preset, "material"));
         made.material = item(materials, material->text);
         if (made.material->kind != LIST) refuse_all(scene, "material", material->text, materials->first);
+        if (own->kind != LIST) refuse(scene, "%.80s: it has no material", like);
         double denser = item_at(made.material, 1)->number / item_at(own, 1)->number;
         made.change[1] = 0.5 * log2(item_at(made.material, 0)->number / item_at(own, 0)->number / denser);
         made.change[2] = log2(denser);

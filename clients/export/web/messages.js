@@ -367,7 +367,7 @@ export class Messages {
     if (Math.abs(made.change[0]) > 10) refuse(`size = ${size}: expected up to 1024 times the score's object`);
     const { materials, presets } = this.map;
     if (material !== undefined) {
-      const own = materials[presets[of.preset].material];
+      const own = under(materials, presets[of.preset].material) ?? refuse(`${like}: it has no material`);
       const [stiff, dense] = under(materials, material) ?? refuse(`${material}: no such material; expected one of ${Object.keys(materials).join(", ")}`);
       const denser = Math.log2(dense / own[1]);
       Object.assign(made, { material, change: [made.change[0], 0.5 * (Math.log2(stiff / own[0]) - denser), denser] });
@@ -406,7 +406,7 @@ export class Messages {
     const own = presets[object.preset].material;
     const made = { ...object, ...this.place(this.said(object.made, "layout.size")), serial: ++this.serial };
     made.settings = { ...object.settings, ...settings };
-    const losses = (material) => materials[material].slice(2);
+    const losses = (material) => under(materials, material)?.slice(2) ?? [0, 0, 0, 0];
     const bytes = scene.copied(object.made, made.first, [...(object.change ?? [0, 0, 0]), ...losses(own), ...losses(object.material ?? own)]);
     if (!bytes) {
       this.leave({ ...made, body: -1 }, NOW);

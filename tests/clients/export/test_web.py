@@ -22,7 +22,6 @@ from carom.clients.export.scene_file import summed
 from carom.dsp.native.wasm_object import CODE, as_leb
 from tests import needs
 from tests.clients.export.pages import RENDER, served
-from tests.clients.export.tiny import HEAVY
 
 playwright = needs.module("playwright.sync_api")
 
@@ -213,22 +212,6 @@ FULL = (
 """A script that fills the engine's ring: the room there was, the lists of 64 that it took, the commands after them, and
 those of the score that found no room then."""
 
-LOST = """async (masses) => {
-  const { Carom } = await import("./carom.js");
-  const context = new AudioContext({ sampleRate: 48000 });
-  const carom = await Carom.open(context);
-  const warnings = [];
-  const two = new Promise((done) => {
-    carom.addEventListener("warning", ({ detail }) => warnings.push(detail) === 2 && done());
-  });
-  for (const mass of masses) await carom.send("/object/church_bell/impact", 1, "mass", mass, "stiffness", 1e6);
-  await Promise.race([two, new Promise((done) => setTimeout(done, 5000))]);
-  const report = await carom.report();
-  await context.close();
-  return [report, warnings];
-}"""
-"""A script that strikes with strikers of some masses: the report, and the warnings."""
-
 HEAR = """() => {
   const post = MessagePort.prototype.postMessage;
   window.said = [];
@@ -361,17 +344,6 @@ def test_a_damaged_scene_is_refused_and_a_wrong_one_plays_finite_sound_at_most(p
     told = page.evaluate(CHANGED, [300, False])
     assert all(text.startswith(("the scene is damaged", "expected a scene")) for text in told), told
     assert {*page.evaluate(CHANGED, [30, True])} == {"refused", "finite"}
-
-
-def test_what_found_no_room_is_reported(page: Any) -> None:
-    """A contact that found no room is a warning, and the report counts it."""
-    report, warnings = page.evaluate(LOST, [1.0, HEAVY])
-    assert (report["dropped"], report["linear"], report["refused"]) == (1, 1, 0)
-    assert math.isclose(report["loudest"], 10.0 * math.log10(0.5) - 0.691) and 0.0 <= report["load"] < 1.0
-    assert warnings == [
-        "left out 1 contact, of at most -4 LUFS: play fewer at once",
-        "1 blow did not make a plate swell: too many plates swell at once",
-    ]
 
 
 def test_a_list_is_taken_whole_or_not_at_all(page: Any) -> None:

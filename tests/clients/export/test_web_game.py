@@ -1,6 +1,7 @@
 """Contacts of a game in a page, in Debian's Chromium: it finds what a World finds; objects are made and freed."""
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import pytest
 
 from tests import needs
 from tests.clients.export.pages import served
+from tests.clients.export.tiny import HEAVY
 from tests.server.bridge.test_touching import FRAME, frames, simulation
 
 playwright = needs.module("playwright.sync_api")
@@ -50,12 +52,40 @@ PLAY = """async ([frames, seconds]) => {
 """A script that plays frames: the report, what of some wrong ones is refused, and what of objects that come and go."""
 
 
+LOST = """async (masses) => {
+  const { Carom } = await import("./carom.js");
+  const context = new AudioContext({ sampleRate: 48000 });
+  const carom = await Carom.open(context);
+  const warnings = [];
+  const two = new Promise((done) => {
+    carom.addEventListener("warning", ({ detail }) => warnings.push(detail) === 2 && done());
+  });
+  for (const mass of masses) await carom.send("/object/bell/impact", 1, "mass", mass, "stiffness", 1e6);
+  await Promise.race([two, new Promise((done) => setTimeout(done, 5000))]);
+  const report = await carom.report();
+  await context.close();
+  return [report, warnings];
+}"""
+"""A script that strikes with strikers of some masses: the report, and the warnings."""
+
+
+@pytest.fixture(scope="module")
+def page(game: Path) -> Iterator[Any]:
+    """The page of the game."""
+    with served(game) as address, playwright.sync_playwright() as runner:
+        browser = runner.chromium.launch(executable_path=needs.program("chromium"), args=["--no-sandbox"])
+        opened = browser.new_page()
+        opened.goto(f"{address}index.html")
+        yield opened
+        browser.close()
+
+
 def _told(touch: Any) -> dict[str, float]:
     known = {"impulse": touch.impulse, "speed": touch.approach, "slip": touch.slip}
     return {name: value for name, value in known.items() if not math.isnan(value)}
 
 
-def test_frames_are_heard_as_a_world_hears_them(game: Path) -> None:
+def test_frames_are_heard_as_a_world_hears_them(page: Any) -> None:
     wanted, time, sent = simulation(), 0.0, []
     for touches, poses in frames(2.0):
         time += FRAME
@@ -66,12 +96,7 @@ def test_frames_are_heard_as_a_world_hears_them(game: Path) -> None:
                 "touches": [(each.a, each.b, each.point, each.normal, _told(each)) for each in touches],
             }
         )
-    with served(game) as address, playwright.sync_playwright() as runner:
-        browser = runner.chromium.launch(executable_path=needs.program("chromium"), args=["--no-sandbox"])
-        page = browser.new_page()
-        page.goto(f"{address}index.html")
-        found = page.evaluate(PLAY, [sent, FRAME])
-        browser.close()
+    found = page.evaluate(PLAY, [sent, FRAME])
     contacts, counts = found["contacts"], wanted.counts
     assert (contacts["blows"], contacts["slides"], contacts["faint"]) == (counts.hits, counts.gestures, counts.faint)
     assert contacts["blows"] >= 3 and contacts["slides"] == 2 and contacts["bodies"] == 4
@@ -79,3 +104,14 @@ def test_frames_are_heard_as_a_world_hears_them(game: Path) -> None:
     said = "seconds = 0", "nobody: no such body", "touch ball, floor", "ball: there is", "cheese: no such"
     for told, words in zip(found["told"], said, strict=True):
         assert words in told
+
+
+def test_what_found_no_room_is_reported(page: Any) -> None:
+    """A contact that found no room is a warning, and the report counts it."""
+    report, warnings = page.evaluate(LOST, [1.0, HEAVY])
+    assert (report["dropped"], report["linear"], report["refused"]) == (1, 1, 0)
+    assert math.isclose(report["loudest"], 10.0 * math.log10(0.5) - 0.691) and 0.0 <= report["load"] < 1.0
+    assert warnings == [
+        "left out 1 contact, of at most -4 LUFS: play fewer at once",
+        "1 blow did not make a plate swell: too many plates swell at once",
+    ]
