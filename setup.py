@@ -25,6 +25,7 @@ COMPILED = (
     "carom.dsp.runtime.pacer",
     "carom.server.bridge.mujoco.track",
     "carom.server.bridge.telling",
+    "carom.server.bridge.touching",
     "carom.server.net.udp",
 )
 """The modules that define functions of C: the engine, then what takes some seconds."""
@@ -51,11 +52,12 @@ from carom.clients.export import c
 from carom.dsp import sizes
 from carom.dsp.native import compiling, store, targets, wasm
 from carom.dsp.runtime import callback
+from carom.server.bridge import touching
 print("carom: compiling portable code,", sizes.NAME, "engine", file=sys.stderr, flush=True)
 exports = sizes.NAME == "small"
 wanted = compiling.portable(targets.built()[:1] if exports else targets.built())
 own = targets.Target(targets.system(), targets.PORTABLE)
-files = [c.engine_file(own), wasm.object_file(callback.__name__)] if exports else []
+files = [*c.engine_files(own), *map(wasm.object_file, (callback.__name__, touching.__name__))] if exports else []
 compiling.pack(sys.argv[1:], wanted, files, store.PACKAGED)
 """
 """Packs portable code for this system, and processors of this one's family: of the engine that plays here, or of that

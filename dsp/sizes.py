@@ -68,7 +68,7 @@ class Sizes(NamedTuple):
 SIZES = {
     "full": Sizes(),
     "small": Sizes(
-        channels=2, objects=64, modes=16_384, phase_modes=2_560, stems=1, contacts=128, directed=384, rolls=16,
+        channels=2, objects=256, modes=16_384, phase_modes=2_560, stems=1, contacts=128, directed=384, rolls=16,
         events=3_456, ring=2_048, ramps=256, strikers=96, voices=64, sheets=8, sheet_tables=1_048_576,
         pulse_values=11_534_336, lines=8, sensors=1, ended=1_024, tap=64, notes=64, traced=1,
     ),

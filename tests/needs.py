@@ -17,6 +17,8 @@ PROGRAMS = {
     "chromium": "chromium",
     "git": "git",
     "jackd": "jackd2",
+    "mcs": "mono-mcs",
+    "mono": "mono-runtime",
     "lv2_validate": "lilv-utils lv2-dev sordi",
     "node": "nodejs",
     "oscsend": "liblo-tools",

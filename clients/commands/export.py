@@ -136,10 +136,13 @@ def _prepare(machine: "Machine | None") -> None:
     """Have the machine code that an export is made of: what did not come along is compiled now, and reported."""
     from ...dsp.native.wasm import object_file
     from ...dsp.runtime import callback, engine
+    from ...server.bridge import touching
     from ..export import c
 
     engine.prepare()
-    (c.engine_file(machine.target) if machine else object_file(callback.__name__)).content()
+    modules = callback.__name__, touching.__name__
+    for each in c.engine_files(machine.target) if machine else map(object_file, modules):
+        each.content()
 
 
 def read_scene(word: str, presets: "Presets") -> tuple[str, str, bytes]:

@@ -13,19 +13,20 @@ from pathlib import Path
 from ...dsp.native.targets import Target
 from ...dsp.native.whole import Whole
 from ...dsp.runtime import callback
+from ...server.bridge import touching
 from .machines import Machine
 from .mapping import rules
 from .scene import Scene
 
-PREFIX = "carom_engine_"
-"""The beginning of the engine's names, as the library's sources call them."""
+PREFIX, TRACKER = "carom_engine_", "carom_tracker_"
+"""The beginnings of the engine's and the tracker's names, as the library's sources call them."""
 
 _FILES = Path(__file__).parent / "c"
 
 
-def engine_file(target: Target) -> Whole:
-    """Return the engine as the library for a target has it."""
-    return Whole(callback.__name__, target, PREFIX)
+def engine_files(target: Target) -> tuple[Whole, Whole]:
+    """Return the engine and the tracker as the library for a target has them."""
+    return Whole(callback.__name__, target, PREFIX), Whole(touching.__name__, target, TRACKER)
 
 
 def write_library(scene: Scene, folder: Path, machine: Machine) -> None:
@@ -52,14 +53,15 @@ def write_static(folder: Path, machine: Machine) -> None:
 def _compiled(machine: Machine, *flags: str) -> Iterator[list[Path]]:
     """Yield the object files of the library, which go afterwards."""
     with tempfile.TemporaryDirectory() as made:
-        engine = Path(made) / "engine.o"
-        engine.write_bytes(engine_file(machine.target).content())
+        code = [Path(made) / name for name in ("engine.o", "tracker.o")]
+        for place, each in zip(code, engine_files(machine.target), strict=True):
+            place.write_bytes(each.content())
         told = Path(made) / "rules.c"
         told.write_text(_as_c("carom_engine_rules", json.dumps(rules(), separators=(",", ":"))), newline="\n")
         objects = [Path(made) / f"{source.stem}.o" for source in (_FILES / "library.c", told)]
         for source, compiled in zip((_FILES / "library.c", told), objects, strict=True):
             machine.compile(source, compiled, *flags)
-        yield [engine, *objects]
+        yield [*code, *objects]
 
 
 def _as_c(name: str, text: str) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from typing import Any
 
@@ -20,12 +20,14 @@ from ...dsp.contact.accuracy import NUMBERS as ACCURACIES
 from ...dsp.engine.memory import commands
 from ...dsp.engine.memory.capacity import MOST_CHANNELS, SHAPE_VALUES
 from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
-from ...dsp.engine.memory.state import ENDED, EVENTS, QUANTUM, RING, STATE, End
+from ...dsp.engine.memory.state import ENDED, EVENTS, QUANTUM, RING, ROLLS, STATE, End
+from ...dsp.runtime.copies import CHANGES
 from ...dsp.runtime.engine import Engine
 from ...dsp.schema import DROPS, FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NAMES, VELOCITY, Parameter
 from ...dsp.swarm.record import PULSES as MOST_PULSES
 from ...presets import Presets
 from ...presets.kinds import DRY, ObjectPreset
+from ...server.bridge.touching import BODY_ROW, TOUCHING
 from ...server.osc.addresses import VERBS
 from ...server.osc.arguments import Either, Note, Numbers, Vector, Verb, Word
 from ...server.osc.points import Change
@@ -33,6 +35,7 @@ from ...server.render import HIGHEST_RATE, LOWEST_RATE
 from ...server.scene.limits import ContactLaws, least_radius
 from ...server.scene.objects import PlayedObject
 from .baking import PULSE_VALUES, PULSES, Baked
+from .bodies import LIKE, materials_of, said_of_bodies, said_of_materials
 
 _BEGUN = [name for name, gesture in GESTURES.items() if not gesture.what and not gesture.breaks]
 """Gestures that a page can begin; those that name what an object lies on, or break it, are the score's alone."""
@@ -82,14 +85,20 @@ class Strikers:
         return [laid["sound"], laid["sound_serial"]]
 
 
-def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
-    """Return the map of a baked scene, without what `rules` has for all."""
+def scene_map(baked: Baked, strikers: Strikers, put: Callable[[bytes], int] = lambda content: 0) -> dict[str, Any]:
+    """Return the map of a baked scene, without what `rules` has for all.
+
+    put: keeps bytes in the scene's data, and says where.
+    """
     presets: list[ObjectPreset] = []
     for obj in baked.objects.values():
         if obj.preset not in presets:
             presets.append(obj.preset)
     engine = baked.engine
+    session, simulation = baked.session, baked.session.simulation
     return {
+        **(said_of_bodies(session, simulation, put) if simulation else {}),
+        "materials": said_of_materials(materials_of(presets, simulation)),
         "rate": engine.rate,
         "channels": engine.width,
         "sensors": engine.sensors,
@@ -113,7 +122,8 @@ def rules() -> dict[str, Any]:
         "state": _state(),
         "command": _command(),
         "kinds": {kind.name: int(kind) for kind in Kind},
-        "verbs": {verb.address: _verb(verb) for verb in VERBS.values() if _is_played(verb)},
+        "verbs": {verb.address: _verb(verb) for verb in (*filter(_is_played, VERBS.values()), LIKE)},
+        "touching": {"size": TOUCHING.itemsize, "rolls": ROLLS, "body": BODY_ROW, "changes": CHANGES},
         "gestures": {name: _gesture(name) for name in _BEGUN},
         "steerable": {name: place for place, name in enumerate(STEERABLE)},
         "settings": {name: place for place, name in enumerate(SETTINGS)},
@@ -152,13 +162,15 @@ def _state() -> dict[str, Any]:
         "entries": "ring.entries", "written": "ring.written", "read": "ring.read", "position": "position",
         "ends": "ends.entries", "ended": "ends.written", "active": "stats.contacts_active", "load": "stats.load",
         "dropped": "stats.contacts_dropped", "loudest": "stats.loudest_dropped", "late": "stats.late",
-        "sounding": "stats.sounding", "queued": "queue.size",
+        "linear": "stats.nonlinear_dropped",
+        "sounding": "stats.sounding", "queued": "queue.size", "slots": "objects",
         "plates": "curves", "pulses": "pulses",
         **{name: f"bank.{name}" for name in ("frequency", "sigma", "weight", "balance")},
     }  # fmt: skip
     places = {name: _offset(path) for name, path in paths.items()}
     sizes = {"values": PULSE_VALUES, "most": STATE.itemsize, "ring": RING, "events": EVENTS, "most_ended": ENDED}
     objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
+    sizes |= {"object": objects.base.itemsize, "used": int(objects.base.fields["used"][1])}  # type: ignore[index]
     rooms = {
         "modes": bank["frequency"].shape[0],
         "objects": objects.shape[0],
@@ -247,6 +259,7 @@ def _preset(preset: ObjectPreset, others: list[ObjectPreset]) -> dict[str, Any]:
         "striker": preset.striker,
         "velocity": preset.velocity,
         "position": preset.position,
+        "material": preset.material.name if preset.material else "",
         "usual": usual,
         "touching": touching,
     }

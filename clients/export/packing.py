@@ -56,7 +56,7 @@ def packed(
         data.extend(bytes(-len(data) % 8))
         return at
 
-    said = scene_map(baked, strikers)
+    said = scene_map(baked, strikers, put)
     said["title"] = title
     tables: list[Laid] = []
     rest = [batch.patches for batch in baked.batches]

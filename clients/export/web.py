@@ -12,6 +12,7 @@ from ...dsp.engine.memory.commands import Kind
 from ...dsp.native.digests import digest
 from ...dsp.native.wasm import data_end, wasm, with_note
 from ...dsp.runtime import callback
+from ...server.bridge import touching
 from .baking import Baked
 from .mapping import layout, rules
 from .packing import PageEngine, compressed
@@ -28,7 +29,7 @@ _ROOMS = {
 }
 """Parts of the engine that a scene may lack: the kernels that it does without."""
 
-WORKLET = ("messages.js", "scene.js", "worklet.js")
+WORKLET = ("messages.js", "bodies.js", "scene.js", "worklet.js")
 """The scripts of the audio thread, each after those that it imports: a page has them as one file."""
 
 _NAME = "carom"
@@ -46,6 +47,8 @@ def write_page(scene: Scene, folder: Path) -> None:
             (folder / file.name).write_text(shortened(file.read_text(encoding="utf-8")), encoding="utf-8")
         elif file.suffix not in (".js", ".py"):
             shutil.copyfile(file, folder / file.name)
+    if scene.baked.session.simulation:
+        (folder / "touch.wasm.lzma").write_bytes(compressed(parted(tracker())))
     (folder / "worklet.js.lzma").write_bytes(compressed(joined(WORKLET).encode()))
     (folder / "carom.wasm.lzma").write_bytes(compressed(parted(code)))
     (folder / "scene.carom.lzma").write_bytes(compressed(scene.file(engine), words=True))
@@ -59,6 +62,12 @@ def engine_for(baked: Baked) -> tuple[bytes, PageEngine]:
     name = digest(f"{layout()} {lacking} {end}")
     told = {**rules(), "engine": name, "data_end": end}
     return with_note(code, _NAME, json.dumps(told, separators=(",", ":"))), PageEngine(name)
+
+
+def tracker() -> bytes:
+    """Return the WebAssembly of what finds blows and slides of bodies, with where its data end."""
+    code = wasm(touching.__name__)
+    return with_note(code, _NAME, json.dumps({"data_end": data_end(code)}))
 
 
 def shortened(script: str) -> str:

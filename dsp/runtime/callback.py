@@ -16,6 +16,7 @@ from ..native.system import flush_denormals, monotonic_ns, restore_denormals, th
 from ..native.typed import View
 from ..swarm.making import make_values
 from .admission import answer, judge_command
+from .copies import copy_modes
 from .signature import C_LONG, OUTPUT_UNDERFLOW, SIGNATURE
 
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
@@ -84,3 +85,9 @@ def judge(userdata: int, command: int, tables: int) -> int:
     """Return the word by which a command is none for the state in `userdata`, -1 if that may take it; tables: of
     pulses that were made."""
     return judge_command(userdata, command, tables)
+
+
+@c_function(c_int64, c_void_p, c_void_p, c_int64, c_void_p)
+def copy(userdata: int, command: int, to: int, changes: int) -> int:
+    """Copy the modes of an object of the state in `userdata`: see `copies.py`."""
+    return copy_modes(userdata, command, to, changes)

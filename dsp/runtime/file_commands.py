@@ -78,6 +78,7 @@ _LAYOUT = {
     "rows": (1, SHAPE_VALUES), "faces": (0, SHAPE_VALUES), "surface": (0, SHAPE_VALUES), "block": (0, SHAPE_VALUES),
     "felt": (0, MODES_PER_OBJECT), "bent": (0, MODES_PER_OBJECT), "unheard": (0, MODES_PER_OBJECT),
     "level": (0.0, 1e9), "glide": (0.0, 1e9), "cone": (0.0, 1e9), "sheet": (-1, SHEETS - 1),
+    "lighter": (-30.0, 30.0),
 }  # fmt: skip
 _RAMP = {f"ramp.{name}": _bounds_of(each) for name, each in OF_RAMPS.items()}
 _SPACE = {

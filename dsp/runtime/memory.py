@@ -84,6 +84,7 @@ class Memory:
             "glide": modes.glide,
             "cone": modes.cone,
             "sheet": sheet,
+            "lighter": 0.0,
         }
         slot = self._slots.pop() if self._slots else self.reached
         self.reached = max(self.reached, slot + 1)

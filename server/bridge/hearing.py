@@ -23,7 +23,8 @@ NEAREST = 0.1
 """m: a body that is nearer to a microphone is as loud as at this distance."""
 _LEVEL, _COUNT, _PATTERN = Range(-1000.0, 1000.0, "dB"), Range(0, 10**9), Range(0.0, 1.0)
 _MOST_QUALITY = int(max(Quality))
-_CHANGED = 0.03  # share by which a gain changes before it is sent: 0.26 dB
+GAIN_STEP = 0.03
+"""Share by which a gain changes before it is sent: 0.26 dB."""
 
 
 @explain_all_arguments
@@ -181,7 +182,7 @@ def begin_hearing(hearing: Hearing, state: NDArray[np.void]) -> NDArray[np.void]
     made = np.zeros(1, MICROPHONE_STATE)
     record = made[0]
     record["count"] = len(hearing.microphones)
-    record["nearest"], record["step"] = NEAREST, _CHANGED
+    record["nearest"], record["step"] = NEAREST, GAIN_STEP
     for n, microphone in enumerate(hearing.microphones):
         record["position"][n] = microphone.position
         if microphone.direction is not None:

@@ -48,20 +48,20 @@ ROWS = dtype_of(Rows)
 def take_rows(state: State, rows: Rows) -> bool:
     """Copy touches and poses into the tracker's memory; return False, and copy nothing, if one of them cannot be."""
     for n in range(rows.points):
-        if not _can_be(rows.touches[n]):
+        if not can_be_touch(rows.touches[n]):
             return False
     for n in range(rows.poses):
-        if not _can_be_pose(rows.moved[n]):
+        if not can_be_pose(rows.moved[n]):
             return False
     for n in range(rows.points):
-        _take_touch(state, n, rows.touches[n])
+        take_touch(state, n, rows.touches[n])
     for n in range(rows.poses):
-        _take_pose(state, rows.moved[n])
+        take_pose(state, rows.moved[n])
     return True
 
 
 @kernel
-def _can_be(row: View[float]) -> bool:
+def can_be_touch(row: View[float]) -> bool:
     """True for a touch that can be: what is not reported of it is NaN."""
     fits = _is_near(row, _POINT, _TOLD) and _has_length(row, _NORMAL, _TOLD)
     for k in range(len(_LEAST)):
@@ -71,7 +71,7 @@ def _can_be(row: View[float]) -> bool:
 
 
 @kernel
-def _can_be_pose(row: View[float]) -> bool:
+def can_be_pose(row: View[float]) -> bool:
     """True for a pose that can be."""
     return _is_near(row, _PLACE, POSE_ROW) and _has_length(row, _TURN, _VELOCITY)
 
@@ -95,7 +95,7 @@ def _has_length(row: View[float], first: int, last: int) -> bool:
 
 
 @kernel
-def _take_touch(state: State, n: int, row: View[float]) -> None:
+def take_touch(state: State, n: int, row: View[float]) -> None:
     """Copy a touch into the tracker's columns."""
     state.pair[n, 0], state.pair[n, 1] = int(row[0]), int(row[1])
     for k in range(3):
@@ -106,7 +106,7 @@ def _take_touch(state: State, n: int, row: View[float]) -> None:
 
 
 @kernel
-def _take_pose(state: State, row: View[float]) -> None:
+def take_pose(state: State, row: View[float]) -> None:
     """Copy a body's pose into the tracker's columns."""
     body = int(row[0])
     for k in range(3):

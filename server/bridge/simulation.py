@@ -83,7 +83,8 @@ class Simulation:
         self._numbers: dict[str, int] = {}
         self._skins: list[NDArray[np.float64]] = []
         self._pairs: dict[tuple[int, int], Pair] = {}
-        self._materials: list[Material] = []
+        self.materials: list[Material] = []
+        """Materials of bodies, by their numbers."""
         self.surfaces: list[str] = []
         """Presets of bodies that slide on each other, as far as they are known, by their numbers."""
         self._gestures = Gestures()
@@ -232,17 +233,17 @@ class Simulation:
 
     def _material(self, body: Body) -> int:
         """Return the number of a body's material, of whose contacts with the others the law is known from then on."""
-        if body.material not in self._materials:
-            if len(self._materials) == MATERIALS:
+        if body.material not in self.materials:
+            if len(self.materials) == MATERIALS:
                 raise WorldError(f"body {body.name}: expected at most {MATERIALS} materials")
-            self._materials.append(body.material)
-            number = len(self._materials) - 1
-            for n, other in enumerate(self._materials):
+            self.materials.append(body.material)
+            number = len(self.materials) - 1
+            for n, other in enumerate(self.materials):
                 law = contact_between(body.material, other, 1.0)
                 self.state["law"][0, number, n] = self.state["law"][0, n, number] = law
                 surface = self._surface(body.material, other)
                 self.state["surface"][0, number, n] = self.state["surface"][0, n, number] = surface
-        return self._materials.index(body.material)
+        return self.materials.index(body.material)
 
     def _surface(self, a: Material, b: Material) -> int:
         """Return 1 and the number of the surface on which bodies of two materials slide; 0 where there is no room for

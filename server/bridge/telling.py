@@ -123,18 +123,35 @@ def tell(telling: int) -> int:
         gather(state, carray(pointer_to(link.arrays), (1,), ARRAYS)[0], points, time - state.time)
     if take_step(state, microphones, points, time) < 0:
         return NOT_WHOLE
-    microphones.found = state.struck = heard = 0
     due = grains_are_due(state, link.before)
-    if state.happened > 0 or time >= microphones.next or due:
-        find_gains(microphones, state)
-    if state.happened > 0:
-        heard = _find_blows(link, state, microphones)
+    _find_gestures(state, microphones, due)
+    if link.arrays != 0:
+        arrays: Arrays = carray(pointer_to(link.arrays), (1,), ARRAYS)[0]
+        for n in range(state.struck if arrays.mechanism.jacobian != 0 else 0):
+            ask_mechanism(arrays, state.blows[n])
+    return _send_step(link, state, microphones, due)
+
+
+@noinline_kernel
+def take_touches(link: Telling, state: State, microphones: MicrophoneState, points: int, time: float) -> int:
+    """Take a step whose contacts and poses are in the tracker's columns, as `tell` does of a rigid body's."""
+    link.before = state.time
+    if take_step(state, microphones, points, time) < 0:
+        return NOT_WHOLE
+    _find_gestures(state, microphones, False)
+    return _send_step(link, state, microphones, False)
+
+
+@kernel
+def _send_step(link: Telling, state: State, microphones: MicrophoneState, due: bool) -> int:
+    """Judge the blows of a step, and send what is heard of it to the engine."""
+    heard = _judge_blows(state, microphones)
     changes = state.changed + microphones.found * microphones.count + heard + state.happened - state.struck
     looks = changes > 0
     if link.entries == 0:
         looks |= state.happened > 0
     elif changes > 0:
-        if not _has_room(link, changes, _sample_of(link, time)):
+        if not _has_room(link, changes, _sample_of(link, state.time)):
             return NO_ROOM
         _write(link, state, microphones)
         looks = _slide(link, state)
@@ -150,16 +167,21 @@ def time_of(link: Telling) -> float:
 
 
 @kernel
-def _find_blows(link: Telling, state: State, microphones: MicrophoneState) -> int:
-    """Find the blows of a step, and which are heard: how many. A body that begins to slide is placed anew in the next
-    step."""
-    find_blows(state)
-    find_slides(state)
-    for n in range(state.struck):
-        if link.arrays != 0:
-            arrays: Arrays = carray(pointer_to(link.arrays), (1,), ARRAYS)[0]
-            if arrays.mechanism.jacobian != 0:
-                ask_mechanism(arrays, state.blows[n])
+def _find_gestures(state: State, microphones: MicrophoneState, due: bool) -> None:
+    """Find the blows of a step, and the contacts that begin to slide or to lie in it."""
+    microphones.found = state.struck = 0
+    if state.happened > 0 or state.time >= microphones.next or due:
+        find_gains(microphones, state)
+    if state.happened > 0:
+        find_blows(state)
+        find_slides(state)
+
+
+@kernel
+def _judge_blows(state: State, microphones: MicrophoneState) -> int:
+    """Return how many blows of a step are heard. A body that begins to slide is placed anew in the next step."""
+    if state.happened == 0:
+        return 0
     share_blows(state)
     for n in range(state.struck):
         weigh_blow(state, microphones, state.blows[n])

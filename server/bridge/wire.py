@@ -41,6 +41,11 @@ class TellsWorld:
         return self._simulation
 
     @property
+    def told(self) -> Simulation | None:
+        """The simulation, if a body was made."""
+        return self._simulation
+
+    @property
     def simulation(self) -> Simulation:
         """The simulation, which begins with its first body."""
         if self._simulation is None:

@@ -25,6 +25,7 @@ from .transaction import Sent, Transaction
 from .translate import translate
 
 if TYPE_CHECKING:
+    from ..bridge.simulation import Simulation
     from ..bridge.wire import TellsWorld
     from .transaction import Made
 
@@ -67,6 +68,11 @@ class Session:
 
             self._world = TellsWorld(self.presets, self.engine.top_frequency, self.engine.channels)
         return self._world
+
+    @property
+    def simulation(self) -> "Simulation | None":
+        """The simulation that was reported, if there is one."""
+        return self._world.told if self._world else None
 
     def perform(self, messages: Iterable[Message], time: float, source: Any = None) -> list[Message]:
         """Carry out messages of a source together at a time (samples); return /done and /fail replies.

@@ -11,15 +11,8 @@
 #define GRID 256.0 /* to a sample */
 #define MANY 9007199254740992.0
 
-enum { SUM = 32, HEAD = 8 + SUM + 8, LINE = 64, BLOCK = 4096 };
+enum { SUM = 32, HEAD = 8 + SUM + 8, LINE = 64, BLOCK = 4096 }; /* LINE: bytes of a cache line */
 enum { BEGIN, MAY_START, MAY_WRITE, WRONG_WORD, WRONG_RECORD }; /* questions to the engine: dsp/runtime/admission.py */
-
-/* The engine: functions over its memory, and what is said of all its scenes. */
-int carom_engine_callback(void *input, void *out, int64_t frames, void *times, int64_t flags, void *state);
-void carom_engine_make_pulses(void *state, int64_t number);
-int64_t carom_engine_ask(void *state, int64_t question, int64_t first, int64_t count);
-int64_t carom_engine_judge(void *state, const void *command, int64_t tables);
-extern const char carom_engine_rules[];
 
 static _Thread_local char unopened[512]; /* why the last scene was not */
 
@@ -213,10 +206,21 @@ static int64_t compute(carom *scene, float *out, int64_t frames) {
     return frames;
 }
 
+/* Zeros at a multiple of LINE; they take no memory until something is written. Those of before go. */
+uint8_t *zeros(void **memory, size_t size) {
+    void *fresh = calloc(1, size + LINE);
+    if (fresh) free(*memory);
+    if (fresh) *memory = fresh;
+    if (!*memory) return NULL;
+    uint8_t *aligned = (uint8_t *)*memory + (LINE - (uintptr_t)*memory % LINE) % LINE;
+    return fresh ? aligned : memset(aligned, 0, size);
+}
+
 /* Make the engine's memory one in which nothing has been yet. */
 static void begin_memory(carom *scene) {
     const value *state = item(scene->rules, "state");
-    memset(scene->state, 0, (size_t)scene->state_size);
+    scene->state = zeros(&scene->memory, (size_t)(scene->state_size + scene->command_size));
+    if (!scene->state) refuse(scene, "no memory is left");
     carom_engine_ask(scene->state, BEGIN, 0, 0);
     memcpy(scene->state + (int64_t)number_of(state, "rate"), &scene->rate, sizeof scene->rate);
     whole_put(scene, (int64_t)number_of(state, "channels"), scene->channels - scene->sensors);
@@ -231,7 +235,7 @@ void carom_load(carom *scene, int live) {
     for (int64_t table = 0; table < scene->tables; table++) carom_engine_make_pulses(scene->state, table);
     scene->next = 0;
     scene->live = live;
-    scene->computed = scene->left_out = scene->inbox_written = scene->inbox_read = 0;
+    scene->computed = scene->left_out = scene->lost = scene->inbox_written = scene->inbox_read = 0;
     scene->told[0] = 0;
     messages_begin(scene);
     if (live) make_all(scene);
@@ -286,12 +290,11 @@ static void find_places(carom *scene) {
     int has_room = scene->state_size > (int64_t)number_of(state, "values");
     if (scene->tables > (has_room ? (int64_t)number_of(state, "most_pulses") : 0) || scene->state_size % 8)
         refuse(scene, "size = %lld: it has no capacity for %lld tables of pulses", (long long)scene->state_size, (long long)scene->tables);
-    scene->memory = calloc(1, (size_t)(scene->state_size + scene->command_size + LINE));
     scene->objects = calloc((size_t)scene->object_room + 1, sizeof *scene->objects);
+    scene->freed = calloc((size_t)scene->object_room + 1, sizeof *scene->freed);
     scene->gestures = malloc(((size_t)scene->gesture_room + 1) * sizeof *scene->gestures);
     scene->inbox = malloc((size_t)(scene->ring * scene->command_size));
-    if (!scene->memory || !scene->objects || !scene->gestures || !scene->inbox) refuse(scene, "no memory is left");
-    scene->state = (uint8_t *)scene->memory + (LINE - (uintptr_t)scene->memory % LINE) % LINE;
+    if (!scene->objects || !scene->freed || !scene->gestures || !scene->inbox) refuse(scene, "no memory is left");
 }
 
 /* Expect that a scene's batches hold what the engine can take, each after those before it. */
@@ -402,8 +405,16 @@ static double sample_at(const carom *scene, double at) {
     return fabs(sample - nearest) <= 4.0 * (nextafter(sample, INFINITY) - sample) ? nearest : sample;
 }
 
+static int64_t told_of(const carom *scene, const char *name) {
+    int64_t place = (int64_t)number_of(item(scene->rules, "state"), name);
+    return place > 0 && place <= scene->state_size - 8 ? whole_at(scene, place) : 0;
+}
+
 int carom_send(carom *scene, const char *message, double at) {
-    return messages_perform(scene, message, at < 0.0 ? -1.0 : sample_at(scene, at));
+    if (!messages_perform(scene, message, at < 0.0 ? -1.0 : sample_at(scene, at))) return 0;
+    int64_t lost = told_of(scene, "dropped") + told_of(scene, "linear"), before = scene->lost;
+    scene->lost = lost;
+    return lost > before ? CAROM_CROWDED : CAROM_SENT;
 }
 
 const char *carom_answer(const carom *scene) {
@@ -435,11 +446,6 @@ double carom_pitch(const carom *scene, int number) {
     return pitch > 0.0 ? 69.0 + 12.0 * log2(pitch / 440.0) : NAN;
 }
 
-static int64_t told_of(const carom *scene, const char *name) {
-    int64_t place = (int64_t)number_of(item(scene->rules, "state"), name);
-    return place > 0 && place <= scene->state_size - 8 ? whole_at(scene, place) : 0;
-}
-
 void carom_report(const carom *scene, carom_state *state) {
     int64_t load = told_of(scene, "load");
     memcpy(&state->load, &load, sizeof load);
@@ -451,6 +457,7 @@ void carom_report(const carom *scene, carom_state *state) {
     int64_t loudest = told_of(scene, "loudest");
     memcpy(&state->loudest, &loudest, sizeof loudest);
     state->loudest = state->loudest > 1e-20 ? 10.0 * log10(state->loudest) - 0.691 : -200.0;
+    state->linear = (long)told_of(scene, "linear");
     state->late = (long)told_of(scene, "late");
     state->refused = (long)__atomic_load_n(&scene->left_out, __ATOMIC_RELAXED);
 }
@@ -467,6 +474,8 @@ void carom_close(carom *scene) {
     free(scene->batches);
     free(scene->inbox);
     free(scene->objects);
+    free(scene->freed);
+    free(scene->touched);
     free(scene->gestures);
     free(scene);
 }

@@ -8,6 +8,26 @@
 
 #include "carom.h"
 
+/* The engine and the tracker: functions over their memories, and what is said of all scenes. */
+int carom_engine_callback(void *input, void *out, int64_t frames, void *times, int64_t flags, void *state);
+void carom_engine_make_pulses(void *state, int64_t number);
+int64_t carom_engine_ask(void *state, int64_t question, int64_t first, int64_t count);
+int64_t carom_engine_judge(void *state, const void *command, int64_t tables);
+int64_t carom_engine_copy(void *state, void *command, int64_t to, const void *changes);
+extern const char carom_engine_rules[];
+void carom_tracker_begin(int64_t memory, double rate, int64_t rolls);
+int64_t carom_tracker_set_law(void *memory, int64_t a, int64_t b, const void *told);
+int64_t carom_tracker_set_slide(void *memory, int64_t surface, double least, const void *command);
+int64_t carom_tracker_make_body(void *memory, const void *told, const void *changes, int64_t slot, int64_t serial);
+void carom_tracker_free_body(void *memory, int64_t body);
+int64_t carom_tracker_move(void *memory, const void *told);
+int64_t carom_tracker_touch(void *memory, const void *told);
+int64_t carom_tracker_listen(void *memory, const void *told);
+int64_t carom_tracker_govern(void *memory, double share);
+int64_t carom_tracker_end_frame(void *memory, double seconds, int64_t position, int64_t waiting, double load);
+int64_t carom_tracker_command_at(void *memory, int64_t number);
+void carom_tracker_report(void *memory, void *told);
+
 /* The library is one translation unit (library.c), so that a program that links it sees the names of carom.h alone. */
 #define INNER static
 
@@ -46,7 +66,18 @@ typedef struct {
     int64_t slot, serial;
     double settings[16];
     unsigned given; /* bits: settings that a message has set */
+    int64_t first, modes; /* in the engine's bank: where an object that was made live has them, and room for how many */
+    double pitch;         /* times its own, of one that plays a note, else 0 */
+    double change[3];     /* octaves: size, wave speed, density, beside the object of the score */
+    const value *material;
+    int body; /* number of its body, -1: it has none */
 } object;
+
+/* The place of an object that was made live and freed. */
+typedef struct {
+    int64_t slot, first, modes, until; /* until: sample up to which messages to it may come */
+    int64_t sent, taken; /* commands that were sent when it was freed; those that the engine had when it had all these, or -1 */
+} vacancy;
 
 /* A gesture that goes on; several may share an id, and then their number. */
 typedef struct {
@@ -85,11 +116,15 @@ struct carom {
     int64_t tables;              /* of pulses */
     double rate;
     int64_t computed, left_out;
+    int64_t lost; /* what the sender knows of that found no room in the engine */
     uint8_t *inbox; /* commands from the thread that sends to the one that computes: as many as the engine's ring has */
     int64_t inbox_written, inbox_read;
     /* of messages */
     object *objects;
     int object_count, object_room;
+    vacancy *freed; /* by objects that were made live */
+    int freed_count;
+    void *touching, *touched; /* the tracker's memory, NULL: the scene has no bodies; and what holds it */
     running *gestures; /* the oldest first */
     int gesture_count, gesture_room;
     int64_t made, ends_read, serial, slot, mode, gesture_number;
@@ -107,7 +142,11 @@ INNER int64_t whole_in(carom *scene, const value *of, const char *name, double l
 INNER void expect_command(carom *scene, const uint8_t *command); /* refuses one that is none for the engine */
 INNER int64_t room(const carom *scene);               /* for so many commands */
 INNER int post(carom *scene, const uint8_t *command); /* 0: there is no room */
+INNER uint8_t *zeros(void **memory, size_t size);
 INNER void messages_begin(carom *scene);
+INNER void bodies_begin(carom *scene);
+INNER int body_like(carom *scene, const value *row, const object *made, int64_t material);
+INNER void body_gone(carom *scene, int body);
 INNER int messages_perform(carom *scene, const char *message, double time);
 
 #endif

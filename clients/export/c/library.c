@@ -3,5 +3,6 @@
 #include "words.c"
 #include "messages.c"
 #include "gestures.c"
+#include "bodies.c"
 #include "sum.c"
 #include "carom.c"

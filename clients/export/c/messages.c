@@ -117,8 +117,7 @@ static int64_t laid(const carom *scene, const object *of, const char *name) {
     return (int64_t)field_read(scene, scene->data + (int64_t)number_of(of->said, "made"), name);
 }
 
-static void add_object(carom *scene, object made, const char *name) {
-    if (scene->object_count == scene->object_room) refuse(scene, "no capacity for another object");
+void add_object(carom *scene, object made, const char *name) {
     name_into(scene, made.name, name);
     scene->objects[scene->object_count++] = made;
 }
@@ -128,43 +127,120 @@ static void remove_object(carom *scene, object *gone) {
     memmove(gone, gone + 1, (size_t)(scene->objects + scene->object_count - gone) * sizeof *gone);
 }
 
-/* Make an object of another's modes, tuned to a note; a plate's copies do not stretch. */
-static void copy(carom *scene, const object *of, const char *name, double note, double time) {
-    static const char *const columns[] = {"frequency", "sigma", "weight", "balance"};
+/* The sample up to which the engine has come. */
+static int64_t position(const carom *scene) {
+    return whole_at(scene, scene->position);
+}
+
+/* Leave the place of an object that is freed at a time to others, if it was made live. */
+void leave_place(carom *scene, const object *gone, double time) {
+    double now = (double)position(scene);
+    if (gone->modes)
+        scene->freed[scene->freed_count++] =
+            (vacancy){gone->slot, gone->first, gone->modes, (int64_t)fmax(now, time) + 2 * (int64_t)number_of(scene->rules, "quantum"),
+                    scene->inbox_written, -1};
+}
+
+/* True if the engine has all commands to an object that was freed, and it is gone. */
+static int is_left(const carom *scene, vacancy *left) {
     const value *state = part(scene, "state");
-    int64_t size = laid(scene, of, "layout.size"), first = laid(scene, of, "layout.first");
-    double pitch = number_of(of->said, "pitch");
-    if (!(pitch > 0.0)) refuse(scene, "note: it has no audible mode, and so no pitch");
-    if (scene->mode + size > (int64_t)number_of(state, "modes") || scene->slot + 1 >= scene->object_room)
-        refuse(scene, "note = %g: no capacity for another object", note);
+    if (left->taken < 0 && __atomic_load_n(&scene->inbox_read, __ATOMIC_ACQUIRE) >= left->sent)
+        left->taken = whole_at(scene, scene->written);
+    if (left->taken < 0 || whole_at(scene, scene->read) < left->taken || position(scene) < left->until) return 0;
+    int64_t slots = (int64_t)number_of(state, "slots") + (int64_t)number_of(state, "used");
+    return !whole_at(scene, slots + left->slot * (int64_t)number_of(state, "object"));
+}
+
+/* Find a place for an object of so many modes: one that was left, the tightest, or a new one. */
+static void find_place(carom *scene, object *made, int64_t modes) {
+    const value *state = part(scene, "state");
+    int found = -1;
+    for (int n = 0; n < scene->freed_count; n++) {
+        vacancy *each = &scene->freed[n];
+        int tighter = found < 0 || each->modes < scene->freed[found].modes;
+        if (each->modes >= modes && tighter && is_left(scene, each)) found = n;
+    }
+    made->serial = scene->serial + 1;
+    if (found >= 0) {
+        const vacancy *left = &scene->freed[found];
+        made->slot = left->slot, made->first = left->first, made->modes = left->modes;
+        scene->freed[found] = scene->freed[--scene->freed_count];
+        return;
+    }
+    if (scene->mode + modes > (int64_t)number_of(state, "modes") || scene->slot + 1 >= scene->object_room)
+        refuse(scene, "no capacity for another object: %d of %d, %lld of %lld modes", (int)scene->slot + 1,
+               scene->object_room, (long long)scene->mode, (long long)number_of(state, "modes"));
+    made->slot = ++scene->slot, made->first = scene->mode, made->modes = modes;
+    scene->mode += modes;
+}
+
+/* Make an object of another's modes, with settings by their names; a plate's copies do not stretch. */
+static void copy(carom *scene, const object *of, object *made, const char *name, const table *settings, double time) {
     int64_t next = __atomic_load_n(&scene->next, __ATOMIC_ACQUIRE);
     if (!scene->live && (int64_t)number_of(of->said, "batch") >= next)
         refuse(scene, "%.80s: its object is not there yet", name);
+    if (scene->object_count == scene->object_room) refuse(scene, "no capacity for another object");
+    if (room(scene) < 1) refuse(scene, "no capacity for another command: %lld wait", (long long)scene->ring);
+    command sent;
+    memcpy(sent.bytes, scene->data + (int64_t)number_of(of->said, "made"), (size_t)scene->command_size);
+    find_place(scene, made, laid(scene, of, "layout.size"));
+    about(scene, &sent, made);
+    set(scene, &sent, "time", time);
+    const value *materials = part(scene, "materials");
+    const value *own = item(materials, text_of(of->preset, "material")), *other = made->material ? made->material : own;
+    double changes[11] = {made->change[0], made->change[1], made->change[2]};
     for (int n = 0; n < 4; n++) {
-        uint8_t *column = scene->state + (int64_t)number_of(state, columns[n]);
-        memcpy(column + 8 * scene->mode, column + 8 * first, 8 * (size_t)size);
+        changes[3 + n] = item_at(own, 2 + n)->number;
+        changes[7 + n] = item_at(other, 2 + n)->number;
     }
-    command made;
-    memcpy(made.bytes, scene->data + (int64_t)number_of(of->said, "made"), (size_t)scene->command_size);
-    object other = *of;
-    other.slot = scene->slot + 1;
-    other.serial = scene->serial + 1;
-    about(scene, &made, &other);
-    set(scene, &made, "time", time);
-    set(scene, &made, "layout.first", (double)scene->mode);
-    set(scene, &made, "layout.sheet", -1.0);
-    for (const value *each = part(scene, "settings")->first; each; each = each->next) {
-        int place = (int)each->number;
-        if (!(of->given >> place & 1)) continue;
+    int copied = carom_engine_copy(scene->state, sent.bytes, made->first, changes) > 0;
+    for (const value *each = part(scene, "settings")->first; copied && each; each = each->next) {
+        int at = (int)each->number;
+        const named *given = settings ? entry(settings, each->key) : NULL;
+        if (given) made->settings[at] = given->number, made->given |= 1u << at;
+        if (!(made->given >> at & 1)) continue;
         const value *declared = item_at(item(item_of(part(scene, "verbs"), "/object/NAME/", each->key), "required"), 0);
-        field_write(scene, made.bytes, "settings.", each->key, in_engine(declared, of->settings[place]));
+        field_write(scene, sent.bytes, "settings.", each->key, in_engine(declared, made->settings[at]));
     }
-    set(scene, &made, "settings.tune", 440.0 * pow(2.0, (note - 69.0) / 12.0) / pitch);
-    send_command(scene, &made);
-    add_object(scene, other, name);
-    scene->slot++;
+    if (!copied) leave_place(scene, made, -1.0);
+    if (!copied) refuse(scene, "%.80s: no object can be so", name);
+    if (made->pitch > 0.0) set(scene, &sent, "settings.tune", made->pitch);
+    send_command(scene, &sent);
+    add_object(scene, *made, name);
     scene->serial++;
-    scene->mode += size;
+}
+
+/* Make an object, and its body, in another's image. */
+void make(carom *scene, const call *told) {
+    table given, defaults;
+    parse(scene, told->address, told->verb, told->words, told->count, &given, &defaults);
+    const char *name = entry(&given, "name")->text, *like = entry(&given, "like")->text;
+    const named *size = entry(&given, "size"), *material = entry(&given, "material");
+    const object *of = object_by(scene, like);
+    if (!of) refuse_all(scene, "object", like, part(scene, "objects")->first);
+    if (object_by(scene, name)) refuse(scene, "%.80s: there is an object of that name", name);
+    if (name[strcspn(name, " #*,/?[]{}")] || strlen(name) >= LONGEST_NAME)
+        refuse(scene, "name = %.80s: expected no blank, none of #*,/?[]{}, and at most 255 bytes", name);
+    object made = *of;
+    made.pitch = 0.0;
+    if (size) made.change[0] += log2(size->number);
+    if (!(fabs(made.change[0]) <= 10.0)) refuse(scene, "size = %g: expected up to 1024 times the score's object", size->number);
+    int64_t number = -1;
+    if (material) {
+        const value *materials = part(scene, "materials"), *own = item(materials, text_of(of->preset, "material"));
+        made.material = item(materials, material->text);
+        if (made.material->kind != LIST) refuse_all(scene, "material", material->text, materials->first);
+        if (own->kind != LIST) refuse(scene, "%.80s: it has no material", like);
+        double denser = item_at(made.material, 1)->number / item_at(own, 1)->number;
+        made.change[1] = 0.5 * log2(item_at(made.material, 0)->number / item_at(own, 0)->number / denser);
+        made.change[2] = log2(denser);
+    }
+    for (const value *each = part(scene, "materials")->first; made.material && each && each != made.material; each = each->next) number++;
+    made.body = -1;
+    const value *row = item(part(scene, "bodies"), of->said->key);
+    int has_body = of->body >= 0 && row->kind == LIST;
+    copy(scene, of, &made, name, &given, told->time);
+    if (has_body) scene->objects[scene->object_count - 1].body = body_like(scene, row, &made, made.material ? number + 1 : -1);
 }
 
 /* Strike a copy of an object that is tuned to a note; it is made when the note is first played. */
@@ -177,7 +253,14 @@ static void note(carom *scene, const call *told, const object *of) {
     char name[LONGEST_NAME], address[LONGEST_NAME + 32];
     if (snprintf(name, sizeof name, "%s.%.15g", told->target, number->number) >= (int)sizeof name)
         refuse(scene, "%.80s: too long a name", told->target);
-    if (!object_by(scene, name)) copy(scene, of, name, number->number, told->time);
+    if (!object_by(scene, name)) {
+        object made = *of;
+        double pitch = number_of(of->said, "pitch");
+        if (!(pitch > 0.0)) refuse(scene, "note: it has no audible mode, and so no pitch");
+        made.pitch = 440.0 * pow(2.0, (number->number - 69.0) / 12.0) / pitch;
+        made.body = -1;
+        copy(scene, of, &made, name, NULL, told->time);
+    }
     double share = (fmax(velocity->number, 1.0) - 1.0) / 126.0;
     word words[MOST_WORDS];
     memcpy(words, told->words + 1, (size_t)(told->count - 1) * sizeof *words);
@@ -274,6 +357,8 @@ static void of_object(carom *scene, const call *told) {
     const named *at_once = entry(&given, "at_once");
     set(scene, &made, "value", at_once ? at_once->number : 0.0);
     send_command(scene, &made);
+    leave_place(scene, of, told->time);
+    body_gone(scene, of->body);
     remove_object(scene, of);
 }
 
@@ -315,6 +400,8 @@ static void perform(carom *scene, const char *address, const message *from, cons
         of_object(scene, &told);
     else if (on_gesture)
         steer(scene, &told);
+    else if (!strcmp(address, "/object/new"))
+        make(scene, &told);
     else
         of_engine(scene, &told);
 }
@@ -333,6 +420,7 @@ int messages_perform(carom *scene, const char *text, double time) {
 
 void messages_begin(carom *scene) {
     scene->object_count = scene->gesture_count = 0;
+    scene->freed_count = 0;
     scene->made = scene->ends_read = scene->mode = scene->serial = 0;
     scene->slot = -1;
     scene->gesture_number = LIVE;
@@ -340,6 +428,7 @@ void messages_begin(carom *scene) {
         object made = {.said = each, .preset = item_at(part(scene, "presets"), (long)number_of(each, "preset"))};
         made.slot = (int64_t)number_of(each, "slot");
         made.serial = (int64_t)number_of(each, "serial");
+        made.body = -1;
         int64_t end = laid(scene, &made, "layout.first") + laid(scene, &made, "layout.size");
         if (made.serial > scene->serial) scene->serial = made.serial;
         if (made.slot > scene->slot) scene->slot = made.slot;
@@ -348,4 +437,5 @@ void messages_begin(carom *scene) {
         strcpy(made.name, each->key);
         scene->objects[scene->object_count++] = made;
     }
+    bodies_begin(scene);
 }

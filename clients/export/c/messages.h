@@ -29,6 +29,9 @@ INNER running *running_by(const carom *scene, const char *id);
 INNER int goes_on(const carom *scene, const char *id, const char *target, const char *action);
 INNER void collect(carom *scene);
 INNER int64_t start(carom *scene, const char *id, const char *target, const char *action);
+INNER void make(carom *scene, const call *told);
+INNER void add_object(carom *scene, object made, const char *name);
+INNER void leave_place(carom *scene, const object *gone, double time);
 INNER void gesture(carom *scene, const call *told, const object *of);
 
 #endif

@@ -5,7 +5,7 @@ import { unpacked as plain } from "./lzma.js";
 import { joined } from "./wasm.js";
 
 const STORE = "carom"; // of decoded files, in browsers
-const FILES = { engine: "carom.wasm.lzma", scene: "scene.carom.lzma", worklet: "worklet.js.lzma" };
+const FILES = { engine: "carom.wasm.lzma", tracker: "touch.wasm.lzma", scene: "scene.carom.lzma", worklet: "worklet.js.lzma" };
 
 /** The browser's store and what it has of a file: nothing where it has none, or does not let a page have it. */
 async function stored(url) {
@@ -52,27 +52,29 @@ export class Carom extends EventTarget {
     ]);
     const found = unpacked(scene, rulesOf(module));
     const worklet = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
-    return { module, ...found, worklet };
+    const tracks = found.map.bodies && (await fetched(at(FILES.tracker), joined).then(WebAssembly.compile));
+    const tracker = tracks && { module: tracks, end: rulesOf(tracks).data_end };
+    return { module, ...found, worklet, tracker };
   }
 
   /** A scene that plays into a context, from its score's beginning, or with all its objects there (`live`). */
   static async open(context, { files, folder, live = true } = {}) {
     const found = files ?? (await Carom.fetch(folder));
-    const { module, map, data, worklet } = found;
+    const { module, map, data, worklet, tracker } = found;
     expectOwn(rulesOf(module), map);
     if (missing()) throw new Error(missing());
     if (context.sampleRate !== map.rate) {
       throw new Error(`sampleRate = ${context.sampleRate}: expected ${map.rate}: new AudioContext({ sampleRate: ${map.rate} })`);
     }
     await context.audioWorklet.addModule(worklet);
-    const processorOptions = { module, map, data, live };
+    const processorOptions = { module, map, data, tracker, live };
     const node = new AudioWorkletNode(context, "carom", { numberOfInputs: 0, outputChannelCount: [map.channels], processorOptions });
     return new Carom(context, node, map);
   }
 
   constructor(context, node, map) {
     super();
-    Object.assign(this, { context, node, map, asked: new Map(), count: 0 });
+    Object.assign(this, { context, node, map, asked: new Map(), count: 0, reported: { moves: [], touches: [] } });
     this.ready = new Promise((done, fail) => {
       this.stop = (reason) => {
         this.stopped = new Error(reason);
@@ -101,6 +103,38 @@ export class Carom extends EventTarget {
     return { send: (address, ...args) => this.tell({ address, args, at: time }) };
   }
 
+  /** Say where a body is, in this frame: m, a quaternion w x y z, m/s, rad/s. */
+  move(body, position, turn = [1, 0, 0, 0], velocity = [0, 0, 0], spin = [0, 0, 0]) {
+    this.reported.moves.push([body, ...position, ...turn, ...velocity, ...spin]);
+  }
+
+  /** Say that two bodies touch at a point in this frame, with the normal from a to b. */
+  touch(a, b, point, normal, { impulse = NaN, speed = NaN, slip = NaN } = {}) {
+    this.reported.touches.push([a, b, ...point, ...normal, speed, slip, NaN, NaN, NaN, NaN, NaN, impulse]);
+  }
+
+  /** Say where the listener of bodies is, and which way his right ear points. */
+  listen(position, right) {
+    this.reported.listener = [...position, ...right];
+  }
+
+  /** Let the sound take at most a share of a core, 0 to 1. */
+  govern(share) {
+    this.reported.share = share;
+  }
+
+  /** End a frame that was so long (s). */
+  frame(seconds) {
+    const frame = { seconds, ...this.reported };
+    this.reported = { moves: [], touches: [] };
+    return this.tell({ frame });
+  }
+
+  /** What goes on, and what was left out so far. */
+  report() {
+    return this.tell({ report: true });
+  }
+
   tell(message) {
     const ask = ++this.count;
     return new Promise((done, fail) => {
@@ -122,7 +156,7 @@ export class Carom extends EventTarget {
     if (told.warning) this.dispatchEvent(new CustomEvent("warning", { detail: told.warning }));
     const waiting = this.asked.get(told.ask);
     this.asked.delete(told.ask);
-    if (told.refused === undefined) waiting?.done(told.id);
+    if (told.refused === undefined) waiting?.done(told.report ?? told.id);
     else waiting?.fail(new Error(told.refused));
   }
 }

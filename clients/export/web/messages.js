@@ -109,7 +109,8 @@ export class Messages {
   /** Forget what was played. */
   begin() {
     const { objects } = this.map;
-    this.objects = { ...objects };
+    this.objects = Object.fromEntries(Object.entries(objects).map(([name, each]) => [name, { ...each, body: -1 }]));
+    this.freed = [];
     this.running = new Map(); // by id: {number, addresses}, those of all that go on
     this.made = 0;
     this.endsRead = 0;
@@ -119,6 +120,7 @@ export class Messages {
     this.mode = 0;
     for (const each of handles) this.mode = Math.max(this.mode, this.said(each.made, "layout.first") + this.said(each.made, "layout.size"));
     this.number = LIVE;
+    this.bodies?.begin(this.objects);
   }
 
   /** A field of a command in the file. */
@@ -138,6 +140,7 @@ export class Messages {
     if (typeof address !== "string") refuse(`${address}: expected an address, as /object/NAME/impact`);
     if (!Number.isFinite(time)) refuse(`${time}: expected a time in s`);
     const parts = address.split("/");
+    if (address === "/object/new") return this.make(parsed(address, this.map.verbs[address], args).given, time);
     const [, group, target, action] = parts;
     const template = parts.length === 4 ? `/${group}/${group === "object" ? "NAME" : "ID"}/${action}` : address;
     const verb = under(this.map.verbs, template) ?? refuse(`${address}: not in an exported scene; expected one of ${Object.keys(this.map.verbs).join(", ")}`);
@@ -154,6 +157,7 @@ export class Messages {
       if (typeof args[0] === "number") object.settings = { ...object.settings, [action]: args[0] };
     } else {
       this.send({ time, kind: "FREE", value: parsed(address, verb, args).given.at_once ?? 0, ...about });
+      this.leave(object, time);
       delete this.objects[target];
     }
   }
@@ -345,33 +349,77 @@ export class Messages {
     const { given } = parsed(address, verb, args);
     if (given.velocity === 0) return undefined;
     const name = `${target}.${given.note}`;
-    if (!(name in this.objects)) this.copy(object, name, given.note, time);
+    if (!(name in this.objects)) {
+      if (!object.pitch) refuse("note: it has no audible mode, and so no pitch");
+      this.copy({ ...object, tune: (A4_HZ * 2 ** ((given.note - A4) / 12)) / object.pitch, body: -1 }, name, {}, time);
+    }
     const speed = SLOWEST * (FASTEST / SLOWEST) ** ((Math.max(given.velocity, 1) - 1) / 126);
     return this.perform(`/object/${name}/impact`, [speed, ...args.slice(2)], time);
   }
 
-  /** Make an object of another's modes; a plate's copies do not stretch. */
-  copy(object, name, note, time) {
-    const { state, command, settings, verbs } = this.map;
-    const { scene } = this;
-    if (!object.pitch) refuse("note: it has no audible mode, and so no pitch");
-    const size = this.said(object.made, "layout.size");
-    if (this.mode + size > state.modes || this.slot + 1 >= state.objects) refuse(`note = ${note}: no capacity for another object`);
-    const first = scene.live || object.batch < scene.next ? this.said(object.made, "layout.first") : refuse(`${name}: its object is not there yet`);
-    for (const column of ["frequency", "sigma", "weight", "balance"]) {
-      const from = scene.base + state[column] + 8 * first;
-      scene.bytes.copyWithin(scene.base + state[column] + 8 * this.mode, from, from + 8 * size);
+  /** Make an object, and its body, in another's image. */
+  make({ name, like, size = 1, material, ...settings }, time) {
+    const of = under(this.objects, like) ?? refuse(`${like}: no such object; there are ${Object.keys(this.objects).join(", ")}`);
+    if (name in this.objects) refuse(`${name}: there is an object of that name`);
+    if (/[ #*,/?[\]{}]/.test(name)) refuse(`name = ${name}: expected no blank, and none of #*,/?[]{}`);
+    const made = { ...of, tune: 0, change: [...(of.change ?? [0, 0, 0])], material: of.material };
+    made.change[0] += Math.log2(size);
+    if (Math.abs(made.change[0]) > 10) refuse(`size = ${size}: expected up to 1024 times the score's object`);
+    const { materials, presets } = this.map;
+    if (material !== undefined) {
+      const own = under(materials, presets[of.preset].material) ?? refuse(`${like}: it has no material`);
+      const [stiff, dense] = under(materials, material) ?? refuse(`${material}: no such material; expected one of ${Object.keys(materials).join(", ")}`);
+      const denser = Math.log2(dense / own[1]);
+      Object.assign(made, { material, change: [made.change[0], 0.5 * (Math.log2(stiff / own[0]) - denser), denser] });
     }
-    const changed = { time, number: 0, slot: ++this.slot, serial: ++this.serial, "layout.first": this.mode, "layout.sheet": -1 };
-    for (const [key, value] of Object.entries(object.settings ?? {})) {
+    this.copy(made, name, settings, time);
+    const number = made.material === undefined ? -1 : Object.keys(materials).indexOf(made.material);
+    if (of.body >= 0) this.objects[name].body = this.bodies.make(this.objects[name], [...made.change, number]);
+  }
+
+  /** Leave the place of an object that was made live to others, and its body. */
+  leave({ slot, first, modes, body }, time) {
+    const { scene, map } = this;
+    if (modes) this.freed.push({ slot, first, modes, until: Math.max(time, scene.position) + 2 * map.quantum, sent: scene.whole(map.state.written) });
+    if (body >= 0) this.bodies.free(body);
+  }
+
+  /** A place for an object of so many modes: one that was left, the tightest, or a new one. */
+  place(modes) {
+    const { state } = this.map;
+    const { scene } = this;
+    const isFree = ({ slot, until, sent }) => scene.position >= until && scene.whole(state.read) >= sent && !scene.whole(state.slots + slot * state.object + state.used);
+    const [left] = this.freed.filter((each) => each.modes >= modes && isFree(each)).sort((a, b) => a.modes - b.modes);
+    this.freed = this.freed.filter((each) => each !== left);
+    if (left) return { slot: left.slot, first: left.first, modes: left.modes };
+    if (this.mode + modes > state.modes || this.slot + 1 >= state.objects) refuse(`no capacity for another object: ${this.slot + 1} of ${state.objects}, ${this.mode} of ${state.modes} modes`);
+    this.mode += modes;
+    return { slot: ++this.slot, first: this.mode - modes, modes };
+  }
+
+  /** Make an object of another's modes, with settings; a plate's copies do not stretch. */
+  copy(object, name, settings, time) {
+    const { command, verbs, materials, presets } = this.map;
+    const { scene } = this;
+    if (!scene.live && object.batch >= scene.next) refuse(`${name}: its object is not there yet`);
+    scene.expectRoom(1);
+    const own = presets[object.preset].material;
+    const made = { ...object, ...this.place(this.said(object.made, "layout.size")), serial: ++this.serial };
+    made.settings = { ...object.settings, ...settings };
+    const losses = (material) => under(materials, material)?.slice(2) ?? [0, 0, 0, 0];
+    const bytes = scene.copied(object.made, made.first, [...(object.change ?? [0, 0, 0]), ...losses(own), ...losses(object.material ?? own)]);
+    if (!bytes) {
+      this.leave({ ...made, body: -1 }, NOW);
+      refuse(`${name}: no object can be so`);
+    }
+    const changed = { time, number: 0, slot: made.slot, serial: made.serial };
+    for (const [key, value] of Object.entries(made.settings)) {
       changed[`settings.${key}`] = inEngine(verbs[`/object/NAME/${key}`].required[0], value);
     }
-    changed["settings.tune"] = (A4_HZ * 2 ** ((note - A4) / 12)) / object.pitch;
-    const bytes = new Uint8Array(scene.data.slice(object.made, object.made + command.size));
+    if (made.tune) changed["settings.tune"] = made.tune;
     this.write(new DataView(bytes.buffer), changed);
     scene.send(bytes);
-    this.objects[name] = { ...object, slot: this.slot, serial: this.serial };
-    this.mode += size;
+    this.objects[name] = { ...made, body: -1 };
   }
 
   /** Send a command for each point, or none where there is no room for all. */

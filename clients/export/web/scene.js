@@ -1,8 +1,8 @@
 // A baked scene in the engine's memory: its words and commands at their samples, and messages while it plays.
 
+import { Bodies, STACK, aligned } from "./bodies.js";
 import { Messages, NOW } from "./messages.js";
 
-const STACK = 1 << 18; // bytes
 const BLOCK = 4096; // most frames at once
 const GRID = 256; // to a sample
 
@@ -14,16 +14,14 @@ const whole = (value, name, low, high) => {
   throw new Error(`${name} = ${value}: expected a whole number, ${low} to ${high}`);
 };
 
-const aligned = (at, to = 64) => Math.ceil(at / to) * to;
-
 export class Scene {
-  /** module: the engine; map and data: those of a baked scene. An Error says that they hold what no engine can take. */
-  constructor(module, map, data) {
+  /** module: the engine; map and data: those of a baked scene; tracker: of its bodies, if it has any. An Error says that they hold what no engine can take. */
+  constructor(module, map, data, tracker) {
     Object.assign(this, { map, data });
     this.expectSizes();
     const out = aligned(map.data_end) + STACK;
     this.times = aligned(out + 4 * BLOCK * map.channels);
-    this.command = aligned(this.times + 24);
+    this.command = aligned(this.times + 24 + 8 * map.touching.changes);
     this.base = aligned(this.command + map.command.size);
     this.out = out;
     this.memory = new WebAssembly.Memory({ initial: Math.ceil((this.base + map.size) / 65536) });
@@ -36,6 +34,7 @@ export class Scene {
     this.expectBatches();
     this.expectObjects();
     this.messages = new Messages(this);
+    if (tracker) this.messages.bodies = new Bodies(this, tracker);
   }
 
   expectSizes() {
@@ -109,6 +108,14 @@ export class Scene {
     const [name, [place, isWhole]] = Object.entries(this.map.command.fields).find(([, [at]]) => at === 8 * wrong) ?? [`word ${wrong}`, [8 * wrong, 1]];
     const view = new DataView(bytes.buffer);
     throw new Error(`a command's ${name} = ${isWhole ? view.getBigInt64(place, true) : view.getFloat64(place, true)}: none that the engine can take`);
+  }
+
+  /** The bytes of a command of the file, for an object whose modes are copied to others; null if it cannot be. */
+  copied(made, to, changes) {
+    this.bytes.set(this.laid(made), this.command);
+    new Float64Array(this.memory.buffer, this.times + 24, changes.length).set(changes);
+    const end = this.engine.copy(this.base, this.command, BigInt(to), this.times + 24);
+    return end ? this.bytes.slice(this.command, this.command + this.map.command.size) : null;
   }
 
   /** Make the engine's memory one in which nothing has been yet. */
@@ -237,6 +244,15 @@ export class Scene {
 
   get position() {
     return this.whole(this.map.state.position);
+  }
+
+  /** What goes on, and what was left out so far, as `carom_state` has it in C. */
+  get report() {
+    const { state } = this.map;
+    const [contacts, sounding, waiting, dropped, linear, late] = ["active", "sounding", "queued", "dropped", "linear", "late"].map((name) => this.whole(state[name]));
+    const heard = this.view.getFloat64(this.base + state.loudest, true);
+    const loudest = heard > 1e-20 ? 10 * Math.log10(heard) - 0.691 : -200;
+    return { frames: this.position, contacts, sounding, waiting, dropped, loudest, linear, late, refused: this.refused };
   }
 
   /** Give the engine what is due, and compute at most so many frames; how many are in `sound` now. */

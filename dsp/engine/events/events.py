@@ -257,7 +257,8 @@ def carry_out(state: State, event: Event) -> None:
         obj.level = event.layout.level
         obj.glide, obj.cone = event.layout.glide, event.layout.cone
         obj.sheet = event.layout.sheet
-        obj.amplified = obj.amplitude = obj.lowered = obj.stiffened = 1.0
+        obj.amplified = obj.lowered = obj.stiffened = 1.0
+        obj.amplitude = 2.0**event.layout.lighter
         obj.reshaped = -1
         obj.settings = event.settings
         obj.stale_modes = obj.size

@@ -99,6 +99,7 @@ class Layout(Record):
     glide: float  # 1/J: rise of its tension for the energy that rings (bodies/tension.py)
     cone: float  # kg: the same about a striker
     sheet: int  # place of a plate whose modes can be coupled, -1: it is none
+    lighter: float  # octaves of its shapes, of an object that is similar to the one whose table it has
 
 
 class Budget(Record):

@@ -64,7 +64,21 @@ def take_step(state: State, microphones: MicrophoneState, points: int, time: flo
         take_point(state, n, span, fall, max(state.rest, _FALL * fall))
     for i in range(state.touching - 1, -1, -1):
         _step_pair(state, microphones, i, span)
+    while state.heard > state.most:
+        _hush(state, state.pairs[_faintest(state)])
+        state.unheard += 1
     return state.happened
+
+
+@kernel
+def _faintest(state: State) -> int:
+    """Return the number of the pair whose slide is the faintest."""
+    found = -1
+    for i in range(state.touching):
+        heard = state.pairs[i].moves == HEARD
+        if heard and (found < 0 or state.pairs[i].pressure < state.pairs[found].pressure):
+            found = i
+    return found
 
 
 @kernel

@@ -19,3 +19,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     words = [sys.executable, "-m", "tests.clients.export.make_scene", str(made), str(SEED), TINY]
     subprocess.run(words, env=ENGINE, check=True)
     return made
+
+
+@pytest.fixture(scope="session")
+def game(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The files of a scene with bodies."""
+    made = tmp_path_factory.mktemp("game")
+    words = [sys.executable, "-m", "tests.clients.export.make_game", str(made), TINY]
+    subprocess.run(words, env=ENGINE, check=True)
+    return made

@@ -8,6 +8,7 @@ import re
 import struct
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,19 @@ import pytest
 
 from carom.clients.export import c
 from carom.clients.export.scene_file import summed
+from carom.dsp.native.code import functions_of
+from carom.server.bridge import touching
 from carom.server.osc.score import format_line
 from carom.server.osc.wire import Message
 from tests import needs
 
 from .asking import asking, rules_of
+from .tiny import HEAVY
 
 pytestmark = [pytest.mark.slow, needs.without("cc")]
+
+MODULES = ("tests.clients.export.tiny", c.PREFIX), (touching.__name__, c.TRACKER)
+"""The modules of the engine and of the tracker, and the beginnings of their names in a library."""
 
 SOURCES = Path(c.__file__).parent / "c"
 STRICT = ["-std=c11", "-O1", "-Wall", "-Wextra", "-Werror"]
@@ -98,7 +105,7 @@ def test_the_library_shows_its_own_names_alone(folder: Path) -> None:
     declared = {word.split("(")[0].strip("* ") for word in (SOURCES / "carom.h").read_text().split() if "(" in word}
     wanted = {word for word in declared if word.startswith("carom_")}
     for words, others in (
-        (["-g", "libcarom.a"], {f"{c.PREFIX}{name}" for name in ("callback", "make_pulses", "ask", "judge")}),
+        (["-g", "libcarom.a"], {each for module, prefix in MODULES for each in _names(module, prefix)}),
         (["-D", "libcarom.so"], set()),
     ):
         told = run("nm", "--defined-only", *words, cwd=folder).stdout
@@ -171,7 +178,7 @@ class Report(ctypes.Structure):
     _fields_ = [
         ("load", ctypes.c_double), ("frames", ctypes.c_longlong),
         *((name, ctypes.c_long) for name in ("contacts", "sounding", "waiting", "dropped", "late", "refused")),
-        ("loudest", ctypes.c_double),
+        ("loudest", ctypes.c_double), ("linear", ctypes.c_long),
     ]  # fmt: skip
 
 
@@ -202,12 +209,37 @@ def test_commands_for_which_the_engine_has_no_room_are_counted(folder: Path) -> 
     assert report.refused == 7
 
 
+def test_what_found_no_room_is_reported(folder: Path) -> None:
+    """The message after one that found no room says so, once; the report counts it, and how loud it would have been."""
+    library = ctypes.CDLL(str(folder / "libcarom.so"))
+    library.carom_open.restype = ctypes.c_void_p
+    baked = (folder / "scene.carom").read_bytes()
+    scene = ctypes.c_void_p(library.carom_open(baked, ctypes.c_size_t(len(baked)), 1))
+    report, sound, told = Report(), (ctypes.c_float * 512)(), []
+    for mass in (1.0, HEAVY, HEAVY, 1.0, 1.0):
+        message = f"/object/church_bell/impact 1.0 mass {mass} stiffness 1e6".encode()
+        told.append(library.carom_send(scene, message, ctypes.c_double(-1.0)))
+        library.carom_process(scene, sound, ctypes.c_size_t(256))
+    library.carom_report(scene, ctypes.byref(report))
+    library.carom_load(scene, 1)
+    told.append(library.carom_send(scene, b"/panic", ctypes.c_double(-1.0)))
+    library.carom_close(scene)
+    assert told == [1, 1, 2, 2, 1, 1]
+    assert (report.dropped, report.linear, report.refused) == (2, 2, 0)
+    assert math.isclose(report.loudest, 10.0 * math.log10(0.5) - 0.691)
+
+
 def test_the_program_on_the_page_compiles(folder: Path, tmp_path: Path) -> None:
-    """The page's program is C11 and C++ without a warning."""
-    ((text),) = re.findall(r"```c\n(.*?)```", (SOURCES.parents[1] / "export.md").read_text(), re.DOTALL)
-    for words in (["-std=c11", "-x", "c"], ["-std=c++17", "-x", "c++"]):
+    """The page's programs are C11 and C++ without a warning."""
+    texts = re.findall(r"```c\n(.*?)```", (SOURCES.parents[1] / "export.md").read_text(), re.DOTALL)
+    assert len(texts) == 2
+    for text, words in product(texts, (["-std=c11", "-x", "c"], ["-std=c++17", "-x", "c++"])):
         made = run("cc", *words, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I", folder, "-", input=text)
         assert "cc1plus" in made.stderr or (made.stderr, made.returncode) == ("", 0), words
+
+
+def _names(module: str, prefix: str) -> set[str]:
+    return {f"{prefix}{each.py_func.__name__}" for each in functions_of(module)}
 
 
 def message_of(each: dict[str, Any]) -> Message:

@@ -13,7 +13,7 @@ from tests.clients.export.conftest import TINY
 from tests.clients.export.pages import ENGINE
 from tests.test_sdist import REFUSES
 
-MODULES = ("carom.dsp.native.atomics", "carom.dsp.swarm.making")
+MODULES = ("carom.dsp.native.atomics", "carom.dsp.swarm.making", "carom.server.bridge.touching")
 """The modules whose code an export runs, but for the engine's."""
 
 EXPORTS = """
@@ -41,7 +41,7 @@ c.write_library(scene, folder, machines.machine_of(None))
 
 PACKS = """
 code, modules = Path(sys.argv[3]), sys.argv[4:]
-files = [c.engine_file(targets.Target(targets.system(), targets.PORTABLE)), wasm.object_file(module)]
+files = [*c.engine_files(targets.Target(targets.system(), targets.PORTABLE)), wasm.object_file(module)]
 compiling.pack([module, *modules], targets.targets()[:1], files, code)
 """
 

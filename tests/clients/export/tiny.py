@@ -16,8 +16,12 @@ from carom.dsp.engine.memory.state import END_RESTED, ENDED, RING, STATE, Bank, 
 from carom.dsp.native.jit import c_function, carray, kernel, noinline_kernel, simd_kernel
 from carom.dsp.native.typed import View
 from carom.dsp.runtime.admission import answer, judge_command
+from carom.dsp.runtime.copies import copy_modes
 from carom.dsp.runtime.signature import SIGNATURE
 from carom.dsp.swarm.making import make_values
+
+HEAVY = 50.0
+"""kg: a gesture of such a mass finds no room, and is counted as left out."""
 
 
 @simd_kernel
@@ -60,6 +64,10 @@ def _take(state: State, event: Event) -> float:
         state.ends.entries[state.ends.written[0] % ENDED, 0] = event.gesture
         state.ends.entries[state.ends.written[0] % ENDED, 1] = END_RESTED
         state.ends.written[0] += 1
+        if event.values.mass >= HEAVY:
+            state.stats.contacts_dropped += 1
+            state.stats.nonlinear_dropped += 1
+            state.stats.loudest_dropped = 0.5
     elif event.kind == KIND_PANIC:
         told += 0.5
     return told
@@ -107,3 +115,9 @@ def judge(userdata: int, command: int, tables: int) -> int:
     """Return the word by which a command is none for the state in `userdata`, -1 if that may take it; tables: of
     pulses that were made."""
     return judge_command(userdata, command, tables)
+
+
+@c_function(c_int64, c_void_p, c_void_p, c_int64, c_void_p)
+def copy(userdata: int, command: int, to: int, changes: int) -> int:
+    """Copy the modes of an object of the state in `userdata`: as Carom's function does."""
+    return copy_modes(userdata, command, to, changes)

@@ -22,7 +22,7 @@ RECORDS = {
 NEEDED = {
     Kind.NEW: (
         *("first", "size", "table", "rows", "faces", "surface", "felt", "bent", "unheard", "level", "glide", "cone"),
-        *("sheet", "block"),
+        *("sheet", "block", "lighter"),
     ),
     "impact": ("mass", "stiffness", "dissipation", "exponent", "position"),
     "bounce": ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
