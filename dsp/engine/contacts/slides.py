@@ -14,7 +14,6 @@ import math
 
 from ...contact.block import add_beside
 from ...friction.elastic import step_elastic, stiffen
-from ...friction.held import step_held
 from ...friction.located import step_located
 from ...friction.stick_slip import begin_friction, move_beside, respond_along, step_whole
 from ...native.jit import kernel, noinline_kernel
@@ -28,7 +27,6 @@ from ..bodies.bends import find_static
 from ..bodies.objects import modes_of, point_of, shapes_at
 from ..bodies.sensing import push_sensed
 from ..bodies.surface import direct, has_moved, keep_spot, put
-from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact
 from ..memory.state import COUPLING, COVERING, LEAD, QUANTUM, ROLLING, State
 from .contact_list import give_room_back
@@ -205,9 +203,6 @@ def rub(state: State, contact: Contact, frame: int) -> None:
     whole = True
     if friction.tangential > 0.0:
         step_elastic(friction, mean)
-    elif holds_steps(state):
-        friction.slope = 0.0
-        step_held(friction, end, mean)
     else:
         whole = step_whole(friction, third, end, mean, moment)
     if not whole:
