@@ -4,7 +4,7 @@ What counts is by how much a contact swings in a sample, with all that moves on 
 in one. With p terms a swing of s rad falls (p!)^2/((2 p)! (2 p + 1)!) s^(2 p + 1) rad behind in each sample, as with
 Gauss's method: Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I" (1993), II.7. It is to stay in step
 until its loss ends it. A kink of the path under a loss of more than all leaves an error that only shorter steps make
-less. Stiffer contacts, and those that lose more, go by steps (coupled.py).
+less. Stiffer contacts, and those that lose more, go by steps (coupled.py), if there is time for these.
 """
 
 import math
@@ -68,8 +68,8 @@ def is_soft(contact: Coupled, rests: bool) -> bool:
 
 @kernel
 def is_eased(contact: Coupled) -> bool:
-    """True if a contact loses so much in a sample that its last term is damped."""
-    return loss_of(contact) > EASED
+    """True if a contact loses so much in a sample, or swings so far, that its last term is damped."""
+    return loss_of(contact) > EASED or swing_of(contact) > STIFFEST_AT_REST
 
 
 @kernel
