@@ -97,17 +97,13 @@ def loss_of(contact: Coupled) -> float:
 
 @kernel
 def swing_of(contact: Coupled) -> float:
-    """Return the swing of body and object on the contact, in rad a sample."""
-    return math.sqrt(_stiffness(contact) / contact.mass) * contact.period
-
-
-@kernel
-def _stiffness(contact: Coupled) -> float:
-    """Return the stiffness (N/m) of a contact under its weight, or as deep as its energy or its push compress it."""
+    """Return the swing of body and object on the contact, in rad a sample: under its weight, or as deep as its energy
+    or its push compress it."""
     if contact.rest_force > 0.0:
-        return contact.a * contact.rest_force / contact.rest_compression
-    energy = elastic(contact.motion[0], contact.k, contact.a) + 0.5 * contact.m * contact.v * contact.v
-    deepest = compression_of_energy(energy, contact.k, contact.a)
-    deepest = max(deepest, compression_at(max(contact.push, 0.0), contact.k, contact.a))
-    stiffness = stiffness_at(deepest, contact.k, contact.a)
-    return stiffness
+        stiffness = contact.a * contact.rest_force / contact.rest_compression
+    else:
+        energy = elastic(contact.motion[0], contact.k, contact.a) + 0.5 * contact.m * contact.v * contact.v
+        deepest = compression_of_energy(energy, contact.k, contact.a)
+        deepest = max(deepest, compression_at(max(contact.push, 0.0), contact.k, contact.a))
+        stiffness = stiffness_at(deepest, contact.k, contact.a)
+    return math.sqrt(stiffness / contact.mass) * contact.period

@@ -19,7 +19,7 @@ from .collocation import discrete_gradient
 from .coupled import lay_on, lift, look, move, move_to_end, pass_kinks, settle, until_kink
 from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
-from .coupled_records import Coupled, CoupledGroup, Member
+from .coupled_records import CoupledGroup, Member
 from .coupled_step import FINEST, HELD, LEAST, give_of, set_powers
 from .power_series import BINOMIAL, legendre_moments, value_at
 from .step_record import NODES
@@ -65,8 +65,9 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
                 contact.wait = -1.0
                 lay_on(contact, at, group.moments[i])
                 _lift_from(contacts, group, i)
-            else:
-                _settle(contact, at, group.event[i])
+            elif contact.wait < 0.0 or group.event[i] == MEETS:
+                contact.wait = min(contact.wait, -1.0)
+                settle(contact, at, group.event[i] == MEETS, group.event[i] == LEAVES)
             pass_kinks(contact, at)
     _widen(contacts, group, 1.0 / widened)
     for i in range(group.size):
@@ -91,16 +92,6 @@ def _lift_from(contacts: Items[Member], group: CoupledGroup, j: int) -> None:
         for i in range(group.size):
             if i != j:
                 lift(contacts[group.member[i]].coupled, group.answer[i, j], force)
-
-
-@kernel
-def _settle(contact: Coupled, at: float, event: int) -> None:
-    """Begin or end a contact at the end of a step."""
-    if contact.wait >= 0.0:
-        if event != MEETS:
-            return
-        contact.wait = -1.0
-    settle(contact, at, event == MEETS, event == LEAVES)
 
 
 @kernel

@@ -34,7 +34,7 @@ from ...native.typed import View
 from ...resonator.fed import LINE
 from ...rolling.body import share_of
 from ...rolling.contact_step import BRIEF
-from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
+from ...rolling.coupled_roll import begin_coupled_roll
 from ..bodies.objects import is_felt, shape_at, weigh
 from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
@@ -189,20 +189,6 @@ def _mobility_here(state: State, contact: Contact, omega_c: float) -> float:
                     phi = shape_at(state, obj, point, i)
                     total += phi * phi / (1.0 + (omega / omega_c) ** 2)
     return total
-
-
-@kernel
-def lead_roll(state: State, contact: Contact) -> None:
-    """Bring a roll that feels all modes to the coming sample: its path, and where it acts."""
-    roll, led = state.rolls[contact.roll], contact.led
-    frame = int(contact.origin + 1.0 + roll.t * state.rate + 0.5) - state.position - led  # in the quantum
-    if led == 0 and lead_coupled_roll(roll, contact.coupled, contact.fraction if roll.t == 0.0 else 0.0):
-        contact.unsettled = 1
-    contact.led = 0
-    if contact.travel > 0.0:
-        put_on_line(state, contact, frame, state.scratch.drift)
-        if passed_by(state, contact) > PASSED or frame % LINE == 0 or frame == contact.ahead:
-            contact.unsettled = 1
 
 
 @kernel

@@ -57,9 +57,13 @@ def choose_tolerance(state: State, contact: Contact) -> None:
     tolerance, steps, level = tolerance_of(state, contact), state.choices.budget.steps, state.choices.accuracy
     if steps > 0 and (contact.debt > _BURST * steps or state.steps_taken > _BURST_OF_ALL * steps):
         tolerance = HELD
-    elif steps > 0 and not IN_BLOCKS[level] and contact.trait.along == 1:
-        if 1.0 + STEPS_A_RADIAN[level] * swing_of(contact.coupled) > steps:
-            tolerance = max(tolerance, LIGHT_TOLERANCE[DEFAULT])
+    elif (
+        steps > 0
+        and not IN_BLOCKS[level]
+        and contact.trait.along == 1
+        and 1.0 + STEPS_A_RADIAN[level] * swing_of(contact.coupled) > steps
+    ):
+        tolerance = max(tolerance, LIGHT_TOLERANCE[DEFAULT])
     contact.coupled.tolerance = tolerance
 
 
