@@ -134,33 +134,17 @@ def _nearer(gain: float, wanted: float) -> float:
     return wanted if abs(missing) < _SMALL else gain + _GLIDE * missing
 
 
-@kernel
-def _hide(path: Path, k: int) -> None:
-    """Find those that lie too low between the two that are k points away: the chord is above their arcs."""
-    height, hidden = path.ahead, path.hidden
-    distance = k * path.stride * path.surface.unit
-    least = path.bend * distance * distance
-    for i in range(BLOCK - 2 * k):
-        hidden[i + k] = max(hidden[i + k], least - (2.0 * height[i + k] - height[i] - height[i + 2 * k]))
-
-
-@kernel
-def _keep(path: Path) -> int:
-    """List the points of a block that aren't hidden; how many there are."""
-    count = 0
-    for i in range(BLOCK):
-        path.kept[count] = i
-        count += 1 if path.hidden[i] < 0.0 else 0
-    return count
-
-
 @noinline_kernel
 def _push(path: Path) -> None:
     """Take the block's points that aren't hidden into the hull."""
     unit, radius, count = path.surface.unit, path.radius, path.count
     last = (path.first + count - 1) & (POINTS - 1)
     last_place, last_height, bound = path.place[last], path.height[last], path.edge[last] - path.distance[last]
-    for n in range(_keep(path)):
+    left = 0  # points of the block that aren't hidden
+    for i in range(BLOCK):
+        path.kept[left] = i
+        left += 1 if path.hidden[i] < 0.0 else 0
+    for n in range(left):
         i = path.kept[n]
         place, height = path.front + (i + 1) * path.stride, path.ahead[i]
         distance = drop = 0.0
@@ -214,12 +198,14 @@ def _settle(path: Path) -> None:
                 s = (path.front + (i + 1) * path.stride) * path.surface.unit
                 s -= path.side * math.floor(s / path.side + 0.5)
                 path.ahead[i] -= s * s / (2.0 * EDGE * path.radius)
-        # Points can't touch that two others, so many points to either side, hide.
-        path.hidden[:] = -1.0
-        _hide(path, 1)
-        _hide(path, 2)
-        _hide(path, 4)
-        _hide(path, 8)
+        # Points can't touch that lie too low between two others, k points away: the chord is above their arcs.
+        height, hidden = path.ahead, path.hidden
+        hidden[:] = -1.0
+        for k in (1, 2, 4, 8):
+            distance = k * path.stride * path.surface.unit
+            least = path.bend * distance * distance
+            for i in range(BLOCK - 2 * k):
+                hidden[i + k] = max(hidden[i + k], least - (2.0 * height[i + k] - height[i] - height[i + 2 * k]))
         _push(path)
 
 

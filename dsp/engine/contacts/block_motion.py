@@ -87,7 +87,9 @@ def lay_moving(state: State, contact: Contact, frame: int, stop: int, modes: Mod
     it is furthest till then. It moves with the modes, and not as it passes their shapes."""
     samples = whole_lanes(stop - frame)
     scratch, point, obj = state.scratch, contact.point[0], state.objects[contact.point[0].slot]
-    begin, end = position_of(contact, frame), _furthest(contact, frame, stop)
+    begin, end = position_of(contact, frame), position_of(contact, stop)
+    if turns(contact, frame, stop):  # at an end of its path, where it is furthest
+        end = 1.0 if position_of(contact, frame + 1) > begin else 0.0
     if not keeps_rows(obj.rows, begin, end):  # too fast for a line
         begin = end = position_of(contact, 0.5 * (frame + stop))
     put(state, obj, contact, begin)
@@ -113,14 +115,6 @@ def lay_moving(state: State, contact: Contact, frame: int, stop: int, modes: Mod
                 scratch.rows[i] += total - old + share * (scratch.moving[i] - old_moved)
         total, old, old_moved = scratch.rows[ends + n], last, last_moved
     return place
-
-
-@kernel
-def _furthest(contact: Contact, frame: int, stop: int) -> float:
-    """Return the position from a frame to another that is furthest from where a body is then: it turns at the ends."""
-    if not turns(contact, frame, stop):
-        return position_of(contact, stop)
-    return 1.0 if position_of(contact, frame + 1) > position_of(contact, frame) else 0.0
 
 
 @kernel

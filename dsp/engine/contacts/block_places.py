@@ -85,7 +85,18 @@ def settle_net(state: State, net: Net) -> None:
                 tables.settled, tables.terms = settled, net.terms
                 # What stays where it is keeps its tables.
                 samples = whole_lanes(net.stop - net.begin) if _moves(state, net, i, j) else QUANTUM
-                _settle_with(state, net, i, j, samples)
+                contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
+                _find_answer(state, contact, other)
+                settle_tables(tables, state.scratch.fine, i == j and is_eased(contact.coupled))
+                _lay_all(state, contact, other, tables, samples, 0)
+                if bends_under(other):
+                    # Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the
+                    # rows of their motion if they are let go.
+                    place = lay_answers(state, contact, other, BENT, samples)
+                    rows, own = state.scratch.rows, contact.coupled.period**2 / contact.m if i == j else 0.0
+                    tables.missed[0] = rows[(TERMS - 1) * AHEAD] - place + tables.within[0, 0] - 0.5 * own
+                    for k in range(1, TERMS):
+                        tables.missed[k] = rows[(k - 1) * AHEAD] + tables.within[k, 0] - (0.5 * own if k == 1 else 0.0)
 
 
 @kernel
@@ -107,27 +118,6 @@ def _are_known(state: State, net: Net, frame: int) -> bool:
                 known = known and block.tables[j].settled == state.contacts[net.contact[j]].settled
                 known = known and block.tables[j].terms == net.terms
     return known
-
-
-@noinline_kernel
-def _settle_with(state: State, net: Net, i: int, j: int, samples: int) -> None:
-    """Find what the force of one contact, j, does at another one's points, or its own: within a sample and in so many
-    after it."""
-    contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
-    tables = state.blocks[net.block[i]].tables[j]
-    _find_answer(state, contact, other)
-    settle_tables(tables, state.scratch.fine, i == j and is_eased(contact.coupled))
-    _lay_all(state, contact, other, tables, samples, 0)
-    if bends_under(other):
-        place = lay_answers(state, contact, other, BENT, samples)
-        own = contact.coupled.period**2 / contact.m if i == j else 0.0
-        # Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the rows
-        # of their motion if they are let go.
-        tables.missed[0] = state.scratch.rows[(TERMS - 1) * AHEAD] - place + tables.within[0, 0] - 0.5 * own
-        for k in range(1, TERMS):
-            tables.missed[k] = (
-                state.scratch.rows[(k - 1) * AHEAD] + tables.within[k, 0] - (0.5 * own if k == 1 else 0.0)
-            )
 
 
 @kernel

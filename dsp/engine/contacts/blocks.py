@@ -71,7 +71,7 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
         _conclude(state, net, frame, stop)
 
 
-@kernel
+@noinline_kernel
 def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
     """Begin a block of those contacts from a frame on, or go on with it; true if there is one to be solved. in_lanes: a
     soft one is to have three terms."""
@@ -97,13 +97,37 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
                 net.terms = SOFT_TERMS
         settle_net(state, net)
         for i in range(net.size):
-            _begin(state, net, i, frame)
+            # Begin a block of a contact, by how its objects ring.
+            contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
+            if contact.trait.single == 1 and block.touch != contact.number:
+                block.touch = contact.number
+                forget_energy(block)
+            scale, place = 1.0 / contact.now.gain, 0.0
+            clear_rows(state)
+            for side in range(2):
+                point = contact.point[side]
+                if point.slot >= 0:
+                    if side == 0 and contact.travel > 0.0 and point.on_surface == 0:
+                        modes = modes_of(state, state.objects[point.slot], 0, point.modes)
+                        place += scale * lay_moving(state, contact, frame, net.stop, modes)
+                    else:
+                        place += scale * lay_contact(state, contact, side, whole_lanes(net.stop - frame))
+            take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame), net.terms)
+            rolls = contact.trait.along == 1
+            begin_block(block, contact.coupled, place, net.terms)
+            if not is_followed(contact.coupled, contact.trait.rests == 1):
+                block.landing = math.inf  # there is no time for steps, however hard it lands
+            if rolls:
+                begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
+            else:
+                project_path(contact.coupled, block)  # which is level
     return True
 
 
-@kernel
+@noinline_kernel
 def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
-    """End a block that was to be solved up to a frame, or leave it so that it goes on."""
+    """End a block that was to be solved up to a frame, or leave it so that it goes on; hand on its forces from a frame
+    on."""
     for i in range(net.size):
         state.contacts[net.contact[i]].ahead = net.end
     if net.end == stop < net.stop:
@@ -135,12 +159,6 @@ def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
             obj.resumes = end + apart if end + apart <= QUANTUM - _FEWEST else QUANTUM
             if net.moves == 1 and end == net.stop:
                 obj.resumes = end
-    _hand_on_all(state, net, frame)
-
-
-@noinline_kernel
-def _hand_on_all(state: State, net: Net, frame: int) -> None:
-    """Hand on the forces of a net's contacts from a frame on, as far as they are solved."""
     for i in range(net.size):
         # Hand on the force of a contact from a frame on, as far as it is solved: to the record of contacts, to a
         # striker that sounds, and with its gain to the modes.
@@ -243,9 +261,12 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
         contact = state.contacts[index]
         here = contact.point[0].slot == slot or contact.point[1].slot == slot
         waits = contact.start + 1 - state.position
+        listed = False
+        for i in range(net.size):
+            listed |= net.contact[i] == index
         if here and contact.asleep == 0 and waits > frame:
             net.stop = min(net.stop, waits)
-        elif here and contact.asleep == 0 and not _is_listed(net, index):
+        elif here and contact.asleep == 0 and not listed:
             if net.size == TOGETHER or not (goes_on or _can_be(state, contact)):
                 return False
             i = net.size
@@ -262,15 +283,6 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
                     _join(net, contact.point[side].slot)
         index = contact.next
     return True
-
-
-@kernel
-def _is_listed(net: Net, index: int) -> bool:
-    """True if a contact is in a net."""
-    found = False
-    for i in range(net.size):
-        found |= net.contact[i] == index
-    return found
 
 
 @kernel
@@ -340,34 +352,6 @@ def _look(state: State, net: Net) -> bool:
         swing = max(swing, swing_of(state.contacts[net.contact[i]].coupled))
     each: float = 1.0 + STEPS_A_RADIAN[state.choices.accuracy] * swing * math.sqrt(net.size)
     return price_of(net.size) * each > state.choices.budget.steps
-
-
-@noinline_kernel
-def _begin(state: State, net: Net, i: int, frame: int) -> None:
-    """Begin a block of a contact at a frame, by how its objects ring."""
-    contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
-    if contact.trait.single == 1 and block.touch != contact.number:
-        block.touch = contact.number
-        forget_energy(block)
-    scale, place = 1.0 / contact.now.gain, 0.0
-    clear_rows(state)
-    for side in range(2):
-        point = contact.point[side]
-        if point.slot >= 0:
-            if side == 0 and contact.travel > 0.0 and point.on_surface == 0:
-                modes = modes_of(state, state.objects[point.slot], 0, point.modes)
-                place += scale * lay_moving(state, contact, frame, net.stop, modes)
-            else:
-                place += scale * lay_contact(state, contact, side, whole_lanes(net.stop - frame))
-    take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame), net.terms)
-    rolls = contact.trait.along == 1
-    begin_block(block, contact.coupled, place, net.terms)
-    if not is_followed(contact.coupled, contact.trait.rests == 1):
-        block.landing = math.inf  # there is no time for steps, however hard it lands
-    if rolls:
-        begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
-    else:
-        project_path(contact.coupled, block)  # which is level
 
 
 @kernel

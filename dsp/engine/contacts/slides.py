@@ -264,17 +264,13 @@ def _drive(state: State, contact: Contact, frame: int) -> None:
         force = max(state.contacts[slide.pressed].forces[0], 0.0) if there else 0.0
         friction.normal[1] = slide.laid * share_of(state.rolls[contact.roll]) * force
         return
-    friction.normal[1] = slide.laid * _own_force(state, contact, frame)
-
-
-@kernel
-def _own_force(state: State, contact: Contact, frame: int) -> float:
-    """Return the normal force (N) of a slide at the end of the sample that ends at a frame."""
-    roll, slide = state.rolls[contact.roll], state.slides[contact.roll]
-    beside = slide.friction.beside
+    # The slide's own force at the end of the sample.
+    roll, beside = state.rolls[contact.roll], friction.beside
     weight = share_of(roll) * roll.m * roll.g
     if contact.solver == COUPLING:
-        return max((beside[0] + beside[1]) * slide.along + weight, 0.0)
-    feed, after = feed_of(state, contact), min(frame + 1, QUANTUM - 1)
-    here, there = feed[frame, 0] * state.rate + weight, feed[after, 0] * state.rate + weight
-    return 0.5 * (max(here, 0.0) + max(there, 0.0))
+        own = max((beside[0] + beside[1]) * slide.along + weight, 0.0)
+    else:
+        feed, after = feed_of(state, contact), min(frame + 1, QUANTUM - 1)
+        here, there = feed[frame, 0] * state.rate + weight, feed[after, 0] * state.rate + weight
+        own = 0.5 * (max(here, 0.0) + max(there, 0.0))
+    friction.normal[1] = slide.laid * own
