@@ -474,8 +474,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0; steers a running roll of
-        this `id` (default NAME)."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the running roll
+        `id` (default NAME)."""
 
     def press(
         self,
@@ -505,7 +505,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker on the object until the speed is 0; steers a running slide of this
+        """Begin a gesture that drags the striker on the object until the speed is 0, or steers the running slide
         `id` (default NAME)."""
 
     def rest(
@@ -578,7 +578,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShatterKeys],
     ) -> None:
-        """Begin a gesture that breaks the object; its pieces, each like the striker, bounce until they lie still."""
+        """Begin a gesture that breaks the object; its pieces, which `striker` describes, bounce until they lie
+        still."""
 
 class ObjectMethods:
     """Methods on an object: those of its scene on objects, without the name."""
@@ -608,8 +609,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0; steers a running roll of
-        this `id` (default NAME)."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0, or steers the running roll
+        `id` (default NAME)."""
 
     def press(
         self,
@@ -636,7 +637,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker on the object until the speed is 0; steers a running slide of this
+        """Begin a gesture that drags the striker on the object until the speed is 0, or steers the running slide
         `id` (default NAME)."""
 
     def rest(
@@ -702,7 +703,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShatterKeys],
     ) -> None:
-        """Begin a gesture that breaks the object; its pieces, each like the striker, bounce until they lie still."""
+        """Begin a gesture that breaks the object; its pieces, which `striker` describes, bounce until they lie
+        still."""
 
     def note(
         self,

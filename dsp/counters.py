@@ -21,7 +21,7 @@ class Stats:
     contacts_dropped: int = _counter("contacts left out for lack of capacity")
     coupled: int = _counter("contacts that were coupled to the modes")
     recontacts: int = _counter("times that an object caught up with the striker that had left it")
-    held: int = _counter("steps of coupled contacts in which the force was held")
+    held: int = _counter("coupled contacts' steps with the force kept constant")
     over_budget: int = _counter("samples and contacts that exceeded `/budget`")
     late: int = _counter("events that came after their time and were played at once")
     faults: int = _counter("times that an object was silenced because its sound was not finite")

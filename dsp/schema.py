@@ -199,7 +199,7 @@ BOUNCE = Gesture(
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until the speed is 0; steers a running roll of this `id` (default NAME)",
+    "roll", "rolls the striker over the object until the speed is 0, or steers the running roll `id` (default NAME)",
     SPEED,
     (
         *_STEERED_LAW,
@@ -247,7 +247,7 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker on the object until the speed is 0; steers a running slide of this `id` (default NAME)",
+    "slide", "drags the striker on the object until the speed is 0, or steers the running slide `id` (default NAME)",
     replace(SPEED, help="slip speed of the striker over the surface; 0 stops it"),
     (
         replace(FORCE, otherwise="the striker's weight"),
@@ -292,7 +292,8 @@ REST = Gesture(
     "rest", "lays the object on another or on a support until stopped; both ring for less time, and may buzz",
     LOAD,
     (
-        *_STEERED_LAW,
+        replace(_STEERED_LAW[0], help="mass that moves at the contact", otherwise="from the load, or a hand's"),
+        *(replace(each, otherwise="the support's, or from both materials") for each in _STEERED_LAW[1:]),
         replace(BY_POSITION, help="position on the strike path of the other object", steerable=True,
             glide=POSITION.glide),
     ),
@@ -305,8 +306,7 @@ SPREAD = Parameter(
     "spread", 0.0, 1.0, "", "share of the strike path that the blows cover, around the position", default=1.0
 )
 VARIETY = Parameter(
-    "variety", 0.0, 1.0, "", "variation of size: grains are up to 1 + variety times larger or smaller",
-    default=0.0, steerable=True,
+    "variety", 0.0, 1.0, "", "strikers are up to 1 + variety times larger or smaller", default=0.0, steerable=True,
 )  # fmt: skip
 EXCITATION = Parameter(
     "excitation", 0.0, 0.98, "", "share of the blows that are set off by other blows", default=0.0, steerable=True
@@ -322,7 +322,7 @@ RAIN = Gesture(
             default=5e-4, useful=(2e-4, 1e-3), steerable=True,
         ),
         Parameter(
-            "reach", 1.0, 100.0, "", "distance of the farthest drops, as a multiple of the nearest's; they are fainter",
+            "reach", 1.0, 100.0, "", "distance of the farthest (faintest) drops, as a multiple of the nearest's",
             default=1.0, useful=(1.0, 10.0),
         ),
         SPREAD,
@@ -340,7 +340,7 @@ SHAKE = Gesture(
         ),
         Parameter(
             "evenness", 0.5, 10.0, "",
-            "evenness of the speeds; the share exp(-(v/speed)^evenness) is above v; 2: as in a gas",
+            "evenness of the speeds: a share exp(-(v/speed)^evenness) exceeds v; 2: as in a gas",
             default=2.0, steerable=True,
         ),
         EXCITATION,
@@ -406,13 +406,13 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter",
-    "breaks the object; its pieces, each like the striker, bounce until they lie still",
+    "breaks the object; its pieces, which `striker` describes, bounce until they lie still",
     replace(VELOCITY, help="speed at which the object hits something and breaks; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),
         replace(HEIGHT, help="greatest height from which a piece falls", default=0.1),
         Parameter("steepness", 1.01, 3.0, "", "exponent b in the distribution m^-b of the masses", default=1.35),
-        replace(MASS, name="wall_mass", help="total mass of the pieces as thick as the striker; 0: the object's mass",
+        replace(MASS, name="wall_mass", help="total mass of all pieces but the thick parts; 0: the object's mass",
             useful=None, default=0.0, or_zero=True),
         replace(MASS, name="thick_mass", help="mass of the thick parts, such as foot, bottom and neck; 0: none",
             useful=None, default=0.0, or_zero=True),

@@ -29,7 +29,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
         metavar="SCORE",
         help="score, saved table of the page, or name of an object or of one of Carom's scores; -: stdin",
     )
-    text = "folder for the files; it is made if missing (the score's name, then the kind of files)"
+    text = "folder for the files; it is made if missing (such as demo-web for the score demo)"
     parser.add_argument("folder", metavar="OUT", nargs="?", help=text)
     text = "kind of files: a web page, a C library, or a plug-in (CLAP, VST3, LV2)"
     parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")

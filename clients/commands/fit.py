@@ -47,7 +47,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", type=Path, metavar="HAMMER.wav", help="recording of the force, by an impact hammer")
     parser.add_argument("--source", metavar="TEXT", help="source of the recordings, kept in the preset")
     parser.add_argument("--licence", metavar="TEXT", help="licence of the recordings, kept in the preset")
-    parser.add_argument("--no-report", action="store_true", help="presets only, no page to listen and look at")
+    parser.add_argument("--no-report", action="store_true", help="presets only, no page to hear and look at")
     add_presets(parser)
 
 

@@ -57,7 +57,7 @@ def add_server(parser: argparse.ArgumentParser) -> None:
     """Add the options that say where the server is; `client` reads them."""
     parser.add_argument("--host", default="127.0.0.1", help="name or address of the server (%(default)s)")
     parser.add_argument("--port", type=_port, default=DEFAULT_PORT, help="port of the server (%(default)s)")
-    parser.add_argument("--tcp", action="store_true", help="TCP, which loses nothing; other hosts always get it")
+    parser.add_argument("--tcp", action="store_true", help="TCP, which loses nothing; always used for other hosts")
 
 
 def client(arguments: argparse.Namespace) -> Client:

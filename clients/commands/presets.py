@@ -23,11 +23,9 @@ if TYPE_CHECKING:
 def _options(parser: argparse.ArgumentParser) -> None:
     names = "preset to show, kind to list (objects, strikers, surfaces, materials), or file to check"
     parser.add_argument("names", nargs="*", metavar="NAME", help=names)
-    parser.add_argument("--check", action="store_true", help="check of the files NAME, or of all in the folder NAME")
+    parser.add_argument("--check", action="store_true", help="check the files NAME, or all in the folder NAME")
     parser.add_argument("--json", action="store_true", help="output as JSON")
-    parser.add_argument(
-        "--glb", type=Path, metavar="FILE", help="glTF file to write, of the object NAME with the shape mesh"
-    )
+    parser.add_argument("--glb", type=Path, metavar="FILE", help="glTF file to write, of the object NAME of shape mesh")
     parser.add_argument("--names", dest="bare", action="store_true", help="names alone, one on each line")
     add_presets(parser)
 

@@ -4,6 +4,7 @@ A test translates kernels with the numba that is installed, so that a release th
 name and numba's version.
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -20,6 +21,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import register_pass
 from numba.core.datamodel import models, register_default
 from numba.core.dispatcher import _FunctionCompiler
+from numba.core.errors import TypingError
 from numba.core.lowering import Lower
 from numba.core.registry import cpu_target
 from numba.core.runtime.context import NRTContext
@@ -29,6 +31,7 @@ from numba.cpython import slicing
 from numba.np import arrayobj
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
+from ..wording import suggestion
 from .checked import changes
 from .targets import Target
 
@@ -38,6 +41,7 @@ __all__ = [
     "define_call",
     "global_compiler_lock",
     "lowered",
+    "place_and_cause",
     "quiet_compiler",
     "refresh",
     "register_opaque",
@@ -53,6 +57,16 @@ __all__ = [
 # is a record of records: their texts, each with all its fields, took a quarter of the time.
 types.Record.__repr__ = lambda record: record.name
 
+
+def _type_of_field(record: Any, field: str) -> Any:
+    """Return the type of a record's field. numba raises a KeyError where there is none, and doesn't say where."""
+    if field not in record.fields:
+        raise TypingError(f"no field {field!r}; {suggestion(field, record.fields)}".rstrip("; "))
+    return record.fields[field].type
+
+
+types.Record.typeof = _type_of_field
+
 _UNUSED = (
     *("WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction", "InlineInlinables"),
     *("FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass"),
@@ -67,6 +81,15 @@ _INTERNAL: dict[Any, Any] = {}
 def type_of(value: Any) -> Any:
     """Return the type that numba knows a global value by."""
     return cpu_target.typing_context.resolve_value_type(value)
+
+
+def place_and_cause(error: Any) -> str:
+    """Say in a line where a kernel is wrong, and what numba finds wrong with it."""
+    text = str(error)
+    places = re.findall(r"^During: typing of .* at (\S+) \((\d+)\)", text, re.MULTILINE)
+    file, line = places[0] if places else (error.loc.filename, error.loc.line) if error.loc else ("a kernel", 0)
+    cause = next(each for each in text.splitlines() if each and not each.startswith("Failed in nopython"))
+    return f"{file}:{line}: {re.sub(r'Record[(].*;(True|False)[)]', 'a record', cause)}"
 
 
 def refresh() -> None:

@@ -20,11 +20,15 @@ from numba import NumbaError
 from .digests import digest, name_of, own_digest
 from .jit import KERNELS, CFunction, Kernel
 from .lowering import Call, Translation, argument_types, lower, lower_c
-from .numba_internals import define_call, global_compiler_lock, quiet_compiler
+from .numba_internals import define_call, global_compiler_lock, place_and_cause, quiet_compiler
 from .pickled import digest_of_types, pickled, unpickled
 from .sources import compiler_digest
 from .store import Store, user_cache
 from .units import Unit
+
+
+class KernelError(TypeError):
+    """A kernel that can't be translated: its text says which line is wrong, and why."""
 
 
 class Translator:
@@ -97,7 +101,10 @@ class Translator:
             made = self._kept(file, kinds)
             if made is None:
                 with self._collecting() as calls, quiet_compiler(_symbol):
-                    made = translate()
+                    try:
+                        made = translate()
+                    except NumbaError as error:
+                        raise KernelError(place_and_cause(error)) from None
                 made.own, made.calls = own_digest(kernel), list(dict.fromkeys(calls))
                 self._store.write_translation(file, pickled(made, self._store))
                 self.count += 1
@@ -116,7 +123,7 @@ class Translator:
                 return None
             with self._collecting():
                 holds = all(self.kernel(_named(name), args).restype == kind for name, args, kind in kept.calls)
-        except (LookupError, ImportError, AttributeError, ValueError, pickle.UnpicklingError, NumbaError):
+        except (LookupError, ImportError, AttributeError, ValueError, pickle.UnpicklingError, KernelError):
             return None
         return kept if holds else None
 
@@ -182,6 +189,8 @@ def translate_units(
         made.done = done
         try:
             parts = [part for each in functions for part in made.within(made.c_function(each))]
+        except KernelError as error:
+            raise error.with_traceback(None) from None  # which shows numba's frames alone, by the hundred
         finally:
             made.done = lambda _: None
     return [told[name] for name in sorted({each.mangled_name for each in parts} & told.keys())]

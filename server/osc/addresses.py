@@ -53,7 +53,8 @@ ON_SURFACE = Vector(
     "point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"
 )
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "point on the other object, which strikes or supports")
-_DIRECTED = Vector("direction", DIRECTION, "direction of the push or slip at a point, in place of the normal")
+_DIRECTED = Vector("direction", DIRECTION, "direction of the push at a point, in place of the normal")
+_SLIPPING = Vector("direction", DIRECTION, "direction of the slip at a point; the push is along the normal")
 _BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "direction of the push on the striking object, at `by_point`")
 PLAY = Number(
     "play", 0, 1, "", "1: make-up, the level that suits players; 0: the level that physics gives", whole=True,
@@ -91,7 +92,7 @@ _WORDS: dict[str, tuple[Word | Vector, ...]] = {
         *((_SURFACE,) if gesture.along else ()),
         *((_PRESS,) if gesture.slips else ()),
         *((_ONTO,) if gesture.breaks else ()),
-        *((_DIRECTED,) if gesture.slips else (_DIRECTED, _BY_DIRECTED) if _is_pushed(gesture) else ()),
+        *((_SLIPPING,) if gesture.slips else (_DIRECTED, _BY_DIRECTED) if _is_pushed(gesture) else ()),
     )
     for name, gesture in GESTURES.items()
 }
@@ -172,7 +173,7 @@ _OBJECTS = (
 _RUNNING = (
     Verb(
         "/gesture/ID/stop",
-        "ends the gesture: a striker does not come back, a rolling or sliding body halts, a hand lets go",
+        "ends the gesture: a bouncing striker is caught, a rolling or sliding body halts, a hand lets go",
     ),
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
@@ -215,7 +216,7 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns headroom on or off, an automatic level before the limiter. Scores begin without it, servers with it",
+        "turns headroom, an automatic level before the limiter, on or off. Scores begin without it, servers with it",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(

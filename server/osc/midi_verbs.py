@@ -29,8 +29,7 @@ _ADDRESS = Word("address", "address that takes one number")
 MIDI = (
     Verb(
         "/midi/notes",
-        "lets an object play the notes of a channel, or those from `low` to `high`; all other notes play the newest "
-        "object",
+        "lets an object play the notes of a channel, or those from `low` to `high`; the newest object plays all others",
         (Word("object", "name of the object"),),
         keys=(CHANNEL, LOWEST, HIGHEST),
         scored=False,

@@ -7,11 +7,11 @@ from pathlib import Path
 from carom.dsp.schema import GESTURES
 from carom.presets import BUILT_IN, KINDS, Presets, gestures
 from carom.presets import schema as known
+from carom.presets.meanings import MEANINGS
 from carom.presets.supports import SUPPORTS
 from carom.presets.values import Choice, Many, Name, OneOrMany, Quantity, Row, Rows, Whole
 from tests.bench.loudness import MEASURED
 from tests.documents.markdown import table
-from tests.documents.meanings import MEANINGS
 
 _HEAD = ("key", "value", "default", "meaning")
 _REQUIRED_OF_OBJECT = ("description", "source", "shape", "level")
@@ -169,10 +169,10 @@ def supports() -> str:
     for name, each in SUPPORTS.items():
         load = each.load or 1.0
         spring = each.exponent * each.stiffness ** (1 / each.exponent) * load ** (1 - 1 / each.exponent)
-        law = f"at {load:g} N {spring:.2g} N/m, {each.dissipation * load:.2g} N s/m"
+        law = f"{spring:.2g} N/m, {each.dissipation * load:.2g} N s/m at {load:g} N"
         ground = f"; ground {each.resistance:.3g} N s/m" if each.resistance else ""
         mass = f"; {each.mass:g} kg" if each.mass else ""
-        of = f"by the material, on {each.material}" if each.material else law
+        of = f"from both materials, of which one is {each.material}" if each.material else law
         lines.append(f"| `{name}` | {each.description} | {of}{mass}{ground} |")
     return "\n".join(lines)
 

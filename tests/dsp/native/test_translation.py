@@ -436,6 +436,28 @@ def test_a_kernel_that_calls_itself_is_refused(empty, body):
         empty.start()
 
 
+WRONG = {
+    "TABLE[0].lengthh": r"functions\.py:{line}: no field 'lengthh'; did you mean length\?$",
+    "TABLE[0].length + 'm'": r"functions\.py:{line}: No implementation of function .*add.* found for signature:$",
+    "missing(n)": r"functions\.py:{line}: NameError: name 'missing' is not defined$",
+    "raises(n, n)": r"functions\.py:{line}: Cannot bind .* too many positional arguments",
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_kernel_that_is_wrong_is_refused_by_its_line_in_a_short_traceback(empty, wrong):
+    text = (
+        dedent(MODULE)
+        .replace("BODY", f"return {wrong}")
+        .replace("np.array([1, 2, 3])", "np.zeros(3, [('length', float)])")
+    )
+    empty.write("functions.py", text)
+    line = text[: text.index(wrong)].count("\n") + 1
+    with pytest.raises(TypeError, match=WRONG[wrong].format(line=line)) as refused:
+        empty.start()
+    assert len(refused.traceback) < 5
+
+
 @kernel
 def _rest(x):
     return x[1:]

@@ -74,7 +74,7 @@ MEANINGS = {
     ("cavity", "neck"): "length of the opening",
     # Strikers.
     ("striker", "mass"): "mass, required without `radius` | a ball's, of material and radius",
-    ("striker", "area"): "area that a press of it covers | it touches at a point",
+    ("striker", "area"): "area that it covers in a press | it touches at a point",
     ("striker", "stiffness"): "stiffness k in f = k x^a (1 + mu v)",
     ("striker", "dissipation"): "dissipation mu; either this or `restitution`",
     ("striker", "restitution"): "share of its speed that the striker keeps at a rigid wall, at any speed",
