@@ -271,6 +271,6 @@ def _drive(state: State, contact: Contact, frame: int) -> None:
         own = max((beside[0] + beside[1]) * slide.along + weight, 0.0)
     else:
         feed, after = feed_of(state, contact), min(frame + 1, QUANTUM - 1)
-        here, there = feed[frame, 0] * state.rate + weight, feed[after, 0] * state.rate + weight
-        own = 0.5 * (max(here, 0.0) + max(there, 0.0))
+        first, last = feed[frame, 0] * state.rate + weight, feed[after, 0] * state.rate + weight
+        own = 0.5 * (max(first, 0.0) + max(last, 0.0))
     friction.normal[1] = slide.laid * own

@@ -110,14 +110,7 @@ def take_due(state: State) -> int:
     while queue.size > 0 and queue.events[queue.heap[0]].time < state.position + QUANTUM:
         first = queue.events[queue.heap[0]]
         if first.has_clock == 1:
-            # Give an event of the clock its sample if that lies in this quantum, else look again before it is due.
-            time = max(sample_at(state.clock, first.clock), float(state.position))
-            end = state.position + QUANTUM
-            if time < end:
-                first.has_clock = 0
-                first.time = time
-            else:
-                first.time = max(float(end), time - 1.0 - (time - end) * _WANDER)
+            _read_clock(state, first)
             sink(queue, 0)
             continue
         if _is_early(state, first):
@@ -153,6 +146,22 @@ def take_due(state: State) -> int:
         if event.kind == KIND_GESTURE:
             refuse_gesture(state, event, END_GONE)
     return -1
+
+
+@kernel
+def _read_clock(state: State, event: Event) -> None:
+    """Give an event of the clock its sample if that lies in this quantum, else look again before it is due.
+
+    The guess that is kept is early, by more than the clock's pace may turn out to be wrong: so nothing is overtaken,
+    and an event an hour ahead is looked at some five times.
+    """
+    time = max(sample_at(state.clock, event.clock), float(state.position))
+    end = state.position + QUANTUM
+    if time < end:
+        event.has_clock = 0
+        event.time = time
+    else:
+        event.time = max(float(end), time - 1.0 - (time - end) * _WANDER)
 
 
 @kernel
