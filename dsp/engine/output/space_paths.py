@@ -257,14 +257,7 @@ def _read(state: State, line: Line, before: View[float], after: View[float], out
         for n in range(QUANTUM):
             # In samples from the quantum's begin, each less its number: of what is steady all are alike.
             space.weights[n] = min(space.places[n] - longer - n * more, soonest + n) - n
-        # The least and the greatest of the quantum's lags.
-        lags = space.weights
-        low = high = lags[0]
-        for n in range(0, QUANTUM, 8):
-            a, b, c, d = lags[n], lags[n + 1], lags[n + 2], lags[n + 3]
-            p, q, r, s = lags[n + 4], lags[n + 5], lags[n + 6], lags[n + 7]
-            low = min(low, min(min(min(a, b), min(c, d)), min(min(p, q), min(r, s))))
-            high = max(high, max(max(max(a, b), max(c, d)), max(max(p, q), max(r, s))))
+        low, high = _range_of(space.weights)
         least, greatest = math.floor(low), math.floor(high)
         first = least - (TAPS // 2 - 1)
         _copy(space, line, first, greatest - least + QUANTUM + TAPS, state.position + QUANTUM)
@@ -274,6 +267,18 @@ def _read(state: State, line: Line, before: View[float], after: View[float], out
             read_stretch(space.window, space.weights, least, out[ear])
         else:
             read_moving(space.window, least, space.weights, out[ear], QUANTUM)
+
+
+@kernel
+def _range_of(lags: View[float]) -> tuple[float, float]:
+    """Return the least and the greatest of a quantum's lags."""
+    low, high = lags[0], lags[0]
+    for n in range(0, QUANTUM, 8):
+        a, b, c, d = lags[n], lags[n + 1], lags[n + 2], lags[n + 3]
+        p, q, r, s = lags[n + 4], lags[n + 5], lags[n + 6], lags[n + 7]
+        low = min(low, min(min(min(a, b), min(c, d)), min(min(p, q), min(r, s))))
+        high = max(high, max(max(max(a, b), max(c, d)), max(max(p, q), max(r, s))))
+    return low, high
 
 
 @kernel
