@@ -4,7 +4,7 @@ What counts is by how much a contact swings in a sample, with all that moves on 
 in one. With p terms a swing of s rad falls (p!)^2/((2 p)! (2 p + 1)!) s^(2 p + 1) rad behind in each sample, as with
 Gauss's method: Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I" (1993), II.7. It is to stay in step
 until its loss ends it. A kink of the path under a loss of more than all leaves an error that only shorter steps make
-less. Stiffer contacts, and those that lose more, go by steps (coupled.py).
+less. Stiffer contacts, and those that lose more, go by steps (coupled.py), if there is time for these.
 """
 
 import math
@@ -68,8 +68,8 @@ def is_soft(contact: Coupled, rests: bool) -> bool:
 
 @kernel
 def is_eased(contact: Coupled) -> bool:
-    """True if a contact loses so much in a sample that its last term is damped."""
-    return loss_of(contact) > EASED
+    """True if a contact loses so much in a sample, or swings so far, that its last term is damped."""
+    return loss_of(contact) > EASED or swing_of(contact) > STIFFEST_AT_REST
 
 
 @kernel
@@ -97,17 +97,13 @@ def loss_of(contact: Coupled) -> float:
 
 @kernel
 def swing_of(contact: Coupled) -> float:
-    """Return the swing of body and object on the contact, in rad a sample."""
-    return math.sqrt(_stiffness(contact) / contact.mass) * contact.period
-
-
-@kernel
-def _stiffness(contact: Coupled) -> float:
-    """Return the stiffness (N/m) of a contact under its weight, or as deep as its energy or its push compress it."""
+    """Return the swing of body and object on the contact, in rad a sample: under its weight, or as deep as its energy
+    or its push compress it."""
     if contact.rest_force > 0.0:
-        return contact.a * contact.rest_force / contact.rest_compression
-    energy = elastic(contact.motion[0], contact.k, contact.a) + 0.5 * contact.m * contact.v * contact.v
-    deepest = compression_of_energy(energy, contact.k, contact.a)
-    deepest = max(deepest, compression_at(max(contact.push, 0.0), contact.k, contact.a))
-    stiffness = stiffness_at(deepest, contact.k, contact.a)
-    return stiffness
+        stiffness = contact.a * contact.rest_force / contact.rest_compression
+    else:
+        energy = elastic(contact.motion[0], contact.k, contact.a) + 0.5 * contact.m * contact.v * contact.v
+        deepest = compression_of_energy(energy, contact.k, contact.a)
+        deepest = max(deepest, compression_at(max(contact.push, 0.0), contact.k, contact.a))
+        stiffness = stiffness_at(deepest, contact.k, contact.a)
+    return math.sqrt(stiffness / contact.mass) * contact.period

@@ -19,7 +19,7 @@ from .collocation import discrete_gradient
 from .coupled import lay_on, lift, look, move, move_to_end, pass_kinks, settle, until_kink
 from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
-from .coupled_records import Coupled, CoupledGroup, Member
+from .coupled_records import CoupledGroup, Member
 from .coupled_step import FINEST, HELD, LEAST, give_of, set_powers
 from .power_series import BINOMIAL, legendre_moments, value_at
 from .step_record import NODES
@@ -55,7 +55,8 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
         if left <= 0.0:
             break
         if count % (MOST_STEPS // _SHARES) == 0 and MOST_STEPS // 2 <= count < MOST_STEPS:
-            _widen(contacts, group, _WIDER)
+            for i in range(group.size):
+                contacts[group.member[i]].coupled.tolerance *= _WIDER
             widened *= _WIDER
         eta = _step(contacts, group, at, count == MOST_STEPS)
         at = 1.0 if eta >= left else at + eta
@@ -65,22 +66,16 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
                 contact.wait = -1.0
                 lay_on(contact, at, group.moments[i])
                 _lift_from(contacts, group, i)
-            else:
-                _settle(contact, at, group.event[i])
+            elif contact.wait < 0.0 or group.event[i] == MEETS:
+                contact.wait = min(contact.wait, -1.0)
+                settle(contact, at, group.event[i] == MEETS, group.event[i] == LEAVES)
             pass_kinks(contact, at)
-    _widen(contacts, group, 1.0 / widened)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
+        contact.tolerance *= 1.0 / widened
         if eta < 1.0:
             legendre_moments(group.moments[i])
         group.moments[i, 0] -= contact.rest_force * contact.period
-
-
-@kernel
-def _widen(contacts: Items[Member], group: CoupledGroup, factor: float) -> None:
-    """Multiply the tolerances of a group."""
-    for i in range(group.size):
-        contacts[group.member[i]].coupled.tolerance *= factor
 
 
 @kernel
@@ -91,16 +86,6 @@ def _lift_from(contacts: Items[Member], group: CoupledGroup, j: int) -> None:
         for i in range(group.size):
             if i != j:
                 lift(contacts[group.member[i]].coupled, group.answer[i, j], force)
-
-
-@kernel
-def _settle(contact: Coupled, at: float, event: int) -> None:
-    """Begin or end a contact at the end of a step."""
-    if contact.wait >= 0.0:
-        if event != MEETS:
-            return
-        contact.wait = -1.0
-    settle(contact, at, event == MEETS, event == LEAVES)
 
 
 @kernel
@@ -148,7 +133,8 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
                 group.end_x[0], rate = value_at(contact.motion, taken)
                 group.end_v[0] = rate / contact.period
             else:
-                _set_all(contacts, group, taken)
+                for i in range(group.size):
+                    set_powers(contacts[group.member[i]].coupled, taken)
         elif not last and not held:
             taken = find_step(contacts, group, eta, longest)
         if taken > 0.0 and taken >= left and group.size == 1:
@@ -157,7 +143,8 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
             move_to_end(contact, eta, at, (group.end_x[0], group.end_v[0]), group.moments[0])
         elif taken > 0.0:
             eta = taken
-            _move_all(contacts, group, eta, at)
+            for i in range(group.size):
+                move(contacts[group.member[i]].coupled, eta, at, group.moments[i])
             _answer_others(contacts, group, False)
         else:
             eta = left if last else longest if held else max(FINEST * eta, min(LEAST, eta))
@@ -182,8 +169,9 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
                     contact.force[j] = contact.step.f[j] = force
                 contact.motion[0] -= given
                 contact.position -= given
-            _set_all(contacts, group, eta)
-            _move_all(contacts, group, eta, at)
+            for i in range(group.size):
+                set_powers(contacts[group.member[i]].coupled, eta)
+                move(contacts[group.member[i]].coupled, eta, at, group.moments[i])
             _answer_others(contacts, group, True)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
@@ -194,20 +182,6 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
         elif contact.touching == 0 and contact.motion[0] > 0.0:
             group.event[i] = MEETS
     return eta
-
-
-@kernel
-def _set_all(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
-    """Scale the motion of all contacts to times of a step of `eta` samples."""
-    for i in range(group.size):
-        set_powers(contacts[group.member[i]].coupled, eta)
-
-
-@kernel
-def _move_all(contacts: Items[Member], group: CoupledGroup, eta: float, at: float) -> None:
-    """Go on by `eta` samples, each contact under its own force."""
-    for i in range(group.size):
-        move(contacts[group.member[i]].coupled, eta, at, group.moments[i])
 
 
 @kernel

@@ -33,11 +33,9 @@ from .coupled_step import (
     TRIALS,
     set_powers,
     speed_of,
-    taken_at_end,
-    work_against,
 )
 from .law import elastic, law, law_with_slopes, spring_of
-from .power_series import END, FREE, GIVE, MISSED, NODE_RATES, WORK, put
+from .power_series import END, FREE, GIVE, MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, put
 from .step_record import GIVE_COUNT, NODES
 
 _LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
@@ -142,9 +140,11 @@ def _try(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
         x, v = contact.free[END], contact.free[END + 1]
         for b in range(group.touching):
             j = group.touches[b]
-            taken_x, taken_v = taken_at_end(group.give[i, j], contacts[group.member[j]].coupled.step.f, eta)
-            x -= taken_x
-            v -= taken_v
+            # What the forces at the nodes of contact j take off compression, and off its change over the step.
+            f, give = contacts[group.member[j]].coupled.step.f, group.give[i, j]
+            to_x, to_v = give[TO_ENDS:], give[TO_ENDS + NODES :]
+            x -= eta * (to_x[0] * f[0] + to_x[1] * f[1] + to_x[2] * f[2])
+            v -= eta * (to_v[0] * f[0] + to_v[1] * f[1] + to_v[2] * f[2])
         group.end_x[i] = x
         group.end_v[i] = v / (eta * contact.period)
     return solved
@@ -323,7 +323,12 @@ def _is_sound(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
         work = contact.free[WORK] * f[0] + contact.free[WORK + 1] * f[1] + contact.free[WORK + 2] * f[2]
         for b in range(group.touching):
             j = group.touches[b]
-            work -= work_against(f, contacts[group.member[j]].coupled.step.f, group.give[i, j], eta)
+            # The work against what another's forces take off, exactly.
+            other, against = contacts[group.member[j]].coupled.step.f, 0.0
+            for r in range(NODES):
+                taken = group.give[i, j][TAKEN + NODES * r :]
+                against += f[r] * (taken[0] * other[0] + taken[1] * other[1] + taken[2] * other[2])
+            work -= eta * against
         gain = elastic(group.end_x[i], contact.k, contact.a) - stored - work
         lost = -gain
         for r in range(NODES):

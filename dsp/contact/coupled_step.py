@@ -7,8 +7,6 @@ from ..native.typed import View
 from ..numerics.legendre import FINE
 from .coupled_records import Coupled
 from .law import elastic
-from .power_series import TAKEN, TO_ENDS
-from .step_record import NODES
 
 HELD = math.inf
 """Tolerance of one held step a sample: the cheapest, for when there is no time."""
@@ -35,13 +33,6 @@ def set_powers(contact: Coupled, eta: float) -> None:
 
 
 @kernel
-def taken_at_end(give: View[float], f: View[float], eta: float) -> tuple[float, float]:
-    """Return how much the nodes' forces take off compression (m) and its derivative (m per step) at the step's end."""
-    x, v = give[TO_ENDS:], give[TO_ENDS + NODES :]
-    return eta * (x[0] * f[0] + x[1] * f[1] + x[2] * f[2]), eta * (v[0] * f[0] + v[1] * f[1] + v[2] * f[2])
-
-
-@kernel
 def speed_of(contact: Coupled, x: float, v: float) -> float:
     """Return the greatest of two speeds that kinetic and elastic energy amount to: now, and where compression and rate
     are x and v. Of what rests energy is about its rest, of the mass that is felt there."""
@@ -54,17 +45,6 @@ def speed_of(contact: Coupled, x: float, v: float) -> float:
     share = 2.0 / contact.mass
     now, then = elastic(x0, contact.k, contact.a), elastic(x, contact.k, contact.a)
     return math.sqrt(max(v0 * v0 + share * now, v * v + share * then))
-
-
-@kernel
-def work_against(f: View[float], other: View[float], give: View[float], eta: float) -> float:
-    """Return the work (J) of the nodes' forces against what another's forces take off in a step of `eta` samples,
-    exactly."""
-    work = 0.0
-    for i in range(NODES):
-        t = give[TAKEN + NODES * i :]
-        work += f[i] * (t[0] * other[0] + t[1] * other[1] + t[2] * other[2])
-    return eta * work
 
 
 @kernel

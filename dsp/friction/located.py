@@ -9,7 +9,7 @@ from ..contact.power_series import BINOMIAL, POWERS, QUADRATURE, QUADRATURE_WEIG
 from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
-from .held import hold_mean
+from .law import coefficient, slip_of
 from .record import MOST_PIECES, Friction
 from .stick_slip import THIRD, book, fill_give, solve_piece
 
@@ -108,6 +108,25 @@ def step_located(friction: Friction, observed: View[float], moments: View[float]
         friction.events += after != friction.branch
         friction.branch = after
         at += eta
+
+
+@kernel
+def hold_mean(friction: Friction, drive: float, give: float, normal: float) -> None:
+    """Find the held force by the mean slip without friction (m/s), what 1 N takes of it, and the mean normal force: it
+    never gives energy."""
+    ms, md, vs = friction.static, friction.dynamic, friction.stribeck
+    friction.slope = 0.0
+    slip = -1.0
+    if friction.branch != 0.0:
+        slip = slip_of(friction.branch * drive, give, normal, ms, md, vs)
+    if slip < 0.0 and abs(drive) <= ms * normal * give:
+        friction.branch = 0.0
+        friction.start = drive / give if give > 0.0 else 0.0
+        return
+    if slip < 0.0:
+        friction.branch = 1.0 if drive > 0.0 else -1.0
+        slip = max(slip_of(abs(drive), give, normal, ms, md, vs), 0.0)
+    friction.start = friction.branch * normal * coefficient(slip, ms, md, vs)[0]
 
 
 @kernel

@@ -5,7 +5,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..numerics.checks import checked
-from ..rolling.path import PATH, PIECES, make_pieces, restart_path
+from ..rolling.path import PATH, PIECES, extend_path, restart_path
 
 
 @njit(error_model="numpy")
@@ -17,7 +17,7 @@ def restart(path, surface, radius, corners, speed, place):
     path.speed = speed
     path.roughness = 1.0
     path.coarseness = 1.0
-    restart_path(path, place)
+    restart_path(path, place, -1, 0.0)
 
 
 @njit(error_model="numpy")
@@ -25,8 +25,7 @@ def pieces_of(path, end, pieces):
     """Put a path's pieces up to `end` m into rows of `pieces`; how many there are."""
     total = 0.0
     for n in range(len(pieces)):
-        while path.made <= n:
-            make_pieces(path)
+        extend_path(path, n + 1)
         i = n & (PIECES - 1)
         pieces[n, 0] = total
         pieces[n, 1] = path.level[i]

@@ -9,7 +9,6 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from ..friction.elastic import step_elastic, stiffen
-from ..friction.held import step_held
 from ..friction.located import step_located
 from ..friction.record import FRICTION, Friction
 from ..friction.stick_slip import begin_friction, respond_along, step_whole
@@ -20,6 +19,7 @@ from ..resonator.bank import inject_fine, inject_line, ring, state_of
 from ..resonator.sizes import ROWS
 from ..resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 from .coupled import Bank, Case, bank_of, motion_and_energy, restart, ring_on
+from .held import step_held
 
 _nodes, _weights = np.polynomial.legendre.leggauss(12)
 _NODES, _WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights

@@ -43,22 +43,17 @@ def clear_record(typingctx: object, record: Record) -> Lowered[None]:
 
     def codegen(context, builder, signature, args):
         data = builder.bitcast(args[0], ir.IntType(8).as_pointer())
-        for begin, end in _spans(signature.args[0]):
+        spans: list[tuple[int, int]] = []  # bytes, from the first of each span up to its end
+        for begin, end in sorted(_fields(signature.args[0], 0)):
+            if spans and begin - spans[-1][1] < 8:  # no more than what aligns fields lies between
+                begin, _ = spans.pop()
+            spans.append((begin, end))
+        for begin, end in spans:
             place = builder.gep(data, [ir.IntType(64)(begin)])
             cgutils.memset(builder, place, ir.IntType(64)(end - begin), 0)
         return context.get_dummy_value()
 
     return types.void(record), codegen
-
-
-def _spans(kind: Any) -> list[tuple[int, int]]:
-    """Return the bytes of a record that are cleared, from the first of each span up to its end."""
-    spans: list[tuple[int, int]] = []
-    for begin, end in sorted(_fields(kind, 0)):
-        if spans and begin - spans[-1][1] < 8:  # no more than what aligns fields lies between
-            begin, _ = spans.pop()
-        spans.append((begin, end))
-    return spans
 
 
 def _fields(kind: Any, begin: int) -> Iterator[tuple[int, int]]:

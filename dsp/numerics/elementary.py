@@ -20,14 +20,11 @@ _EXP = tuple(1.0 / math.factorial(n) for n in range(14))
 _LOG = tuple(2.0 / (2 * n + 1) for n in range(11))
 
 
-def _whole(value: int) -> Any:
-    return ir.IntType(64)(value)
-
-
 def _biased(builder: Any, number: Any) -> Any:
     """Return the exponent k of a number that is 2^k m with sqrt(1/2) <= m < sqrt(2), an int64; and its bits."""
-    bits = builder.bitcast(number, ir.IntType(64))
-    return builder.ashr(builder.sub(bits, _whole(_ROOT_HALF_BITS)), _whole(_FRACTION)), bits
+    whole = ir.IntType(64)
+    bits = builder.bitcast(number, whole)
+    return builder.ashr(builder.sub(bits, whole(_ROOT_HALF_BITS)), whole(_FRACTION)), bits
 
 
 @intrinsic
@@ -36,8 +33,9 @@ def _two_to(typingctx: object, k: float) -> Lowered[float]:
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         # Through 32 bits: AVX2 would take numbers of 64 one after the other.
-        k = builder.sext(builder.fptosi(args[0], ir.IntType(32)), ir.IntType(64))
-        return builder.bitcast(builder.shl(builder.add(k, _whole(_BIAS)), _whole(_FRACTION)), ir.DoubleType())
+        whole = ir.IntType(64)
+        k = builder.sext(builder.fptosi(args[0], ir.IntType(32)), whole)
+        return builder.bitcast(builder.shl(builder.add(k, whole(_BIAS)), whole(_FRACTION)), ir.DoubleType())
 
     return types.float64(types.float64), codegen
 
@@ -59,7 +57,8 @@ def _mantissa_of(typingctx: object, number: float) -> Lowered[float]:
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         exponent, bits = _biased(builder, args[0])
-        return builder.bitcast(builder.sub(bits, builder.shl(exponent, _whole(_FRACTION))), ir.DoubleType())
+        shifted = builder.shl(exponent, ir.IntType(64)(_FRACTION))
+        return builder.bitcast(builder.sub(bits, shifted), ir.DoubleType())
 
     return types.float64(types.float64), codegen
 

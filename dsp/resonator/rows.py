@@ -22,7 +22,7 @@ import numpy as np
 from numpy.polynomial import Legendre, legendre
 from numpy.typing import NDArray
 
-from ..native.jit import kernel, noinline_kernel, simd_kernel
+from ..native.jit import kernel, simd_kernel
 from ..native.typed import View
 from ..numerics.checks import Array
 from ..numerics.legendre import AHEAD, FINE
@@ -211,7 +211,8 @@ def _lay(
             group, size = first // LANES, 2 * len(rows) * LANES
             place, keeps = (group + 1) * _PLACE, group < KEPT_GROUPS and size <= _PLACE
             if work.known and keeps:
-                _copy(work.kept, place, room, begin, len(rows))
+                for i in range(0, size, LANES):
+                    put_product(room, begin + i, dot(work.kept, place + i, 0, (1.0,)), _ONES)
             else:
                 # Write the factors of LANES modes from `first` on into `room` from a place on.
                 row = first // LANES * RESPONSES
@@ -222,9 +223,10 @@ def _lay(
                 put_product(room, _ASIDE, scale, dot(modes.a2, first, 0, (1.0,)))
                 # As `observe` does: by the state a sample later and the one before that.
                 put_factors(room, begin, (scale, dot(room, _ASIDE, 0, (1.0,))), modes.response, row, rows, weights)
-                _put_on_ends(room, begin, len(rows), modes, first)
+                put_on_ends(room, begin, len(rows), (modes.a1, modes.a2), first)
                 if keeps:
-                    _copy(room, begin, work.kept, place, len(rows))
+                    for i in range(0, size, LANES):
+                        put_product(work.kept, place + i, dot(room, begin + i, 0, (1.0,)), _ONES)
             if waits < 0:
                 waits = first
             else:
@@ -234,16 +236,3 @@ def _lay(
         add_courses(room, rung, (waits,), rows, laid, behind)
     put_lanes(room, _SUMS, rows, wide)
     return room[_SUMS + (len(rows) - 1) * WIDE + behind - 1]
-
-
-@kernel
-def _copy(old: View[float], at: int, new: View[float], begin: int, rows: int) -> None:
-    """Copy the factors of LANES modes in so many rows."""
-    for i in range(0, 2 * rows * LANES, LANES):
-        put_product(new, begin + i, dot(old, at + i, 0, (1.0,)), _ONES)
-
-
-@noinline_kernel
-def _put_on_ends(room: View[float], begin: int, rows: int, modes: Modes, first: int) -> None:
-    """Bring factors of LANES modes on their states to those on their displacements at both ends of a sample."""
-    put_on_ends(room, begin, rows, (modes.a1, modes.a2), first)

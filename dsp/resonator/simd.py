@@ -55,9 +55,9 @@ def pointer_to(context: Any, builder: Any, array_type: Any, array: Any, index: A
 
 def vector_of(builder: Any, scalars: Any) -> Any:
     """Return a vector of LANES numbers."""
-    vector = ir.Constant(vector_type(), ir.Undefined)
+    vector = ir.Constant(ir.VectorType(ir.DoubleType(), LANES), ir.Undefined)
     for i, scalar in enumerate(scalars):
-        vector = builder.insert_element(vector, scalar, int32(i))
+        vector = builder.insert_element(vector, scalar, ir.IntType(32)(i))
     return vector
 
 

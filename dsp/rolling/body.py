@@ -21,7 +21,7 @@ from ..numerics.legendre import KEPT
 from ..schema import SPEED
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, PIECES, extend_path, renew_path, restart_path
+from .path import AHEAD, PIECES, extend_path, restart_path
 from .roll_record import Roll
 
 EVENTS = 120_000.0
@@ -158,9 +158,7 @@ def look_ahead(roll: Roll, seconds: float) -> float:
         path.radius = roll.target.radius
         if begun:
             level, incline = path_at(roll)
-            roll.along = renew_path(path, roll.piece, roll.along)
-        else:
-            restart_path(path, path.begin)
+        roll.along = restart_path(path, path.begin, roll.piece, roll.along)
         extend_path(path, 1)
         # The body is on the piece on which the way along the path ends.
         roll.piece = 0

@@ -40,12 +40,3 @@ def cubic_weights(t: float) -> tuple[float, float, float, float]:
         CUBIC[0, 2] + t * (CUBIC[1, 2] + t * (CUBIC[2, 2] + t * CUBIC[3, 2])),
         CUBIC[0, 3] + t * (CUBIC[1, 3] + t * (CUBIC[2, 3] + t * CUBIC[3, 3])),
     )
-
-
-@kernel
-def noise_at(seed: np.uint64, level: int, place: int) -> float:
-    """Return the noise, of an rms height of 1, at a place; its lattice has a height every 2^level places."""
-    cell = place >> level
-    w0, w1, w2, w3 = cubic_weights((place - (cell << level)) / (np.int64(1) << level))
-    z = w0 * drawn(seed, cell) + w1 * drawn(seed, cell + 1) + w2 * drawn(seed, cell + 2) + w3 * drawn(seed, cell + 3)
-    return TO_HEIGHT * z

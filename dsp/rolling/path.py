@@ -135,42 +135,16 @@ def _nearer(gain: float, wanted: float) -> float:
 
 
 @noinline_kernel
-def _look_around(path: Path) -> None:
-    """Find points of a block that can't touch: two others, so many points to either side, hide them."""
-    path.hidden[:] = -1.0
-    _hide(path, 1)
-    _hide(path, 2)
-    _hide(path, 4)
-    _hide(path, 8)
-
-
-@kernel
-def _hide(path: Path, k: int) -> None:
-    """Find those that lie too low between the two that are k points away: the chord is above their arcs."""
-    height, hidden = path.ahead, path.hidden
-    distance = k * path.stride * path.surface.unit
-    least = path.bend * distance * distance
-    for i in range(BLOCK - 2 * k):
-        hidden[i + k] = max(hidden[i + k], least - (2.0 * height[i + k] - height[i] - height[i + 2 * k]))
-
-
-@kernel
-def _keep(path: Path) -> int:
-    """List the points of a block that aren't hidden; how many there are."""
-    count = 0
-    for i in range(BLOCK):
-        path.kept[count] = i
-        count += 1 if path.hidden[i] < 0.0 else 0
-    return count
-
-
-@noinline_kernel
 def _push(path: Path) -> None:
     """Take the block's points that aren't hidden into the hull."""
     unit, radius, count = path.surface.unit, path.radius, path.count
     last = (path.first + count - 1) & (POINTS - 1)
     last_place, last_height, bound = path.place[last], path.height[last], path.edge[last] - path.distance[last]
-    for n in range(_keep(path)):
+    left = 0  # points of the block that aren't hidden
+    for i in range(BLOCK):
+        path.kept[left] = i
+        left += 1 if path.hidden[i] < 0.0 else 0
+    for n in range(left):
         i = path.kept[n]
         place, height = path.front + (i + 1) * path.stride, path.ahead[i]
         distance = drop = 0.0
@@ -224,7 +198,14 @@ def _settle(path: Path) -> None:
                 s = (path.front + (i + 1) * path.stride) * path.surface.unit
                 s -= path.side * math.floor(s / path.side + 0.5)
                 path.ahead[i] -= s * s / (2.0 * EDGE * path.radius)
-        _look_around(path)
+        # Points can't touch that lie too low between two others, k points away: the chord is above their arcs.
+        height, hidden = path.ahead, path.hidden
+        hidden[:] = -1.0
+        for k in (1, 2, 4, 8):
+            distance = k * path.stride * path.surface.unit
+            least = path.bend * distance * distance
+            for i in range(BLOCK - 2 * k):
+                hidden[i + k] = max(hidden[i + k], least - (2.0 * height[i + k] - height[i] - height[i + 2 * k]))
         _push(path)
 
 
@@ -236,27 +217,6 @@ def _is_settled_at(path: Path, first: int) -> bool:
     ahead = (path.front - path.place[second]) * path.surface.unit - edge
     room = path.highest - path.height[second] - 0.5 * path.bend * edge * edge
     return ahead >= 0.0 and ahead * ahead >= 2.0 * path.radius * room
-
-
-@kernel
-def restart_path(path: Path, place: int) -> None:
-    """Begin the path at a place: piece 0 begins in the middle of the arc there."""
-    _refresh(path)
-    for j in range(OCTAVES):
-        path.surface.gain[j] = path.wanted[j]
-    path.surface.ripple_gain = path.roughness
-    _begin_hull(path, place & -path.stride, 0)
-
-
-@kernel
-def renew_path(path: Path, piece: int, along: float) -> float:
-    """Begin the path anew, for another radius, in the middle of the arc before the one under a body that is so far (m)
-    along a piece; return how far the body is from there."""
-    unit, first, offset = path.surface.unit, path.place[path.first], _offset_of(path, piece, along)
-    place = place_of(path, piece, along)
-    _refresh(path)
-    _begin_hull(path, place & -path.stride, 1)
-    return max(offset - path.left - (path.place[path.first] - first) * unit, 0.0)
 
 
 @kernel
@@ -275,8 +235,23 @@ def _offset_of(path: Path, piece: int, along: float) -> float:
 
 
 @kernel
-def _begin_hull(path: Path, place: int, arcs: int) -> None:
-    """Read the hull about a place, and begin in the middle of the arc there, or of the one before: arcs, 1."""
+def restart_path(path: Path, place: int, piece: int, along: float) -> float:
+    """Begin the path in the middle of an arc: of that at a place, for a piece of -1; else anew, for another radius, of
+    the one before that under a body which is so far (m) along a piece. Return how far the body is from there."""
+    first, offset, anew, arcs = 0, 0.0, piece >= 0, 0
+    if anew:
+        first, offset, place, arcs = (
+            path.place[path.first],
+            _offset_of(path, piece, along),
+            place_of(path, piece, along),
+            1,
+        )
+    _refresh(path)
+    if not anew:
+        for j in range(OCTAVES):
+            path.surface.gain[j] = path.wanted[j]
+        path.surface.ripple_gain = path.roughness
+    place &= -path.stride
     path.bend = -1.0 / path.radius
     path.settled = 0
     path.surface.made_for = 0
@@ -301,51 +276,47 @@ def _begin_hull(path: Path, place: int, arcs: int) -> None:
         path.entered = edge - distance
         path.before = distance
     path.left = path.entered + (edge - path.entered) * path.before / (path.before + distance)
+    moved = (path.place[path.first] - first) * path.surface.unit
+    return max(offset - path.left - moved, 0.0) if anew else 0.0
 
 
 @noinline_kernel
-def make_pieces(path: Path) -> None:
-    """Make the next pieces, up to BATCH, of points of the hull that nothing ahead can change: of each the rest of its
-    arc, and the turn to the next."""
-    _settle(path)
-    left, bend, first, made = path.left, path.bend, path.first, path.made
-    # The number of points of the hull, from the first on, before the last of whose second edges nothing ahead can
-    # change the path: at least 1, by halves.
-    least, most = 1, min(BATCH // 2, path.count - 2)
-    while least < most:
-        points = (least + most + 1) // 2
-        if _is_settled_at(path, (path.first + points - 1) & (POINTS - 1)):
-            least = points
-        else:
-            most = points - 1
-    points = least
-    second = (first + 1) & (POINTS - 1)
-    edge, distance, entered, before = path.edge[second], path.distance[second], path.entered, path.before
-    share = (edge - entered) / (before + distance)
-    for _ in range(points):
-        third = (second + 1) & (POINTS - 1)
-        after, after_edge = path.distance[third], path.edge[third]
-        entered, before = edge - distance, distance
-        # The turns on both sides of a point share its arc as they do on a flat surface.
-        next_share = (after_edge - entered) / (distance + after)
-        turn = min(max(min(share, next_share) * distance, 0.0), edge - left)
-        turn = turn if path.adjoins[second] == 1 else 0.0
-        made = _lay(path, first, made, (left, edge - turn - left, bend, distance))
-        bent = bend - bend * distance / (2.0 * turn)
-        made = _lay(path, first, made, (edge - turn, 2.0 * turn, bent, distance))
-        left = edge + turn - distance
-        first, second = second, third
-        edge, distance, share = after_edge, after, next_share
-    path.entered, path.before = entered, before
-    path.left, path.first, path.made = left, first, made
-    path.count -= points
-
-
-@kernel
 def extend_path(path: Path, pieces: int) -> None:
-    """Make a path's pieces up to a number."""
+    """Make a path's pieces up to a number: up to BATCH at once, of points of the hull that nothing ahead can change, of
+    each the rest of its arc, and the turn to the next."""
     while path.made < pieces:
-        make_pieces(path)
+        _settle(path)
+        left, bend, first, made = path.left, path.bend, path.first, path.made
+        # The number of points of the hull, from the first on, before the last of whose second edges nothing ahead can
+        # change the path: at least 1, by halves.
+        least, most = 1, min(BATCH // 2, path.count - 2)
+        while least < most:
+            points = (least + most + 1) // 2
+            if _is_settled_at(path, (path.first + points - 1) & (POINTS - 1)):
+                least = points
+            else:
+                most = points - 1
+        points = least
+        second = (first + 1) & (POINTS - 1)
+        edge, distance, entered, before = path.edge[second], path.distance[second], path.entered, path.before
+        share = (edge - entered) / (before + distance)
+        for _ in range(points):
+            third = (second + 1) & (POINTS - 1)
+            after, after_edge = path.distance[third], path.edge[third]
+            entered, before = edge - distance, distance
+            # The turns on both sides of a point share its arc as they do on a flat surface.
+            next_share = (after_edge - entered) / (distance + after)
+            turn = min(max(min(share, next_share) * distance, 0.0), edge - left)
+            turn = turn if path.adjoins[second] == 1 else 0.0
+            made = _lay(path, first, made, (left, edge - turn - left, bend, distance))
+            bent = bend - bend * distance / (2.0 * turn)
+            made = _lay(path, first, made, (edge - turn, 2.0 * turn, bent, distance))
+            left = edge + turn - distance
+            first, second = second, third
+            edge, distance, share = after_edge, after, next_share
+        path.entered, path.before = entered, before
+        path.left, path.first, path.made = left, first, made
+        path.count -= points
 
 
 @kernel

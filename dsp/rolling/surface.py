@@ -17,7 +17,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..native.jit import c_function, carray, kernel, noinline_kernel
+from ..native.jit import c_function, carray, kernel
 from ..native.typed import Record, View, dtype_of
 from ..numerics.checks import checked
 from ..numerics.random import STEP, mixed
@@ -125,7 +125,8 @@ def _octave_at(surface: Surface, j: int, place: int) -> float:
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
     cell = shifted >> level
-    _enter(surface, j, cell, 4)
+    for c in range(4):
+        surface.corner[c] = surface.height[j] * TO_HEIGHT * drawn(surface.seed[j], cell + c)
     c0, c1, c2, c3 = _cubic(surface.corner, 0)
     t = (shifted - (cell << level)) / (1 << level)
     return c0 + t * (c1 + t * (c2 + t * c3))
@@ -181,8 +182,15 @@ def read_heights(
         shifted = place + surface.offset[j]
         cell, last = shifted >> level, (shifted + (BLOCK - 1) * stride) >> level
         if cell == last:
-            b0, b1, b2, b3, b4 = _in_one_cell(surface, j, place, stride, gain, rise)
-            c0, c1, c2, c3, c4 = c0 + b0, c1 + b1, c2 + b2, c3 + b3, c4 + b4
+            # Add octave j over a block that lies in one of its cells: a power series in the points' number.
+            t, step = (shifted - (cell << level)) / (1 << level), stride / (1 << level)
+            _enter(surface, j, cell, 4)
+            b0, b1, b2, b3 = _cubic(surface.corner, 0)
+            a0, a1 = b0 + t * (b1 + t * (b2 + t * b3)), step * (b1 + t * (2.0 * b2 + 3.0 * t * b3))
+            a2, a3 = step * step * (b2 + 3.0 * t * b3), step * step * step * b3
+            gain += rise
+            c0, c1, c2 = c0 + gain * a0, c1 + (gain * a1 + rise * a0), c2 + (gain * a2 + rise * a1)
+            c3, c4 = c3 + (gain * a3 + rise * a2), c4 + rise * a3
             continue
         points = (1 << level) // stride
         if points >= BLOCK:
@@ -224,38 +232,16 @@ def read_heights(
     for i in range(BLOCK):
         z[i] += c0 + i * (c1 + i * (c2 + i * (c3 + i * c4)))
     if surface.variation.spread > 0.0:
-        _vary(surface, place, stride, z)
+        # The heights are as rough as the surface is there: as at the block's ends, and evenly from one to the other.
+        local = local_roughness(surface.variation, place)
+        rise = (local_roughness(surface.variation, place + BLOCK * stride) - local) / BLOCK
+        for i in range(BLOCK):
+            z[i] *= local + i * rise
     gain, rise = surface.ripple_gain, (ripple_gain - surface.ripple_gain) / BLOCK
     surface.ripple_gain = ripple_gain
     if surface.ripple > 0.0:
         for i in range(BLOCK):
             z[i] += (gain + (i + 1) * rise) * _ripple_at(surface, place + i * stride)
-
-
-@noinline_kernel
-def _vary(surface: Surface, place: int, stride: int, z: View[float]) -> None:
-    """Make a block's heights as rough as the surface is there: as at its ends, and evenly from one to the other."""
-    local = local_roughness(surface.variation, place)
-    rise = (local_roughness(surface.variation, place + BLOCK * stride) - local) / BLOCK
-    for i in range(BLOCK):
-        z[i] *= local + i * rise
-
-
-@kernel
-def _in_one_cell(
-    surface: Surface, j: int, place: int, stride: int, gain: float, rise: float
-) -> tuple[float, float, float, float, float]:
-    """Return the octave j over a block that lies in one of its cells: a power series in the points' number."""
-    level = OCTAVES - 1 - j
-    shifted = place + surface.offset[j]
-    cell = shifted >> level
-    t, step = (shifted - (cell << level)) / (1 << level), stride / (1 << level)
-    _enter(surface, j, cell, 4)
-    c0, c1, c2, c3 = _cubic(surface.corner, 0)
-    a0, a1 = c0 + t * (c1 + t * (c2 + t * c3)), step * (c1 + t * (2.0 * c2 + 3.0 * t * c3))
-    a2, a3 = step * step * (c2 + 3.0 * t * c3), step * step * step * c3
-    gain += rise
-    return gain * a0, gain * a1 + rise * a0, gain * a2 + rise * a1, gain * a3 + rise * a2, rise * a3
 
 
 @kernel

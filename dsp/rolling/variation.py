@@ -14,7 +14,7 @@ import numpy as np
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import Record, View
 from ..numerics.random import STEP, mixed
-from .lattice import CREST, EDGE, cubic_weights, noise_at
+from .lattice import CREST, EDGE, TO_HEIGHT, cubic_weights, drawn
 
 
 class Variation(Record):
@@ -63,6 +63,11 @@ def local_roughness(variation: Variation, place: int) -> float:
     """Return the rms height about a place over the surface's own."""
     if variation.spread == 0.0:
         return 1.0
-    coarse = noise_at(variation.seed[0], variation.level, place)
-    fine = noise_at(variation.seed[1], variation.level - _FINER, place)
-    return math.exp(variation.spread * (coarse + fine) - variation.mean)
+    noise = 0.0
+    for n in range(len(variation.seed)):
+        level, seed = variation.level - n * _FINER, variation.seed[n]
+        cell = place >> level
+        w0, w1, w2, w3 = cubic_weights((place - (cell << level)) / (np.int64(1) << level))
+        z = w0 * drawn(seed, cell) + w1 * drawn(seed, cell + 1)
+        noise += TO_HEIGHT * (z + w2 * drawn(seed, cell + 2) + w3 * drawn(seed, cell + 3))
+    return math.exp(variation.spread * noise - variation.mean)

@@ -130,7 +130,17 @@ def _move(spectral: Spectral, phase: Phase, b: int, room: int, slots: View[int])
 def put_in_order(spectral: Spectral, budget: int, slots: View[int]) -> None:
     """Bring what has come out of order back into it, bin by bin: about `budget` modes at a time, in one phase."""
     if spectral.moving == 0:
-        _choose(spectral)
+        # Begin with the first phase that needs it: from now on it takes its room from the spare region.
+        for p in range(len(spectral.phases)):
+            phase = spectral.phases[p]
+            held = phase.top - phase.region
+            needed = phase.modes // CHUNK + BINS
+            if phase.moved * _DISORDER > needed + _SMALL or held > 2 * needed + _SMALL:
+                phase.region, spectral.spare = spectral.spare, phase.region
+                phase.top = phase.region
+                phase.moved = 0
+                spectral.moving, spectral.next_bin = 1 + p, 0
+                break
     if spectral.moving == 0:
         return
     phase = spectral.phases[spectral.moving - 1]
@@ -144,21 +154,6 @@ def put_in_order(spectral: Spectral, budget: int, slots: View[int]) -> None:
         spectral.next_bin += 1
     if spectral.next_bin == BINS:
         spectral.moving = 0
-
-
-@kernel
-def _choose(spectral: Spectral) -> None:
-    """Begin to put the first phase in order that needs it: from now on it takes its room from the spare region."""
-    for p in range(len(spectral.phases)):
-        phase = spectral.phases[p]
-        held = phase.top - phase.region
-        needed = phase.modes // CHUNK + BINS
-        if phase.moved * _DISORDER > needed + _SMALL or held > 2 * needed + _SMALL:
-            phase.region, spectral.spare = spectral.spare, phase.region
-            phase.top = phase.region
-            phase.moved = 0
-            spectral.moving, spectral.next_bin = 1 + p, 0
-            return
 
 
 @kernel

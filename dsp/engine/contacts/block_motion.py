@@ -51,23 +51,13 @@ def clear_rows(state: State) -> None:
         state.scratch.rows[i] = 0.0
 
 
-@kernel
+@noinline_kernel
 def lay_motion(samples: int, modes: Modes, point: Point, work: Work, rows: View[float], terms: int) -> float:
     """Add the motion of a point without a force over so many samples, a multiple of LANES, to `rows`, one row after the
     other, as many as forces have terms; return where it is now (m)."""
     if terms == SOFT_TERMS:
-        return _lay_softly(samples, modes, point, work, rows)
-    return _lay_fully(samples, modes, point, work, rows)
-
-
-@noinline_kernel
-def _lay_fully(samples: int, modes: Modes, point: Point, work: Work, rows: View[float]) -> float:
+        return lay_rows(modes, point, _SOFT_ROWS, _SOFT_FILTERS, samples, work, rows)
     return lay_rows(modes, point, _ROWS, _FILTERS, samples, work, rows)
-
-
-@noinline_kernel
-def _lay_softly(samples: int, modes: Modes, point: Point, work: Work, rows: View[float]) -> float:
-    return lay_rows(modes, point, _SOFT_ROWS, _SOFT_FILTERS, samples, work, rows)
 
 
 @kernel
@@ -77,20 +67,14 @@ def _spare(state: State) -> Work:
 
 
 @kernel
-def lay_point(state: State, samples: int, modes: Modes, where: Point) -> float:
-    """Add the motion of a point without a force to the scratch `rows`; return where it is now (m)."""
-    return lay_motion(samples, modes, where, _spare(state), state.scratch.rows, state.scratch.net.terms)
-
-
-@kernel
 def lay_contact(state: State, contact: Contact, side: int, samples: int) -> float:
-    """Do what `lay_point` does for a contact's point on one of its objects. Of one that stays where it is, factors are
-    kept."""
+    """Add the motion of a contact's point on one of its objects, without a force, to the scratch `rows`; return where
+    it is now (m). Of one that stays where it is, factors are kept."""
     scratch, point, terms = state.scratch, contact.point[side], state.scratch.net.terms
     obj = state.objects[point.slot]
     modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
     if side == 1 or contact.travel > 0.0:
-        return lay_point(state, samples, modes, where)
+        return lay_motion(samples, modes, where, _spare(state), scratch.rows, terms)
     kept, number = state.factors[contact.roll], (TERMS + 1) * contact.settled + terms
     known = state.factors_of[contact.roll] == number
     state.factors_of[contact.roll] = number
@@ -99,22 +83,25 @@ def lay_contact(state: State, contact: Contact, side: int, samples: int) -> floa
 
 @noinline_kernel
 def lay_moving(state: State, contact: Contact, frame: int, stop: int, modes: Modes) -> float:
-    """Do what `lay_point` does for a body that moves over its object, from a frame to another: its shapes go as a line
-    from there to where it is furthest till then. It moves with the modes, and not as it passes their shapes."""
+    """Do so for a body that moves over its object, from a frame to another: its shapes go as a line from there to where
+    it is furthest till then. It moves with the modes, and not as it passes their shapes."""
     samples = whole_lanes(stop - frame)
     scratch, point, obj = state.scratch, contact.point[0], state.objects[contact.point[0].slot]
-    begin, end = position_of(contact, frame), _furthest(contact, frame, stop)
+    begin, end = position_of(contact, frame), position_of(contact, stop)
+    if turns(contact, frame, stop):  # at an end of its path, where it is furthest
+        end = 1.0 if position_of(contact, frame + 1) > begin else 0.0
     if not keeps_rows(obj.rows, begin, end):  # too fast for a line
         begin = end = position_of(contact, 0.5 * (frame + stop))
     put(state, obj, contact, begin)
-    place = lay_point(state, samples, modes, point_of(state, obj, point))
+    where, spare = point_of(state, obj, point), _spare(state)
+    place = lay_motion(samples, modes, where, spare, scratch.rows, scratch.net.terms)
     weigh(scratch.drift, end * (obj.rows - 1) - point.row, obj.amplitude)
     for i in range(4):
         scratch.drift[i] -= point.weights[i]
     for i in range(AHEAD * TERMS):
         scratch.moving[i] = 0.0
     drift = Point(shapes_of(state, obj), obj.size, point.row, scratch.drift)
-    moved = lay_motion(samples, modes, drift, _spare(state), scratch.moving, TERMS)
+    moved = lay_motion(samples, modes, drift, spare, scratch.moving, TERMS)
     ends = (TERMS - 1) * AHEAD
     old, old_moved, total = place, moved, place
     for n in range(samples):
@@ -128,14 +115,6 @@ def lay_moving(state: State, contact: Contact, frame: int, stop: int, modes: Mod
                 scratch.rows[i] += total - old + share * (scratch.moving[i] - old_moved)
         total, old, old_moved = scratch.rows[ends + n], last, last_moved
     return place
-
-
-@kernel
-def _furthest(contact: Contact, frame: int, stop: int) -> float:
-    """Return the position from a frame to another that is furthest from where a body is then: it turns at the ends."""
-    if not turns(contact, frame, stop):
-        return position_of(contact, stop)
-    return 1.0 if position_of(contact, frame + 1) > position_of(contact, frame) else 0.0
 
 
 @kernel
@@ -167,5 +146,6 @@ def lay_answers(state: State, contact: Contact, other: Contact, moment: int, sam
             else:
                 for i in range(size):
                     moved.y1[i], moved.y2[i] = modes.a1[i] * moved.y1[i] + modes.a2[i] * moved.y2[i], moved.y1[i]
-            place += lay_point(state, samples, moved, point_of(state, obj, point))
+            where, scratch = point_of(state, obj, point), state.scratch
+            place += lay_motion(samples, moved, where, _spare(state), scratch.rows, scratch.net.terms)
     return place

@@ -43,47 +43,66 @@ def settle_net(state: State, net: Net) -> None:
                 block.tables[j].settled = 0
         if net.between == 0:
             block.reached = math.inf
-    if net.between == 1:
-        _settle_between(state, net)
+    if net.between == 1 and not _are_known(state, net, QUANTUM):
+        # Find the tables of bodies that move at the quantum's ends: at its beginning they may be those of the last end.
+        follows = _are_known(state, net, 0)
+        for i in range(net.size):
+            for j in range(net.size):
+                if follows and _moves(state, net, i, j):
+                    go_on_from_end(state.blocks[net.block[i]].tables[j], LINE)
+        for end in range(1 if follows else 0, 2):
+            for i in range(net.size):
+                contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
+                if contact.travel > 0.0:
+                    block.reached = position_of(contact, end * QUANTUM)
+                    put(state, state.objects[contact.point[0].slot], contact, block.reached)
+                    contact.unsettled = 1
+                    observe_points(state, contact)
+                    block.settled = contact.settled
+            for i in range(net.size):
+                for j in range(net.size):
+                    if _moves(state, net, i, j):
+                        contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
+                        tables = state.blocks[net.block[i]].tables[j]
+                        tables.settled, tables.terms = other.settled, net.terms
+                        _find_answer(state, contact, other)
+                        for n in range(FINE):
+                            tables.ends[end * FINE + n] = state.scratch.fine[n]
+                        _lay_all(state, contact, other, tables, LINE, AT_END if end == 1 else AT_BEGIN)
+    for i in range(net.size if net.between == 1 else 0):
+        # Set the tables amid the block, on lines between the quantum's ends.
+        contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
+        for j in range(net.size):
+            if _moves(state, net, i, j):
+                share = 0.5 * (net.begin + net.stop) / QUANTUM
+                mix_tables(block.tables[j], share, LINE, state.scratch.fine, i == j and is_eased(contact.coupled))
+        if contact.travel > 0.0:
+            put_amid(state, net, contact)
     for i in range(net.size):
         for j in range(net.size):
             tables, settled = state.blocks[net.block[i]].tables[j], state.contacts[net.contact[j]].settled
             if tables.settled != settled or tables.terms != net.terms:
                 tables.settled, tables.terms = settled, net.terms
                 # What stays where it is keeps its tables.
-                _settle_with(
-                    state, net, i, j, whole_lanes(net.stop - net.begin) if _moves(state, net, i, j) else QUANTUM
-                )
+                samples = whole_lanes(net.stop - net.begin) if _moves(state, net, i, j) else QUANTUM
+                contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
+                _find_answer(state, contact, other)
+                settle_tables(tables, state.scratch.fine, i == j and is_eased(contact.coupled))
+                _lay_all(state, contact, other, tables, samples, 0)
+                if bends_under(other):
+                    # Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the
+                    # rows of their motion if they are let go.
+                    place = lay_answers(state, contact, other, BENT, samples)
+                    rows, own = state.scratch.rows, contact.coupled.period**2 / contact.m if i == j else 0.0
+                    tables.missed[0] = rows[(TERMS - 1) * AHEAD] - place + tables.within[0, 0] - 0.5 * own
+                    for k in range(1, TERMS):
+                        tables.missed[k] = rows[(k - 1) * AHEAD] + tables.within[k, 0] - (0.5 * own if k == 1 else 0.0)
 
 
 @kernel
 def _moves(state: State, net: Net, i: int, j: int) -> bool:
     """True if one of two contacts of a net moves over its object."""
     return state.contacts[net.contact[i]].travel > 0.0 or state.contacts[net.contact[j]].travel > 0.0
-
-
-@noinline_kernel
-def _settle_between(state: State, net: Net) -> None:
-    """Set the tables of bodies that move: those amid the block, on lines between the quantum's ends."""
-    if not _are_known(state, net, QUANTUM):
-        if _are_known(state, net, 0):
-            # Take the tables at the last quantum's end as those at this one's beginning.
-            for i in range(net.size):
-                for j in range(net.size):
-                    if _moves(state, net, i, j):
-                        go_on_from_end(state.blocks[net.block[i]].tables[j], LINE)
-        else:
-            _settle_at(state, net, 0)
-        _settle_at(state, net, 1)
-    for i in range(net.size):
-        block = state.blocks[net.block[i]]
-        for j in range(net.size):
-            if _moves(state, net, i, j):
-                share = 0.5 * (net.begin + net.stop) / QUANTUM
-                eased = i == j and is_eased(state.contacts[net.contact[i]].coupled)
-                mix_tables(block.tables[j], share, LINE, state.scratch.fine, eased)
-        if state.contacts[net.contact[i]].travel > 0.0:
-            put_amid(state, net, state.contacts[net.contact[i]])
 
 
 @kernel
@@ -99,52 +118,6 @@ def _are_known(state: State, net: Net, frame: int) -> bool:
                 known = known and block.tables[j].settled == state.contacts[net.contact[j]].settled
                 known = known and block.tables[j].terms == net.terms
     return known
-
-
-@kernel
-def _settle_at(state: State, net: Net, end: int) -> None:
-    """Find the tables of bodies that move at the quantum's beginning, or at its end: 1."""
-    for i in range(net.size):
-        contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
-        if contact.travel > 0.0:
-            block.reached = position_of(contact, end * QUANTUM)
-            put(state, state.objects[contact.point[0].slot], contact, block.reached)
-            contact.unsettled = 1
-            observe_points(state, contact)
-            block.settled = contact.settled
-    for i in range(net.size):
-        for j in range(net.size):
-            if _moves(state, net, i, j):
-                # Find the tables of one contact's force at another one's points where they are at an end of the
-                # quantum.
-                contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
-                tables = state.blocks[net.block[i]].tables[j]
-                tables.settled, tables.terms = other.settled, net.terms
-                _find_answer(state, contact, other)
-                for n in range(FINE):
-                    tables.ends[end * FINE + n] = state.scratch.fine[n]
-                _lay_all(state, contact, other, tables, LINE, AT_END if end == 1 else AT_BEGIN)
-
-
-@noinline_kernel
-def _settle_with(state: State, net: Net, i: int, j: int, samples: int) -> None:
-    """Find what the force of one contact, j, does at another one's points, or its own: within a sample and in so many
-    after it."""
-    contact, other = state.contacts[net.contact[i]], state.contacts[net.contact[j]]
-    tables = state.blocks[net.block[i]].tables[j]
-    _find_answer(state, contact, other)
-    settle_tables(tables, state.scratch.fine, i == j and is_eased(contact.coupled))
-    _lay_all(state, contact, other, tables, samples, 0)
-    if bends_under(other):
-        place = lay_answers(state, contact, other, BENT, samples)
-        own = contact.coupled.period**2 / contact.m if i == j else 0.0
-        # Find what the tables miss of a force that lasts, where 1 N bends the modes by `place` (m): by the rows
-        # of their motion if they are let go.
-        tables.missed[0] = state.scratch.rows[(TERMS - 1) * AHEAD] - place + tables.within[0, 0] - 0.5 * own
-        for k in range(1, TERMS):
-            tables.missed[k] = (
-                state.scratch.rows[(k - 1) * AHEAD] + tables.within[k, 0] - (0.5 * own if k == 1 else 0.0)
-            )
 
 
 @kernel

@@ -3,9 +3,10 @@ where nothing else acts on the object, or on those that share contacts with it.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
 decided for each quantum anew: while a contact of another kind acts, or too many do, and where a contact is too stiff,
-or loses too much, they go on sample by sample (contact_groups.py). So does a sample in which a press leaves;
-then another block begins. A body that moves over its object feels the modes where it comes to; what its force does to
-the samples after it is known for one place in each block.
+or loses too much, they go on sample by sample (contact_groups.py), but where there is no time for the steps that this
+takes: a block's one step a sample is then as loud in each third octave within 1 dB, or 3 dB where a body hops. So does
+a sample in which a press leaves; then another block begins. A body that moves over its object feels the modes where it
+comes to; what its force does to the samples after it is known for one place in each block.
 
 Friction follows the normal force and the modes sample by sample (slides.py). So a block under it is solved a sample at
 a time, just before: later samples of all its contacts feel friction as they feel their own forces.
@@ -13,9 +14,9 @@ a time, just before: later samples of all its contacts feel friction as they fee
 
 import math
 
-from ...contact.accuracy import IN_BLOCKS
+from ...contact.accuracy import IN_BLOCKS, STEPS_A_RADIAN
 from ...contact.block import begin_block, end_block, forget_energy, renew_block, step_blocks
-from ...contact.block_choice import is_followed, is_long, is_soft
+from ...contact.block_choice import is_followed, is_long, is_soft, swing_of
 from ...contact.block_records import SOFT_TERMS, TERMS, TOGETHER, Net
 from ...contact.block_tables import feel, take_rows
 from ...contact.lanes import takes_law
@@ -29,6 +30,7 @@ from ..bodies.objects import modes_of
 from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker, press_striker
 from ..bodies.surface import glides
+from ..memory.quality import holds_steps
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
@@ -41,6 +43,7 @@ from .flights import release_spent
 from .presses import press
 from .rolls import feed_of, register_roll
 from .slides import rubs
+from .solver_choice import price_of
 from .trace import trace_press, trace_roll
 
 _FAR = 0.03  # rows of shapes that a body passes in a quantum, up to which its answer goes as a line within -60 dB
@@ -68,13 +71,13 @@ def solve_blocks(state: State, slot: int, frame: int) -> None:
         _conclude(state, net, frame, stop)
 
 
-@kernel
+@noinline_kernel
 def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
     """Begin a block of those contacts from a frame on, or go on with it; true if there is one to be solved. in_lanes: a
     soft one is to have three terms."""
     obj, net = state.objects[slot], state.scratch.net
     obj.resumes = QUANTUM
-    if not IN_BLOCKS[state.choices.accuracy]:
+    if not (IN_BLOCKS[state.choices.accuracy] or holds_steps(state) or state.choices.budget.steps > 0):
         return False
     goes_on = obj.laid >= 0
     net.begin = obj.laid if goes_on else frame
@@ -94,13 +97,37 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
                 net.terms = SOFT_TERMS
         settle_net(state, net)
         for i in range(net.size):
-            _begin(state, net, i, frame)
+            # Begin a block of a contact, by how its objects ring.
+            contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
+            if contact.trait.single == 1 and block.touch != contact.number:
+                block.touch = contact.number
+                forget_energy(block)
+            scale, place = 1.0 / contact.now.gain, 0.0
+            clear_rows(state)
+            for side in range(2):
+                point = contact.point[side]
+                if point.slot >= 0:
+                    if side == 0 and contact.travel > 0.0 and point.on_surface == 0:
+                        modes = modes_of(state, state.objects[point.slot], 0, point.modes)
+                        place += scale * lay_moving(state, contact, frame, net.stop, modes)
+                    else:
+                        place += scale * lay_contact(state, contact, side, whole_lanes(net.stop - frame))
+            take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame), net.terms)
+            rolls = contact.trait.along == 1
+            begin_block(block, contact.coupled, place, net.terms)
+            if not is_followed(contact.coupled, contact.trait.rests == 1):
+                block.landing = math.inf  # there is no time for steps, however hard it lands
+            if rolls:
+                begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
+            else:
+                project_path(contact.coupled, block)  # which is level
     return True
 
 
-@kernel
+@noinline_kernel
 def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
-    """End a block that was to be solved up to a frame, or leave it so that it goes on."""
+    """End a block that was to be solved up to a frame, or leave it so that it goes on; hand on its forces from a frame
+    on."""
     for i in range(net.size):
         state.contacts[net.contact[i]].ahead = net.end
     if net.end == stop < net.stop:
@@ -132,12 +159,6 @@ def _conclude(state: State, net: Net, frame: int, stop: int) -> None:
             obj.resumes = end + apart if end + apart <= QUANTUM - _FEWEST else QUANTUM
             if net.moves == 1 and end == net.stop:
                 obj.resumes = end
-    _hand_on_all(state, net, frame)
-
-
-@noinline_kernel
-def _hand_on_all(state: State, net: Net, frame: int) -> None:
-    """Hand on the forces of a net's contacts from a frame on, as far as they are solved."""
     for i in range(net.size):
         # Hand on the force of a contact from a frame on, as far as it is solved: to the record of contacts, to a
         # striker that sounds, and with its gain to the modes.
@@ -240,9 +261,12 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
         contact = state.contacts[index]
         here = contact.point[0].slot == slot or contact.point[1].slot == slot
         waits = contact.start + 1 - state.position
+        listed = False
+        for i in range(net.size):
+            listed |= net.contact[i] == index
         if here and contact.asleep == 0 and waits > frame:
             net.stop = min(net.stop, waits)
-        elif here and contact.asleep == 0 and not _is_listed(net, index):
+        elif here and contact.asleep == 0 and not listed:
             if net.size == TOGETHER or not (goes_on or _can_be(state, contact)):
                 return False
             i = net.size
@@ -259,15 +283,6 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
                     _join(net, contact.point[side].slot)
         index = contact.next
     return True
-
-
-@kernel
-def _is_listed(net: Net, index: int) -> bool:
-    """True if a contact is in a net."""
-    found = False
-    for i in range(net.size):
-        found |= net.contact[i] == index
-    return found
 
 
 @kernel
@@ -308,9 +323,12 @@ def _has_place(state: State, contact: Contact) -> bool:
 
 @kernel
 def _look(state: State, net: Net) -> bool:
-    """True if a block follows all contacts. A body that moves over its object, and has
-    no tables between the quantum's ends, is put where it is amid the block: its force is answered as there."""
-    follows = True
+    """True if a block follows all contacts, or if there is no time for their steps.
+
+    A body that moves over its object, and has no tables between the quantum's ends, is put where it is amid the block:
+    its force is answered as there.
+    """
+    follows: bool = IN_BLOCKS[state.choices.accuracy]
     near = net.moves == 1 and net.lasts == 0
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
@@ -326,33 +344,14 @@ def _look(state: State, net: Net) -> bool:
             observe_points(state, contact)
         take_room_again(state, contact)
         follows &= is_followed(contact.coupled, contact.trait.rests == 1)
-    return follows
-
-
-@noinline_kernel
-def _begin(state: State, net: Net, i: int, frame: int) -> None:
-    """Begin a block of a contact at a frame, by how its objects ring."""
-    contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
-    if contact.trait.single == 1 and block.touch != contact.number:
-        block.touch = contact.number
-        forget_energy(block)
-    scale, place = 1.0 / contact.now.gain, 0.0
-    clear_rows(state)
-    for side in range(2):
-        point = contact.point[side]
-        if point.slot >= 0:
-            if side == 0 and contact.travel > 0.0 and point.on_surface == 0:
-                modes = modes_of(state, state.objects[point.slot], 0, point.modes)
-                place += scale * lay_moving(state, contact, frame, net.stop, modes)
-            else:
-                place += scale * lay_contact(state, contact, side, whole_lanes(net.stop - frame))
-    take_rows(block, state.scratch.rows, scale, whole_lanes(net.stop - frame), net.terms)
-    rolls = contact.trait.along == 1
-    begin_block(block, contact.coupled, place, net.terms)
-    if rolls:
-        begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
-    else:
-        project_path(contact.coupled, block)  # which is level
+    if follows or holds_steps(state) or state.choices.budget.steps == 0:
+        return follows or holds_steps(state)
+    # Those that are solved together take as many steps as the stiffest, on an object that is as light against all.
+    swing = 0.0
+    for i in range(net.size):
+        swing = max(swing, swing_of(state.contacts[net.contact[i]].coupled))
+    each: float = 1.0 + STEPS_A_RADIAN[state.choices.accuracy] * swing * math.sqrt(net.size)
+    return price_of(net.size) * each > state.choices.budget.steps
 
 
 @kernel

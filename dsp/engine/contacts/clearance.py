@@ -51,7 +51,14 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
             speed += fast / contact.now.gain
             acceleration += change / contact.now.gain
             faster += kicked / contact.now.gain
-            farthest += _farthest(state, contact, side, far, given) / contact.now.gain
+            # How far the point can move with what others may give it: not known where more than an impact does, as the
+            # compliance is that of where the contact began.
+            if contact.trait.single == 0:
+                most = far if given == 0.0 else math.inf
+            else:
+                most = math.sqrt(2.0 * (given + _energy_of(state, obj)) * point.compliance) / obj.settings.tune
+                most = most if given > 0.0 else min(far, most)
+            farthest += most / contact.now.gain
     contact.reach = distance
     if contact.trait.held == 1:
         contact.coupled.push = max(contact.coupled.push, contact.push)  # the greatest up to the quantum's end
@@ -59,20 +66,6 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
         contact.coupled.motion[0] = contact.coupled.position + distance  # at most
         acceleration = math.inf  # the gap's rate is not known
     return apart_for(contact.coupled, farthest, speed, acceleration, faster)
-
-
-@kernel
-def _farthest(state: State, contact: Contact, side: int, far: float, given: float) -> float:
-    """Return how far (m) a point can move, whose modes reach so far (m) now, if others may give them energy (J).
-
-    Infinity where that is not known: the compliance is that of where the contact began, and only impacts stay there.
-    """
-    point = contact.point[side]
-    if contact.trait.single == 0:
-        return far if given == 0.0 else math.inf
-    obj = state.objects[point.slot]
-    farthest = math.sqrt(2.0 * (given + _energy_of(state, obj)) * point.compliance) / obj.settings.tune
-    return farthest if given > 0.0 else min(far, farthest)
 
 
 @kernel
@@ -121,11 +114,16 @@ def _given_by_others(state: State, contact: Contact, side: int, far: float) -> t
     index = state.objects[slot].contact
     while index >= 0:
         other = state.contacts[index]
-        if index != contact.index and _gives(other):
+        # A blow gives its energy, if it touches, or may do so again. One that flies off gives none: an object that
+        # catches up with it pushes it on.
+        touches, blow = index != contact.index and other.touching == 1, other.trait.lasts == 0
+        flies = other.solver == COUPLING and other.trait.single == 1 and other.coupled.touching == 0
+        flies = flies and other.coupled.contacts > 0 and other.coupled.v <= 0.0 and other.coupled.push <= 0.0
+        if touches and blow and other.aside != KEPT_ASIDE and not flies:
             fast = other.v_in * other.now.gain
             energy += 0.5 * other.m * fast * fast
             speed += min(moved_by(contact, other) * contact.v_in * contact.now.gain, 2.0 * fast)
-        elif index != contact.index and (other.touching == 1 and other.trait.lasts == 1 and other.solver == COUPLING):
+        elif touches and not blow and other.solver == COUPLING:
             # The energy (J) of a body that leans on an object: that of its motion and of its compression, and the work
             # of what pushes it as it follows the object so far (m).
             coupled = other.coupled
@@ -140,16 +138,3 @@ def _given_by_others(state: State, contact: Contact, side: int, far: float) -> t
             speed += math.sqrt(2.0 * stored * give)
         index = other.next
     return energy, speed
-
-
-@kernel
-def _gives(contact: Contact) -> bool:
-    """True if a striker touches, or may do so again, by a blow: its energy is known.
-
-    One that flies off from a blow gives none: an object that catches up with it pushes it on.
-    """
-    if contact.touching == 0 or contact.aside == KEPT_ASIDE or contact.trait.lasts == 1:
-        return False
-    coupled = contact.coupled
-    leaves = contact.solver == COUPLING and contact.trait.single == 1 and coupled.touching == 0
-    return not (leaves and coupled.contacts > 0 and coupled.v <= 0.0 and coupled.push <= 0.0)

@@ -10,6 +10,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import FINE
 from ...resonator.fed import LINE
+from ...rolling.coupled_roll import lead_coupled_roll
 from ...schema import POSITION
 from ..bodies.surface import glides, put_behind
 from ..memory.quality import holds_steps
@@ -17,7 +18,7 @@ from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, State
 from .contact_force import drive, find_transfer, gain_of, observe_points
 from .contact_list import acts, share_object
-from .coupled_rolls import lead_roll
+from .coupled_rolls import PASSED, passed_by, put_on_line
 from .presses import press
 from .solver_choice import choose_tolerance, count_steps, price_of
 
@@ -98,7 +99,16 @@ def _solve(state: State, frame: int) -> None:
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
         if contact.trait.along == 1:
-            lead_roll(state, contact)
+            # Bring a roll that feels all modes to the coming sample: its path, and where it acts.
+            roll, led = state.rolls[contact.roll], contact.led
+            at = int(contact.origin + 1.0 + roll.t * state.rate + 0.5) - state.position - led  # in the quantum
+            if led == 0 and lead_coupled_roll(roll, contact.coupled, contact.fraction if roll.t == 0.0 else 0.0):
+                contact.unsettled = 1
+            contact.led = 0
+            if contact.travel > 0.0:
+                put_on_line(state, contact, at, state.scratch.drift)
+                if passed_by(state, contact) > PASSED or at % LINE == 0 or at == contact.ahead:
+                    contact.unsettled = 1
         if contact.trait.held == 1:
             press(contact, frame)
             # Put a coupled striker that is pressed on where it is amid the sample that ends at a frame; at a

@@ -11,7 +11,7 @@ import numpy as np
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
 from ...numerics.legendre import KEPT
-from ...rolling.body import weigh
+from ...rolling.body import fill_roll, weigh
 from ...schema import BY_POINT, POINT, STEERABLE, gestures_steered_by
 from ..bodies.covers import cover
 from ..bodies.strikers import roll_striker
@@ -51,7 +51,7 @@ from .coupled_rolls import LEAVING
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .presses import add_static, glide_push
 from .rests import bear_load, begin_rest, keep_resting
-from .rolls import feed_of, feed_on, move_on, register_roll
+from .rolls import feed_of, move_on, register_roll
 from .room import fade_out
 from .slides import choose_again, lead_slide, rub, rubs
 from .solver_choice import is_moved
@@ -158,7 +158,57 @@ def _go_on(state: State, index: int) -> bool:
     if state.heard[index] == LEFT_OUT:
         return not fade_out(state, index)
     if contact.trait.along == 1:
-        return _roll_on(state, index)
+        # Compute a rolling or sliding body's force for a quantum.
+        roll = state.rolls[contact.roll]
+        if contact.trait.slips == 1:
+            choose_again(state, contact)
+        changed = update_mode_count(state, contact)
+        if contact.trait.slips == 1:
+            lead_slide(state, contact, changed)
+        if contact.solver == COUPLING:
+            # Bring a roll or slide that feels all modes to a new quantum.
+            if changed:
+                contact.unsettled = 1
+            if contact.trait.rolls == 1:
+                since = roll.t - (state.position - 1 - contact.origin) / state.rate  # the quantum's beginning
+                contact.rolled = roll.s - roll.modulated_speed * since
+                contact.rolls = QUANTUM * roll.modulated_speed / state.rate
+            contact.m = roll.m
+            contact.ahead = 0
+            state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
+            roll.impacts = contact.coupled.contacts - 1
+            roll_striker(state, contact)
+            return roll.ended == 1
+        roll.path.coarseness = coarseness_of(state)
+        ends = contact.trait.slips == 1 and state.slides[contact.roll].feels == LEAVING
+        met = roll.impacts
+        if ends:
+            # End a body's force with the frames that are computed.
+            feed = state.feeds[contact.roll]
+            move_on(state, contact, BEHIND + LEAD)
+            for n in range(BEHIND + LEAD, len(feed)):
+                for k in range(KEPT):
+                    feed[n, k] = 0.0
+        else:
+            # Compute the force up to LEAD frames behind this quantum's end; `new` is the first frame to be fed.
+            new = BEHIND + LEAD if roll.piece >= 0 else BEHIND
+            since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate  # s: of that since it began
+            move_on(state, contact, new)
+            fill_roll(roll, since, state.rate, state.feeds[contact.roll, new:])
+        # Hand the force on to what it drives.
+        feed = feed_of(state, contact)
+        if contact.trait.rolls == 1:
+            ahead = roll.t - (state.position - 1 + QUANTUM - contact.origin) / state.rate
+            contact.rolled += contact.rolls
+            contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
+        state.stats.impacts += roll.impacts - met
+        trace_roll(state, contact, feed, (0, QUANTUM), 1)
+        for n in range(len(contact.forces)):
+            contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
+        if roll.ended == 0:
+            register_roll(state, index)
+            roll_striker(state, contact)
+        return roll.ended == 1
     if contact.trait.swarms > 0:
         return swarm_on(state, index)
     if contact.solver == COVERING:
@@ -216,58 +266,6 @@ def _lift(state: State, contact: Contact, frames: int) -> None:
     contact.push = contact.push_gap = 0.0
     contact.start = state.position + frames
     contact.fraction = 0.0
-
-
-@noinline_kernel
-def _roll_on(state: State, index: int) -> bool:
-    """Compute a rolling or sliding body's force for a quantum; true if it has come to its end."""
-    contact = state.contacts[index]
-    roll = state.rolls[contact.roll]
-    if contact.trait.slips == 1:
-        choose_again(state, contact)
-    changed = update_mode_count(state, contact)
-    if contact.trait.slips == 1:
-        lead_slide(state, contact, changed)
-    if contact.solver == COUPLING:
-        # Bring a roll or slide that feels all modes to a new quantum.
-        if changed:
-            contact.unsettled = 1
-        if contact.trait.rolls == 1:
-            since = roll.t - (state.position - 1 - contact.origin) / state.rate  # the quantum's beginning
-            contact.rolled = roll.s - roll.modulated_speed * since
-            contact.rolls = QUANTUM * roll.modulated_speed / state.rate
-        contact.m = roll.m
-        contact.ahead = 0
-        state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
-        roll.impacts = contact.coupled.contacts - 1
-        roll_striker(state, contact)
-        return roll.ended == 1
-    roll.path.coarseness = coarseness_of(state)
-    ends = contact.trait.slips == 1 and state.slides[contact.roll].feels == LEAVING
-    met = roll.impacts
-    if ends:
-        # End a body's force with the frames that are computed.
-        feed = state.feeds[contact.roll]
-        move_on(state, contact, BEHIND + LEAD)
-        for n in range(BEHIND + LEAD, len(feed)):
-            for k in range(KEPT):
-                feed[n, k] = 0.0
-    else:
-        feed_on(state, contact)
-    # Hand the force on to what it drives.
-    feed = feed_of(state, contact)
-    if contact.trait.rolls == 1:
-        ahead = roll.t - (state.position - 1 + QUANTUM - contact.origin) / state.rate
-        contact.rolled += contact.rolls
-        contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
-    state.stats.impacts += roll.impacts - met
-    trace_roll(state, contact, feed, (0, QUANTUM), 1)
-    for n in range(len(contact.forces)):
-        contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
-    if roll.ended == 0:
-        register_roll(state, index)
-        roll_striker(state, contact)
-    return roll.ended == 1
 
 
 @kernel
@@ -346,8 +344,12 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
 
     Contacts that end are dropped.
     """
-    if obj.rubbed == 1:
-        _rub_all(state, obj, frame)
+    # Friction comes before other contacts: the force of a press that a slide feels is then always the last sample's.
+    index = obj.contact if obj.rubbed == 1 else -1
+    while index >= 0:
+        if state.contacts[index].trait.slips == 1:
+            rub(state, state.contacts[index], frame)
+        index = state.contacts[index].next
     before = -1
     index = obj.contact
     while acts(state, index):
@@ -383,15 +385,3 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
     if acts(state, first) and state.contacts[first].solver == COUPLING and acts(state, state.contacts[first].next):
         take_out(state, obj, -1, first)
         append_contact(state, obj, first)
-
-
-@noinline_kernel
-def _rub_all(state: State, obj: Object, frame: int) -> None:
-    """Give the modes the friction of all slides over the sample that ends at a frame, before other contacts: the force
-    of a press that a slide feels is then always that of the last sample."""
-    index = obj.contact
-    while index >= 0:
-        contact = state.contacts[index]
-        if contact.trait.slips == 1:
-            rub(state, contact, frame)
-        index = contact.next

@@ -1,14 +1,16 @@
 """Rolls and slides that feel the modes of the object under them.
 
 On an object that yields a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). Up to -60 it is
-solved a quantum at a time where it can be (blocks.py). Where it can't, and the object hardly yields, where steps
-are held, where `/budget` has no room or too few steps, and under a bow the object is a dashpot, which costs as much for
-any number of modes (rolling/contact_step.py). That is as loud in each third octave, within 1 dB, but its waveform is
-off by -15 to -40 dB.
+solved a quantum at a time where it can be (blocks.py), and so is what has no time for its steps. Where it can't, and
+the object hardly yields, for a body that begins under load, where `/budget` has no room, or too few steps for several,
+and under a bow the object is a dashpot, which costs as much for any number of modes (rolling/contact_step.py). That is
+as loud in each third octave, within 1 dB, on objects that outweigh the body (on lighter ones up to 15 dB off), but its
+waveform is off by -15 to -40 dB.
 It is one, too, under a slide whose friction comes too late for the swings on its contact; friction or force that is
 steered chooses anew, by the greater of the force that is requested and that which it has come to. And it is one beside
 as many coupled contacts as a block takes, if steps have a bound: those that are solved together by samples take more
-steps than the sum of each, and a force that is held among them gains energy.
+steps than the sum of each, and a force that is held among them gains energy. Without dashpots those would miss them who
+play many bodies at once on objects of hundreds of modes: there one costs a third of a block.
 
 All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
 fits in none touches its object.
@@ -32,7 +34,7 @@ from ...native.typed import View
 from ...resonator.fed import LINE
 from ...rolling.body import share_of
 from ...rolling.contact_step import BRIEF
-from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
+from ...rolling.coupled_roll import begin_coupled_roll
 from ..bodies.objects import is_felt, shape_at, weigh
 from ..bodies.surface import put
 from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
@@ -117,9 +119,9 @@ def couple_roll(state: State, contact: Contact) -> None:
 def _needed(state: State, contact: Contact, turn: float, fits: bool) -> float:
     """Return the steps in a sample that a contact which swings by `turn` rad in one takes.
 
-    What no block follows takes them with those coupled already that share objects with it, or with another of them: as
-    many as the stiffest, on an object that is as light against all of them. From TOGETHER others on they are more than
-    there can be.
+    A block takes one for a contact that is alone. Else what no block follows takes them with those coupled already that
+    share objects with it, or with another of them: as many as the stiffest, on an object that is as light against all
+    of them. From TOGETHER others on they are more than there can be.
     """
     # List the coupled contacts, up to TOGETHER others, that share objects with it, or with another of them.
     found, count, before = state.scratch.candidates, 1, 0
@@ -140,6 +142,8 @@ def _needed(state: State, contact: Contact, turn: float, fits: bool) -> float:
                 index = other.next
     if count > TOGETHER:
         return math.inf
+    if count == 1:
+        return 1.0
     together = 1
     if not fits:
         together = count
@@ -185,20 +189,6 @@ def _mobility_here(state: State, contact: Contact, omega_c: float) -> float:
                     phi = shape_at(state, obj, point, i)
                     total += phi * phi / (1.0 + (omega / omega_c) ** 2)
     return total
-
-
-@kernel
-def lead_roll(state: State, contact: Contact) -> None:
-    """Bring a roll that feels all modes to the coming sample: its path, and where it acts."""
-    roll, led = state.rolls[contact.roll], contact.led
-    frame = int(contact.origin + 1.0 + roll.t * state.rate + 0.5) - state.position - led  # in the quantum
-    if led == 0 and lead_coupled_roll(roll, contact.coupled, contact.fraction if roll.t == 0.0 else 0.0):
-        contact.unsettled = 1
-    contact.led = 0
-    if contact.travel > 0.0:
-        put_on_line(state, contact, frame, state.scratch.drift)
-        if passed_by(state, contact) > PASSED or frame % LINE == 0 or frame == contact.ahead:
-            contact.unsettled = 1
 
 
 @kernel

@@ -7,35 +7,23 @@ much later. A roll that feels all modes is computed with them instead (coupled_r
 
 from ...contact.block_records import TOGETHER
 from ...karman.step import straighten
-from ...native.jit import kernel, noinline_kernel
+from ...native.jit import kernel
 from ...native.typed import View, View2D
 from ...numerics.legendre import KEPT
 from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_left, ring_middle, ring_under
 from ...resonator.fed import LINE, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
 from ...resonator.sizes import LEAST_FED, REACH
-from ...rolling.body import fill_roll
 from ..bodies.objects import modes_of, shapes_of
 from ..bodies.sensing import push_sensed
 from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending
 from ..bodies.surface import put
 from ..memory.records import Contact, Through
-from ..memory.state import BEHIND, LEAD, QUANTUM, ROLLS, Object, State
+from ..memory.state import BEHIND, QUANTUM, ROLLS, Object, State
 from ..output.mix import sides_of
 from .coupled_rolls import keeps_line, put_on_line
 
 _UNHEARD = 1e-9  # output
-
-
-@noinline_kernel
-def feed_on(state: State, contact: Contact) -> None:
-    """Compute a rolling or sliding body's force up to LEAD frames behind this quantum's end."""
-    roll, feed = state.rolls[contact.roll], state.feeds[contact.roll]
-    new = BEHIND + LEAD if roll.piece >= 0 else BEHIND
-    # The time (s) since a gesture began at the first of the frames to be fed, which has a number of `new`.
-    since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate
-    move_on(state, contact, new)
-    fill_roll(roll, since, state.rate, feed[new:])
 
 
 @kernel

@@ -14,7 +14,6 @@ import math
 
 from ...contact.block import add_beside
 from ...friction.elastic import step_elastic, stiffen
-from ...friction.held import step_held
 from ...friction.located import step_located
 from ...friction.stick_slip import begin_friction, move_beside, respond_along, step_whole
 from ...native.jit import kernel, noinline_kernel
@@ -28,7 +27,6 @@ from ..bodies.bends import find_static
 from ..bodies.objects import modes_of, point_of, shapes_at
 from ..bodies.sensing import push_sensed
 from ..bodies.surface import direct, has_moved, keep_spot, put
-from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact
 from ..memory.state import COUPLING, COVERING, LEAD, QUANTUM, ROLLING, State
 from .contact_list import give_room_back
@@ -205,9 +203,6 @@ def rub(state: State, contact: Contact, frame: int) -> None:
     whole = True
     if friction.tangential > 0.0:
         step_elastic(friction, mean)
-    elif holds_steps(state):
-        friction.slope = 0.0
-        step_held(friction, end, mean)
     else:
         whole = step_whole(friction, third, end, mean, moment)
     if not whole:
@@ -269,17 +264,13 @@ def _drive(state: State, contact: Contact, frame: int) -> None:
         force = max(state.contacts[slide.pressed].forces[0], 0.0) if there else 0.0
         friction.normal[1] = slide.laid * share_of(state.rolls[contact.roll]) * force
         return
-    friction.normal[1] = slide.laid * _own_force(state, contact, frame)
-
-
-@kernel
-def _own_force(state: State, contact: Contact, frame: int) -> float:
-    """Return the normal force (N) of a slide at the end of the sample that ends at a frame."""
-    roll, slide = state.rolls[contact.roll], state.slides[contact.roll]
-    beside = slide.friction.beside
+    # The slide's own force at the end of the sample.
+    roll, beside = state.rolls[contact.roll], friction.beside
     weight = share_of(roll) * roll.m * roll.g
     if contact.solver == COUPLING:
-        return max((beside[0] + beside[1]) * slide.along + weight, 0.0)
-    feed, after = feed_of(state, contact), min(frame + 1, QUANTUM - 1)
-    here, there = feed[frame, 0] * state.rate + weight, feed[after, 0] * state.rate + weight
-    return 0.5 * (max(here, 0.0) + max(there, 0.0))
+        own = max((beside[0] + beside[1]) * slide.along + weight, 0.0)
+    else:
+        feed, after = feed_of(state, contact), min(frame + 1, QUANTUM - 1)
+        first, last = feed[frame, 0] * state.rate + weight, feed[after, 0] * state.rate + weight
+        own = 0.5 * (max(first, 0.0) + max(last, 0.0))
+    friction.normal[1] = slide.laid * own

@@ -6,7 +6,17 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 
 import math
 
-from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
+from ...contact.accuracy import (
+    DEFAULT,
+    IN_BLOCKS,
+    LIGHT,
+    LIGHT_TOLERANCE,
+    RESIDUAL,
+    STEPS_A_RADIAN,
+    TOLERANCE,
+    closed_form_will_do,
+)
+from ...contact.block_choice import swing_of
 from ...contact.closed_form import begin_pulse, find_nodes, find_power
 from ...contact.coupled_step import HELD
 from ...native.jit import kernel
@@ -39,10 +49,21 @@ def tolerance_of(state: State, contact: Contact) -> float:
 
 @kernel
 def choose_tolerance(state: State, contact: Contact) -> None:
-    """Give a coupled contact the tolerance for the coming sample: HELD where its force is held."""
-    tolerance, steps = tolerance_of(state, contact), state.choices.budget.steps
+    """Give a coupled contact the tolerance for the coming sample: HELD where its force is held, as that of a blow that
+    has had its steps is. Without that, those would miss it who play live: a sample would take as long as it liked.
+
+    What rolls or slides, and would take more steps for -80 or more than there are, has the tolerance of -60.
+    """
+    tolerance, steps, level = tolerance_of(state, contact), state.choices.budget.steps, state.choices.accuracy
     if steps > 0 and (contact.debt > _BURST * steps or state.steps_taken > _BURST_OF_ALL * steps):
         tolerance = HELD
+    elif (
+        steps > 0
+        and not IN_BLOCKS[level]
+        and contact.trait.along == 1
+        and 1.0 + STEPS_A_RADIAN[level] * swing_of(contact.coupled) > steps
+    ):
+        tolerance = max(tolerance, LIGHT_TOLERANCE[DEFAULT])
     contact.coupled.tolerance = tolerance
 
 

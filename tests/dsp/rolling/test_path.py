@@ -142,7 +142,7 @@ def test_a_path_that_is_renewed_is_the_same_path(radius):
                 path.extend_path(record, min(n, piece) + path.AHEAD)
             at, along = piece, 0.4 * record["length"][piece % path.PIECES]
             if renewed:
-                at, along = 0, path.renew_path(record, at, along)
+                at, along = 0, path.restart_path(record, 0, at, along)
                 path.extend_path(record, 1)
                 while along > record["length"][at]:
                     along -= record["length"][at]
