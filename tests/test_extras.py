@@ -56,7 +56,7 @@ assert code == 1 and "scipy.linalg" not in sys.modules
 
 
 @pytest.mark.slow
-def test_it_plays_without_scipy(tmp_path):
+def test_carom_plays_without_scipy(tmp_path):
     ran = subprocess.run([sys.executable, "-c", PLAYS], cwd=tmp_path, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
     world, fit = ran.stdout.splitlines()

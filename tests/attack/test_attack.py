@@ -39,7 +39,7 @@ def test_each_promise_names_tests_that_are_there():
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no clock of a processor's time")
-def test_what_ends_a_process_or_takes_too_long_or_raises_is_told():
+def test_crashes_overruns_and_exceptions_of_a_child_process_are_told():
     with Child() as child:
         assert child.run(int, "3") == 3
         with pytest.raises(Died, match="SIGSEGV"):

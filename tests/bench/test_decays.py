@@ -73,7 +73,7 @@ def test_partials_that_glide_together_keep_their_decays():
     assert [t60 for _, t60 in decays(sound)] != pytest.approx([1.5, 0.8, 0.4], rel=0.15)
 
 
-def test_what_hardly_falls_is_left_out():
+def test_partials_that_hardly_decay_are_left_out():
     assert decay(ringing(0.3, (1000.0, 10.0, 1.0)), RATE, 1000.0) is None
 
 

@@ -27,7 +27,7 @@ def test_of_a_click_it_is_known():
 
 
 @pytest.mark.parametrize("steps", [0, 3])
-def test_it_is_what_dense_matrices_yield(steps):
+def test_bound_on_the_rest_equals_that_of_dense_matrices(steps):
     """Matrices of all entries; P X by the mean over each antidiagonal, weighed by the entries' shares."""
     sound, size, count = TAKE[:241], 121, 5
     shares = np.outer(WEIGHTS[:size], WEIGHTS[:size])
@@ -44,7 +44,7 @@ def test_it_is_what_dense_matrices_yield(steps):
 
 
 @pytest.mark.parametrize("steps", [0, 4])
-def test_nothing_need_be_left_of_as_many_sinusoids_and_the_weakest_of_one_more(steps):
+def test_bound_is_0_with_enough_sinusoids_and_near_the_weakest_with_one_less(steps):
     sound = BELL.sound(0.04)
     assert abs(least_left(sound, 8, steps)) < 1e-9 * np.sum(sound**2)
     t = np.arange(1001)

@@ -11,7 +11,7 @@ from .recordings import strike
 from .sources import SOURCES, Folder, further
 
 
-def test_what_is_not_there_is_left_out(tmp_path, monkeypatch):
+def test_missing_sources_are_left_out(tmp_path, monkeypatch):
     monkeypatch.setattr(sources, "ROOT", tmp_path)
     assert list(further()) == []
 

@@ -71,7 +71,7 @@ def arrived(server: Server, count: int) -> list[Bundle]:
     return server.received
 
 
-def test_nothing_of_a_number_is_lost(server: Server, client: Client) -> None:
+def test_numbers_are_sent_without_loss(server: Server, client: Client) -> None:
     client.impact("a", 0.1)
     with client.bundle():
         client.impact("a", 0.1)
@@ -227,7 +227,7 @@ def test_lists_and_arrays_become_tuples_of_numbers(client: Client, monkeypatch) 
     assert type(frequency[0]) is float and type(table[0]) is int
 
 
-def test_what_cannot_be_sent_is_told(client: Client) -> None:
+def test_arguments_that_cannot_be_sent_are_told(client: Client) -> None:
     with pytest.raises(CommandError, match="/a: cannot send"):
         client.send("/a", object())
     with pytest.raises(CommandError, match="/b: cannot send"), client.bundle():
@@ -314,7 +314,7 @@ def test_of_too_many_errors_the_oldest_are_dropped_and_counted(server: Server, m
         assert client.dropped == 2
 
 
-def test_what_comes_in_one_datagram_with_an_answer_is_not_lost(server: Server, client: Client) -> None:
+def test_error_in_one_datagram_with_an_answer_is_not_lost(server: Server, client: Client) -> None:
     both = (Message("/done", ("/a",)), Message("/fail", ("/b", "no")))
     client.send("/hello")
     arrived(server, 1)
@@ -339,7 +339,7 @@ def test_silence(server: Server, client: Client) -> None:
         client.ask("/version", timeout=0.05)
 
 
-def test_nobody_there() -> None:
+def test_question_without_a_server_fails() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]

@@ -90,7 +90,7 @@ REFUSED = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("words", "culprit", "right"), REFUSED, ids=[words for words, _, _ in REFUSED])
-def test_what_cannot_be_fitted_is_told_in_one_line(folder, capsys, monkeypatch, words, culprit, right):
+def test_error_of_a_fit_is_one_line_and_nothing_is_written(folder, capsys, monkeypatch, words, culprit, right):
     monkeypatch.chdir(folder)
     try:
         code = main(["fit", *words.split()])
@@ -232,7 +232,7 @@ def test_a_force_makes_no_fit_worse(folder, tmp_path, capsys, force):
         ("noisy", "noise at -3"),
     ],
 )
-def test_what_a_recording_cannot_tell_is_told(folder, tmp_path, capsys, name, says):
+def test_shortcomings_of_a_recording_are_told(folder, tmp_path, capsys, name, says):
     assert main(["fit", str(folder / f"{name}.wav"), str(tmp_path), "--name", "bar", "--no-report"]) == 0
     assert re.search(says, capsys.readouterr().err)
 
@@ -294,7 +294,7 @@ def test_a_sound_is_compared_with_recordings_of_its_kind(folder, tmp_path, capsy
         ("ring.wav ring.wav --page no/x.html", "no/x.html: there is no folder no"),
     ],
 )
-def test_what_cannot_be_compared_is_told_in_one_line(folder, capsys, monkeypatch, words, says):
+def test_error_of_a_comparison_is_one_line(folder, capsys, monkeypatch, words, says):
     monkeypatch.chdir(folder)
     assert main(["compare", *words.split()]) == 1
     error = capsys.readouterr().err

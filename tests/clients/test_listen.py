@@ -46,7 +46,7 @@ def play(server: Running, name: str = "block") -> None:
 
 
 @pytest.mark.parametrize("words", [(), ("--tcp",)])
-def test_it_prints_ends_of_gestures_as_they_come(server: Running, words):
+def test_listener_prints_ends_of_gestures_as_they_come(server: Running, words):
     with listening(server, *words) as listener:
         for name in ("one", "two"):
             play(server, name)
@@ -55,7 +55,7 @@ def test_it_prints_ends_of_gestures_as_they_come(server: Running, words):
         assert listener.communicate(timeout=10) == ("", "") and listener.returncode == 130
 
 
-def test_it_ends_after_some_seconds(server: Running):
+def test_listener_ends_after_some_seconds(server: Running):
     with listening(server, "--seconds", "3") as listener:
         play(server)
         assert listener.communicate(timeout=10) == ("/gesture/end blow-on-block\nall was well for 3 s\n", "")

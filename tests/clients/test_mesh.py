@@ -84,7 +84,7 @@ def test_a_mesh_becomes_an_object_with_a_report(tmp_path, capsys, monkeypatch):
 
 
 @pytest.mark.slow
-def test_what_was_made_is_kept_and_a_preset_may_name_its_mesh(tmp_path):
+def test_modes_of_a_mesh_that_a_preset_names_are_kept(tmp_path):
     folder = tmp_path / "mine" / "objects"
     folder.mkdir(parents=True)
     written(forms.ball(0.03, 2), folder / "ball.ply")

@@ -59,7 +59,7 @@ def test_a_channel_has_an_object_of_its_own(tmp_path):
 
 
 @pytest.mark.parametrize("words", [("0:tom",), ("17:tom",), ("x:tom",), ("tom", "gong"), ("10:",)])
-def test_what_cannot_play_is_refused_by_name(words):
+def test_wrong_objects_of_channels_are_refused_by_name(words):
     with pytest.raises(ScoreError, match=f"object = {words[-1]}: "):
         playing(words)
 

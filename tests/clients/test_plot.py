@@ -62,7 +62,7 @@ def test_other_numbers_of_channels_are_named(drawn, tmp_path, channels, names):
     assert [ax.get_ylabel().split("\n")[0] for ax in axes[: 2 * channels]] == 2 * names
 
 
-def test_what_cannot_be_drawn_is_told_beforehand(tmp_path):
+def test_wrong_file_of_a_picture_is_refused_beforehand(tmp_path):
     with pytest.raises(PlotError, match=r"expected a name that ends in \.png, \.svg or \.pdf"):
         plotter(tmp_path / "x.bmp")
     with pytest.raises(PlotError, match="there is no folder"):

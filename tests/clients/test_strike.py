@@ -68,7 +68,7 @@ def test_a_strike_on_a_device_tells_of_the_limiter_as_one_in_a_file_does(carom_h
         (("wood-block", "a.mp3"), "a.mp3: expected a name that ends in .wav or .flac"),
     ],
 )
-def test_what_cannot_be_struck_is_told(carom_here, tmp_path, words, error):
+def test_error_of_a_strike_is_one_line_and_nothing_is_written(carom_here, tmp_path, words, error):
     run = carom_here("strike", *words)
     assert run.returncode == 1 and error in run.stderr and run.stderr.count("\n") == 1
     assert not list(tmp_path.iterdir())

@@ -42,7 +42,7 @@ def on_terminal(folder: Path, *words: str) -> str:
 
 
 @pytest.mark.slow
-def test_what_takes_long_shows_its_progress(tmp_path, monkeypatch):
+def test_long_commands_show_their_progress(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "s.txt").write_text("0 /object/new a wood-block\n0.01 /object/a/impact 1\n")
     assert "s of sound" in on_terminal(tmp_path, "render", "s.txt", "long.wav", "--seconds", "20")
@@ -70,9 +70,7 @@ def test_what_takes_long_shows_its_progress(tmp_path, monkeypatch):
         (Work("fit", AT_WORK), ("fitting bowl",), {}, "fitting bowl:"),
     ],
 )
-def test_where_there_is_no_terminal_a_line_tells_of_progress_now_and_then(
-    capsys, monkeypatch, work, begun, change, line
-):
+def test_progress_without_a_terminal_is_told_in_a_line_now_and_then(capsys, monkeypatch, work, begun, change, line):
     monkeypatch.setattr(progress, "PERIOD", 0.05)
     with progress.shown_progress(work, *begun) as show:
         show(**change)
@@ -154,6 +152,6 @@ def test_a_line_is_folded_between_words():
     assert folded("a glass-marble_of_many-letters", 12, 1) == "a\n glass-marble_of_many-letters"
 
 
-def test_what_is_no_terminal_has_no_columns(tmp_path):
+def test_file_that_is_no_terminal_has_no_columns(tmp_path):
     with (tmp_path / "file").open("w") as file:
         assert columns_of(file) is None and columns_of(None) is None

@@ -46,7 +46,7 @@ def test_all_that_is_told_is_shown():
         assert re.search(rf"{name}\s+{value}\b", text)
 
 
-def test_what_goes_wrong_just_now_stands_out():
+def test_trouble_of_just_now_stands_out():
     assert "\x1b[1;31m" not in shown({}) and "\x1b[1;31m" not in shown({"late": 2})
     assert re.search(r"\x1b\[1;31m\s+2\x1b", shown({"late": 1}))
     assert re.search(r"\x1b\[33m\s+1\x1b", shown({}))  # an underflow, some time ago
@@ -63,7 +63,7 @@ def test_what_goes_wrong_just_now_stands_out():
         ({"load": 130.0, "late": 1}, "The machine is too slow for what plays: stop some gestures, or raise /quality."),
     ],
 )
-def test_it_ends_in_a_sentence_about_the_first_trouble(now, said):
+def test_verdict_is_a_sentence_about_the_first_trouble(now, said):
     assert verdict({"sounding": 2, "objects": 3, "load": 3.0, "limiter_lowest": 1.0, **now}) == said
 
 

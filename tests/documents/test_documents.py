@@ -59,7 +59,7 @@ _PATH = re.compile(r"`((?:[a-z_]+/)+[a-zA-Z_]*(?:\.[a-z]+)*)(?:::(\w+))?`|`(\w+)
 
 
 @pytest.mark.parametrize("page", FOR_DEVELOPERS)
-def test_what_it_names_in_the_code_is_there(page):
+def test_code_that_a_page_names_exists(page):
     """Files, tests in them, functions of a module (`rolling/body.fill_roll`), and names of two words (`ring_on`)."""
     prose = re.sub(r"```.*?```", "", TEXTS[page], flags=re.DOTALL)
     for path, test, name in _PATH.findall(prose):
@@ -90,7 +90,7 @@ def _anchor(head: str) -> str:
     return re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-")
 
 
-def test_one_page_has_the_dial_and_the_expert_settings():
+def test_accuracy_page_has_the_dial_and_the_expert_settings():
     dial, expert = (
         re.findall(r"^\| `(\S+?)[` ]", part, re.M) for part in TEXTS["server/accuracy.md"].split("## Expert")
     )

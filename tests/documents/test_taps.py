@@ -17,7 +17,7 @@ def test_taps_in_the_sources_are_those_of_the_fits():
     np.testing.assert_allclose(grid.FILTER[grid.HALF :], taps.filter_taps(), rtol=0, atol=1e-9)
 
 
-def test_nothing_that_plays_fits_taps(monkeypatch):
+def test_modules_that_play_are_loaded_without_a_fit_of_taps(monkeypatch):
     """A start takes the taps as they are: a fit costs more than all else of it."""
 
     def refuse(*args, **kwargs):

@@ -6,7 +6,7 @@ from carom.dsp import kept
 from carom.dsp.kept import Kept
 
 
-def test_what_was_asked_for_last_is_kept_as_far_as_it_fits():
+def test_values_asked_for_last_are_kept_as_far_as_they_fit():
     values = Kept(30, len)
     for key in "abc":
         values.put(key, key * 10)
@@ -22,7 +22,7 @@ def test_what_was_asked_for_last_is_kept_as_far_as_it_fits():
     assert values.get("f")
 
 
-def test_what_nobody_asks_for_goes_when_another_is_asked_for(monkeypatch):
+def test_values_that_nobody_asks_for_go_when_another_is_asked_for(monkeypatch):
     values, now = Kept(30, len), 1_000.0
     monkeypatch.setattr(time, "monotonic", lambda: now)
     values.put("a", "aaa")

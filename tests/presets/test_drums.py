@@ -77,7 +77,7 @@ def test_a_key_gives_the_glide_or_switches_it_off():
 
 
 @pytest.mark.parametrize(("name", "most"), [("piano-string", 0.02), ("bass-string", 0.02), ("frame-drum", 0.2)])
-def test_others_glide_as_their_tension_says(name, most):
+def test_strings_and_a_frame_drum_glide_within_their_bounds(name, most):
     """A piano's strings glide by up to a third of a semitone, a slack drum by more."""
     preset = Presets().object(name)
     modes = preset.modes(1_000)

@@ -83,7 +83,7 @@ def test_a_glb_with_a_model_plays(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_what_a_file_of_another_leaves_out_follows_from_its_surface(mug):
+def test_radiation_that_a_file_leaves_out_follows_from_its_surface(mug):
     """Radiation is computed anew by the shapes at the points: half of it is within 3 dB of that of the whole model."""
     table = mug.geometry["table"]
     data = changed(glb_of("mug", table, mug.material), without_ours)
@@ -94,7 +94,7 @@ def test_what_a_file_of_another_leaves_out_follows_from_its_surface(mug):
     assert np.abs(again.frequency / table.frequency - 1).max() < 1e-6
 
 
-def test_what_cannot_be_read_is_said(mug):
+def test_unreadable_models_are_refused_with_a_reason(mug):
     data = glb_of("mug", mug.geometry["table"], mug.material)
 
     def said(change):

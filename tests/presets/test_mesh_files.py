@@ -110,7 +110,7 @@ def test_a_polygon_that_goes_round_a_hole_by_a_bridge_keeps_the_hole():
         ("curv 0 1 1 2", "free-form surfaces alone"),
     ],
 )
-def test_what_an_obj_says_wrong_is_named_by_its_line(faces, said):
+def test_wrong_obj_files_are_refused_with_a_reason(faces, said):
     head = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
     with pytest.raises(MeshError, match=said):
         read_obj("a.obj", (head + faces).encode())
@@ -275,7 +275,7 @@ def test_a_strip_and_a_node_that_mirrors_keep_faces_outward(tmp_path):
         ({"buffers": [{"uri": "b.bin"}]}, "its buffer b.bin: No such file"),
     ],
 )
-def test_what_a_glTF_asks_for_in_vain_is_named(tmp_path, more, said):
+def test_wrong_gltf_files_are_refused_with_a_reason(tmp_path, more, said):
     (tmp_path / "a.gltf").write_bytes(gltf(*forms.box(0.2, 0.03, 0.01), **more))
     with pytest.raises(MeshError, match=said):
         read_mesh(tmp_path / "a.gltf")
@@ -312,7 +312,7 @@ def packed(extension, view=None):
     }
 
 
-def test_what_is_packed_by_a_library_that_is_missing_is_named_with_the_way_to_it(tmp_path, monkeypatch):
+def test_packed_meshes_whose_library_is_missing_are_named_with_the_way_to_it(tmp_path, monkeypatch):
     import sys
 
     for name in ("DracoPy", "meshoptimizer"):

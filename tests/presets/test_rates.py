@@ -27,7 +27,7 @@ def test_a_strike_is_alike_at_48_and_192_khz(name, within):
 
 
 @pytest.mark.slow
-def test_what_nobody_hears_rests_at_the_same_times():
+def test_felt_on_a_bell_sounds_the_same_at_four_times_the_rate():
     """Felt on a bell is so quiet that the end of its higher modes is a part of the sound."""
     coarse, fine = (sound("church-bell", rate, 0.1, striker="felt") for rate in (BASE, 4 * BASE))
     assert apart(coarse, fine) < -100

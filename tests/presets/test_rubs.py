@@ -22,7 +22,7 @@ RATE = 48_000
         ("singing-bowl", 8.0, {"force": 5.0, "speed": 0.08}),
     ],
 )
-def test_what_is_rubbed_round_its_rim_sings_its_lowest_note(rate, name, before, given):
+def test_rubbed_rims_sing_their_lowest_note(rate, name, before, given):
     with carom.Scene(rate, limiter=False) as scene:
         body = scene.new("a", name)
         body.slide(**given)

@@ -77,7 +77,7 @@ def test_tables_for_all_sizes_are_read(monkeypatch: pytest.MonkeyPatch, folder: 
     assert {each.name: each.stat().st_ino for each in folder.iterdir()} == written  # a file written again is another
 
 
-def test_what_is_damaged_is_made_anew(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+def test_damaged_files_are_made_anew(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     """A file that was cut or changed is written again."""
     made, _ = later(monkeypatch)
     (file,) = folder.iterdir()
@@ -95,7 +95,7 @@ def test_other_sources_make_other_modes(monkeypatch: pytest.MonkeyPatch) -> None
     assert later(monkeypatch)[1]
 
 
-def test_what_was_not_read_for_longest_goes(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+def test_files_that_were_not_read_for_longest_go(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     """Files take no more than their share of the disk."""
     later(monkeypatch)
     (first,) = folder.iterdir()

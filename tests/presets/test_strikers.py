@@ -136,7 +136,7 @@ def test_a_faster_one_is_louder_and_rings_out(library, name):
     assert levels[1] - levels[0] > 0.95 * 20 * math.log10(1 / 0.3)
 
 
-def test_what_it_rings_decays_as_its_file_says(library):
+def test_ringing_of_a_coin_decays_as_its_file_says(library):
     """The coin's lowest mode, which rings longest."""
     ringing = PRESETS.striker("coin").sound.ringing
     sound = struck(library, "coin", seconds=0.4)

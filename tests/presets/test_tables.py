@@ -35,7 +35,7 @@ def test_a_table_is_read_as_it_was_written():
 
 
 @pytest.mark.parametrize("data", [b"", b"no table", b"PK\x05\x06" + bytes(18)])
-def test_what_is_no_table_is_said(data):
+def test_files_that_hold_no_table_are_refused(data):
     with pytest.raises(PresetError, match="mine: expected a table of modes"):
         table_of(data, "mine")
 

@@ -45,7 +45,7 @@ def server(monkeypatch):
 
 
 @pytest.mark.parametrize("tcp", [False, True])
-def test_what_comes_while_the_engine_is_compiled_is_carried_out_once_it_is_there(server, tcp):
+def test_messages_during_compilation_are_carried_out_after_it(server, tcp):
     port, ready = server
     with Client(port=port, tcp=tcp) as client:
         told = []

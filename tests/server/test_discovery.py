@@ -65,7 +65,7 @@ def test_a_note_tunes_the_string_of_a_guitar_whose_body_rings_lower(session):
     assert lowest(session, "g.69") == pytest.approx(100.0 * 440.0 / string, rel=1e-5)
 
 
-def test_what_is_no_note_is_refused(session):
+def test_wrong_notes_are_refused(session):
     for bad in ("H4", "C#", "C11", -1, 128, "sixty"):
         assert "expected a MIDI number from 0 to 127, or a name" in refused(
             session, "/object/new", "bar", "marimba-bar", "note", bad
@@ -150,7 +150,7 @@ def server(tmp_path) -> Iterator[Running]:
 
 
 @pytest.mark.slow
-def test_what_there_is_is_told_in_packets_that_fit(server):
+def test_list_of_objects_is_told_in_packets_that_fit(server):
     with server.client() as client:
         for kind, name in (
             ("objects", "church-bell"),
@@ -187,7 +187,7 @@ def test_an_object_tells_its_settings_and_modes(server):
         assert "drum: no such object" in client.ask_all("/object/drum/get")[0].args[1]
 
 
-def test_what_an_object_tells_is_not_made_again(session, monkeypatch):
+def test_object_that_is_asked_about_is_not_made_again(session, monkeypatch):
     session.perform([Message("/object/new", ("bell", "church-bell"))], NOW)
     _, answer = QUESTIONS["/object/NAME/get"]
     monkeypatch.setattr(ObjectPreset, "modes", None)  # to make some objects again takes a second

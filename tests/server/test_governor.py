@@ -32,7 +32,7 @@ def run(governor, engine, load, seconds, start, overruns=0):
     return steps
 
 
-def test_it_steps_down_under_load_and_up_after_calm():
+def test_governor_steps_down_under_load_and_up_after_calm():
     engine = Loaded()
     governor = Governor(engine)
     assert run(governor, engine, 0.75, 10.0, 100.0) == []
@@ -45,7 +45,7 @@ def test_it_steps_down_under_load_and_up_after_calm():
     assert all(later - sooner >= 4.0 - 1e-9 for (sooner, _), (later, _) in pairwise(up))
 
 
-def test_it_is_back_in_seconds_where_there_is_room_for_twice_the_load():
+def test_governor_is_back_in_seconds_where_twice_the_load_has_room():
     engine = Loaded()
     governor = Governor(engine)
     run(governor, engine, 0.85, 3.0, 200.0)
@@ -56,7 +56,7 @@ def test_it_is_back_in_seconds_where_there_is_room_for_twice_the_load():
 
 
 @pytest.mark.slow
-def test_it_tries_more_where_the_load_is_bearable_and_less_and_less_often_where_that_fails():
+def test_governor_tries_more_at_bearable_load_and_less_often_where_that_fails():
     engine = Loaded()
     governor = Governor(engine)
     run(governor, engine, 0.85, 0.1, 100.0)
@@ -80,7 +80,7 @@ def test_it_tries_more_where_the_load_is_bearable_and_less_and_less_often_where_
     assert again == pytest.approx(now + 2_010.1, abs=0.1)  # calm has made it forget
 
 
-def test_it_tries_nothing_that_may_double_the_load_and_takes_a_try_back_at_once():
+def test_governor_tries_nothing_that_may_double_the_load_and_takes_back_at_once():
     engine = Loaded()
     governor = Governor(engine)
     run(governor, engine, 0.85, 0.5, 100.0)
@@ -114,7 +114,7 @@ def test_late_blocks_alone_are_the_systems_doing_or_a_bursts():
     assert [quality for _, quality in run(governor, engine, 0.5, 5.0, 250.4, overruns=1)] == [Quality.QUIET]
 
 
-def test_what_is_asked_for_is_not_exceeded():
+def test_governor_does_not_exceed_the_quality_that_is_asked_for():
     engine = Loaded()
     governor = Governor(engine)
     governor.note_request(Message("/quality", (2.0,)))

@@ -41,7 +41,7 @@ HOSTILE = [
 ]
 
 
-def test_nothing_hostile_disturbs_it(server: Running):
+def test_hostile_packets_do_not_disturb_the_server(server: Running):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock, server.client() as client:
         client.new("a", "wood-block")
         client.send("/dump", 1)
@@ -76,7 +76,7 @@ def test_a_burst_is_not_lost(server: Running):
         assert status["impacts"] == 5000
 
 
-def test_what_is_sent_on_one_connection_stays_in_order(server: Running):
+def test_messages_on_one_connection_are_carried_out_before_a_later_sync(server: Running):
     with Client(port=server.port, tcp=True) as client:
         client.new("a", "wood-block", gain=-60)
         for _ in range(4_000):
@@ -142,7 +142,7 @@ def test_a_burst_of_datagrams_is_not_lost(server: Running):
         assert told["impacts"] == 10_000 and told["dropped"] == told["dropped_by_system"] == 0
 
 
-def test_who_sends_too_much_is_told(server: Running):
+def test_client_that_sends_too_much_is_told(server: Running):
     with Client(port=server.port, tcp=True) as client, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         client.send("/object/new", "gong", "gong")  # which takes a while
         time.sleep(0.01)

@@ -30,7 +30,7 @@ def slow(name: str, seed: int) -> Message:
 
 
 @pytest.mark.parametrize("tcp", [False, True])
-def test_others_are_answered_meanwhile(server, tcp):
+def test_other_clients_are_answered_while_objects_are_made(server, tcp):
     with Client(port=server.port, tcp=tcp) as maker, server.client() as other:
         other.new("near", "wood-block")
         for n in range(10):
@@ -95,7 +95,7 @@ def _words(message: Message) -> tuple:
 
 
 @pytest.mark.parametrize("tcp", [False, True])
-def test_what_a_client_sends_keeps_its_order(server, tcp):
+def test_messages_of_a_client_keep_their_order(server, tcp):
     with Client(port=server.port, tcp=tcp) as client:
         for n in range(3):
             client.send(*_words(slow("a", 100 + 20 * tcp + n)))
@@ -135,7 +135,7 @@ def test_a_script_of_messages_each_from_a_client_of_its_own(server):
     assert sum(reply.address == "/done" for reply in replies) == 3
 
 
-def test_what_is_wrong_with_an_object_is_told(server):
+def test_errors_of_new_objects_are_told(server):
     with server.client() as client:
         client.send("/object/new", "b", "cymbal", "radius", -1.0)
         client.send("/object/new", "b", "cymbals")

@@ -92,7 +92,7 @@ def test_tcp_strikes_too(tmp_path):
     assert onsets(tmp_path / "out.wav") == 1
 
 
-def test_what_fails_elsewhere_is_not_answered(server: Running):
+def test_failures_from_elsewhere_are_not_answered(server: Running):
     """Two servers, or one that is told to answer itself, would go on about it for ever."""
     with server.client() as client:
         client.send("/fail", "/object/a/impact", "no such object")
@@ -146,7 +146,7 @@ def test_files_that_can_not_be_written_on_are_told_for_good(tmp_path):
     assert 100 < len(lines) < 800 and lines[len(Options().head)].message.address == "/object/new"
 
 
-def test_what_is_an_age_late_counts_an_hour(server: Running):
+def test_message_an_age_late_counts_an_hour(server: Running):
     with server.client() as client:
         client.new("a", "wood-block")
         client.ask("/sync", 1)

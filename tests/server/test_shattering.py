@@ -78,7 +78,7 @@ def test_a_large_piece_rings_fainter_than_a_small_one():
     assert -12.0 < np.mean(louder) < 0.0
 
 
-def test_what_comes_free_rings_lowest():
+def test_free_piece_rings_less_in_its_sixth_mode_than_in_its_third():
     """A crack takes 70 µs to run round a piece of 30 mm, and lets it go by then: its sixth mode, at 18.7 kHz, hardly
     rings, though it radiates as well as the third. A blow of some µs moves both alike."""
     pane = "/object/new pane glass-plate length 0.03 width 0.03 thickness 0.0012"
@@ -122,7 +122,7 @@ def test_pieces_fall_on_a_floor_that_is_made_once():
     assert set(alone.objects) == {"glass"}
 
 
-def test_what_breaks_sounds_as_loud_as_the_same_in_pascals():
+def test_breaking_glass_sounds_as_loud_as_in_pascals():
     """A wine glass is 14.8 dB louder than it is, as one that is struck is soft: its pieces and its cracks are not."""
     score = "0 /object/new glass wine-glass\n0 /object/glass/shatter 3 onto none seed 1"
     played, told = (
@@ -159,7 +159,7 @@ _ABOUT = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("gesture", _ABOUT)
-def test_what_goes_on_about_an_object_ends_as_it_breaks(gesture):
+def test_gestures_about_an_object_end_as_it_breaks(gesture):
     """A body that lies, rolls or slides on it, and it itself on another, fell silent as if nothing had happened to
     them."""
     session = Session(Engine(RATE), Presets())

@@ -23,7 +23,7 @@ def failing(folder: Path, *args: str, env: dict[str, str] | None = None) -> str:
     return run.stderr
 
 
-def test_what_can_not_be_served_is_told(tmp_path):
+def test_wrong_options_are_told(tmp_path):
     none = ("--port", "0", "--device", "none")
     assert "no/such/out.wav: No such file or directory" in failing(tmp_path, *none, "--record", "no/such/out.wav")
     assert "/dev/full: Invalid argument" in failing(tmp_path, *none, "--record", "/dev/full")
@@ -85,7 +85,7 @@ def test_listening_to_others_is_warned_of(tmp_path):
     )
 
 
-def test_it_starts_within_seconds(tmp_path):
+def test_server_starts_within_seconds(tmp_path):
     with serving(tmp_path, "--device", "none"):  # so that the compiled code is there
         pass
     started = time.monotonic()

@@ -45,7 +45,7 @@ def test_no_stranger_turns_the_limiter_off(monkeypatch):
         assert not server.engine.limiter
 
 
-def test_who_is_a_stranger(monkeypatch):
+def test_clients_of_other_hosts_are_strangers(monkeypatch):
     with closing(Network("127.0.0.1", 0)) as net, socket.create_connection(net.address) as sock:
         sock.sendall(Sized.framed(wire.encode("/a")))
         (_, connection) = net.receive(1.0)

@@ -50,7 +50,7 @@ def test_however_many_clients_of_a_host_send_much_few_of_their_calls_wait_at_onc
 
 
 @pytest.mark.slow
-def test_others_are_answered_while_a_swarms_table_is_made(tmp_path):
+def test_other_clients_are_answered_while_a_swarms_table_is_made(tmp_path):
     """A table of pulses takes a second; striker and exponent of the first are known from the message."""
     with serving(tmp_path, "--device", "none") as server, server.client() as rainy, server.client() as other:
         rainy.ask("/object/new", "a", "tin-lid", timeout=30.0)

@@ -105,7 +105,7 @@ def overwritten(server: Server, client: Client) -> None:
         (overwritten, "did not report the end of 10 gestures: too many ended at once"),
     ],
 )
-def test_what_goes_wrong_is_told_each_time_once_to_those_who_asked(server, client, wrong, told):
+def test_faults_are_told_each_time_once_to_those_who_asked(server, client, wrong, told):
     client.new("a", "church-bell")
     client.ask("/sync", 1)
     with Client(port=server.address[1]) as other:
@@ -211,7 +211,7 @@ def test_the_limiters_lowest_gain_is_told_to_each_client_since_it_last_asked(ser
 
 
 @pytest.mark.slow
-def test_what_the_limiter_did_is_told_once_it_rests(server, client):
+def test_work_of_the_limiter_is_told_once_it_rests(server, client):
     """The warning says by how many dB, when, and because of which objects: none of less than a hundredth."""
     client.new("loud", "church-bell")
     client.new("soft", "church-bell", gain=-14)
@@ -300,7 +300,7 @@ def test_every_verb_for_the_server_is_served(server):
 
 
 @pytest.mark.slow
-def test_what_is_answered_is_short_and_can_be_shown(client):
+def test_replies_are_short_and_printable(client):
     for address in ("/\x1b[2J\n", "/" + "x" * 1_020):
         client.send(address)
         (reply,) = client.replies(0.2)
@@ -348,7 +348,7 @@ def test_a_dump_shows_what_arrives_until_it_is_ended(client, capfd):
         ({"latency": 2.1}, r"latency = 2\.1: expected 0 to 2 s"),
     ],
 )
-def test_what_can_not_be_asked_for(options, reason):
+def test_options_out_of_range_are_refused(options, reason):
     with pytest.raises(ServeError, match=reason):
         Options(**options)
 

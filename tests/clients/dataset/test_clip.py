@@ -115,7 +115,7 @@ def test_a_clip_beyond_full_scale_is_an_error_that_names_it(tmp_path):
         render(recipe, items(recipe, range(4, 5))[0], Presets())
 
 
-def test_what_cannot_be_played_names_its_item(tmp_path):
+def test_error_of_a_clip_names_its_item(tmp_path):
     recipe = recipe_of(tmp_path, SMALL.replace("[impact]", "[impact]\nmass = 1000\nstiffness = 1"))
     with pytest.raises(ItemError, match=r"item 0: .*the contact would last .*impact.velocity = "):
         render(recipe, items(recipe, range(1))[0], Presets())

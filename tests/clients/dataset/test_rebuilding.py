@@ -58,7 +58,7 @@ def test_a_blow_is_rebuilt(tmp_path, number):
     ids=["tuned", "by", "press", "rest", "spin", "bounce", "roll", "slide", "bow", "disc", "rolled"],
 )
 @pytest.mark.slow
-def test_what_no_recipe_of_ours_does_is_rebuilt(tmp_path, object_keys, by, gesture):
+def test_clips_unlike_the_built_in_recipes_are_rebuilt(tmp_path, object_keys, by, gesture):
     by = f"[by]\n{by}\n" if by else ""
     text = f"count = 1\nseconds = 0.1\nchannels = 2\n[object]\n{object_keys}\n{by}{gesture}\n"
     assert max(missed(recipe_of(tmp_path, text), 0)) < -60
@@ -92,7 +92,7 @@ def test_a_swarm_is_refused_by_name(tmp_path):
         missed(recipe_of(tmp_path, text), 0)
 
 
-def test_what_stands_on_its_feet_is_refused_by_name(tmp_path):
+def test_standing_object_is_refused_by_name(tmp_path):
     text = 'count = 1\nseconds = 0.05\n[object]\npreset = "tumbler"\n[press]\nforce = 9\nstriker = "wood"\n'
     with pytest.raises(carom.NotLinear, match="object: it is not linear"):
         missed(recipe_of(tmp_path, text), 0)
@@ -100,7 +100,7 @@ def test_what_stands_on_its_feet_is_refused_by_name(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("preset", ["tom", "splash-cymbal"])
-def test_what_stretches_is_refused_by_name(tmp_path, preset):
+def test_stretching_objects_are_refused_by_name(tmp_path, preset):
     recipe = recipe_of(
         tmp_path, SMALL.replace('"xylophone-bar"\nmaterial = { choice = ["rosewood", "aluminium"] }', f'"{preset}"')
     )
@@ -141,7 +141,7 @@ def test_a_clip_with_an_object_that_is_gone_is_refused(tmp_path, gesture):
 
 
 @pytest.mark.parametrize("gesture", ["slide 3 0.166 striker bowling-ball", "roll 3 0.166 striker glass-marble"])
-def test_what_passes_more_than_a_row_of_shapes_in_a_line_is_rebuilt(tmp_path, gesture):
+def test_contacts_that_pass_more_than_a_row_of_shapes_in_a_line_are_rebuilt(tmp_path, gesture):
     """A contact that feels the modes is at its own place in each frame."""
     row = followed(
         tmp_path, f"0.01 /object/o/{gesture} seed 661 surface wood travel 0.1338", rate=8_000, preset="marimba-bar"
@@ -211,7 +211,7 @@ def test_a_slide_of_an_object_of_few_modes_on_one_of_many_is_rebuilt(tmp_path):
     ],
     ids=["turns", "steered", "fast"],
 )
-def test_what_travels_is_rebuilt(tmp_path, rate, preset, lines):
+def test_travelling_contacts_are_rebuilt(tmp_path, rate, preset, lines):
     row = followed(tmp_path, *lines, rate=rate, preset=preset)
     assert not row["contacts"][0]["fed"]
     assert np.square(carom.rebuild(row) - row["sound"]).sum() < 1e-7 * np.square(row["sound"]).sum()

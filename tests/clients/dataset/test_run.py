@@ -23,7 +23,7 @@ from tests.support import CAROM, limited
 pytestmark = pytest.mark.slow
 
 
-def test_it_is_shards_and_a_table(made):
+def test_data_set_is_shards_and_a_table(made):
     _, out = made
     shards = [f"small-{n:06d}.tar" for n in range(3)]
     assert sorted(contents(out)) == sorted(["README.md", "dataset.json", "small.parquet", *shards])

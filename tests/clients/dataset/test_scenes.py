@@ -73,7 +73,7 @@ def test_a_scene_in_which_something_stands_or_senses_is_not_kept(tmp_path, kept)
 
 
 @pytest.mark.slow
-def test_where_others_are_asked_for_all_are_let_go(monkeypatch, kept):
+def test_kept_scenes_are_let_go_once_others_are_asked_for(monkeypatch, kept):
     monkeypatch.setattr(scenes, "_MOST", 1)
     monkeypatch.setattr(scenes, "_MOST_MISSED", 4)
     recipe = {**RECIPE, "spin": {"duration": 0.1}}
@@ -168,7 +168,7 @@ def test_blows_are_repeated_on_objects_of_other_sizes_alone(monkeypatch):
     assert all(map(same, rows(recipe, (), 12), again))
 
 
-def test_what_is_no_blow_of_before_or_is_refused_is_not_repeated(rewound):
+def test_blows_that_are_refused_or_unlike_earlier_ones_are_not_repeated(rewound):
     performer, rewind = rewound("wood-block")
     blows, keys = Repeated(performer.scene, {}), ("striker", "steel", "position", 0.2, "id", "impact")
     first = Message("/object/object/impact", (0.3, *keys))

@@ -53,7 +53,7 @@ def test_an_item_leaves_nothing_in_memory(gesture):
         gc.enable()
 
 
-def test_what_cannot_be_is_refused_before_anything_is_rendered():
+def test_wrong_arguments_of_render_many_are_refused():
     with pytest.raises(carom.PresetError, match=r"recipe: \[impact\] velocty: no such key; did you mean velocity\?"):
         carom.render_many({**BLOWS, "impact": {"velocity": 1.0, "velocty": 1.0}})
     with pytest.raises(carom.PresetError, match="is not JSON serializable: expected numbers, words"):

@@ -58,7 +58,7 @@ def test_the_example_renders_a_score_to_the_bit(example: Path, folder: Path, tmp
         assert made[44:] == wanted and any(wanted)
 
 
-def test_what_is_wrong_is_said(example: Path, folder: Path, tmp_path: Path) -> None:
+def test_wrong_scenes_and_messages_are_refused_with_a_reason(example: Path, folder: Path, tmp_path: Path) -> None:
     """The example names what is no scene, and the reason of a refusal; a cut or damaged scene is not opened."""
     made = run(example, SOURCES / "carom.h", tmp_path / "a.wav")
     unlike = "expected a scene that was exported with this library\n"

@@ -88,7 +88,7 @@ def test_an_export_without_a_compiler_has_the_same_bytes(tmp_path: Path) -> None
         ("cut", "portable-.*xz: this file is damaged .*; install Carom again"),
     ],
 )
-def test_what_keeps_a_wheel_from_exporting_is_said(
+def test_error_says_what_keeps_a_wheel_from_exporting(
     carries: str | None, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A wheel without portable code, with that of another processor or of other sources, and a damaged file."""

@@ -304,7 +304,7 @@ def test_messages_become_the_commands_of_a_session(page: Any, folder: Path) -> N
     assert not wrong, f"{len(wrong)} of {len(asked)}: {wrong[:5]}"
 
 
-def test_what_is_wrong_is_refused_with_its_reason(page: Any) -> None:
+def test_wrong_calls_from_javascript_are_refused_with_their_reason(page: Any) -> None:
     """No value of JavaScript becomes a command that it is not, and none is left without an answer."""
     culprits = ["undefined", "5", "constructor", "constructor", "velocity = NaN", "__proto__", "striker = constructor",
                 "by = toString", "surface = valueOf", "gain", "over", "over", "5: no such key", "over = 2: given twice",

@@ -9,7 +9,7 @@ import carom
 from carom import Pose, Touch, World
 
 
-def test_what_nobody_would_hear_costs_nothing_and_is_counted():
+def test_blow_too_faint_to_hear_makes_no_sound_and_is_counted():
     with World(hearing=carom.Hearing([carom.Microphone((0, 0, 900.0))], faintest=20.0)) as world:
         world.body("plate", "plate", (0.4, 0.3, 0.003), "steel")
         world.body("ball", "sphere", 0.001, "steel", Pose((0, 0, 0.001)))
@@ -187,7 +187,7 @@ def test_a_slide_that_finds_no_room_begins_once_there_is_some():
     ("faintest", 1e4, "a number from -1000 to 1000 dB"), ("masked", math.nan, "a number from -1000 to 1000 dB"),
     ("gestures", -1, "a number from 0 to"), ("blows", -3, "a number from 0 to"),
 ])  # fmt: skip
-def test_what_cannot_be_heard_is_refused(key, value, expected):
+def test_settings_of_hearing_out_of_range_are_refused(key, value, expected):
     with pytest.raises(carom.WorldError, match=f"{key} = {value:g}: expected {expected}"):
         carom.Hearing(**{key: value})
 

@@ -67,7 +67,7 @@ def test_contacts_are_told_as_they_were_played():
         assert contact.first == int(contact.start * 48_000) + 1 and contact.duration > 0.0
 
 
-def test_what_a_yielding_object_catches_up_with_is_struck_again():
+def test_striker_that_a_yielding_object_catches_up_with_strikes_again():
     """A ball on a sheet of polycarbonate stops, and the sheet swings back: two contacts, each with its own figures.
 
     As in an independent model, by Ritz's method with Legendre's polynomials and DOP853: 0.95 ms, and 0.35 ms from

@@ -134,7 +134,7 @@ def test_swarms_of_grains_end_and_begin_again_and_restart():
     assert made.memory["piled"] == 0 and engine.state[0]["swarms"]["used"].sum() == 0
 
 
-def test_what_grains_do_beside_blows_is_not_heard():
+def test_grain_that_slips_on_the_floor_begins_no_gesture():
     """A ball that stays on the floor, and slips."""
     made = world(True)
     for n in range(1, 300):

@@ -46,7 +46,7 @@ def test_an_ant_hears_its_steps_and_each_episode_alike():
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # its advice on spaces
-def test_it_is_an_environment_as_gymnasium_wants_it():
+def test_hearing_environment_passes_the_check_of_gymnasium():
     env = AddAudioObservation(gymnasium.make("InvertedPendulum-v5", disable_env_checker=True), rate=8_000)
     check_env(env, skip_render_check=True)
     env.close()
@@ -89,7 +89,7 @@ def halves(model, data):
 own_step = mujoco.mj_step
 
 
-def test_it_hears_an_environment_however_that_takes_its_steps():
+def test_sound_of_an_environment_is_the_same_however_that_takes_its_steps():
     """A ball falls by 5 cm in 0.101 s, and is heard in the sixth action: by one call, by many, by halves of steps."""
     ways = (
         lambda model, data: mujoco.mj_step(model, data, 10),
@@ -194,7 +194,7 @@ def test_a_vector_of_processes_is_an_error_that_says_what_to_do():
         )
 
 
-def test_what_cannot_be_told_disturbs_no_other_environment():
+def test_diverging_environment_disturbs_no_other():
     """An environment that diverges says so; the others' sound goes on after it is reset."""
     envs = VectorAddAudioObservation(ants(3, "NextStep", lambda env: env), **HEARING)
     envs.reset(seed=1)
@@ -240,7 +240,7 @@ class Settling(gymnasium.Wrapper):
 
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
-def test_what_a_wrapper_simulates_as_it_resets_is_not_heard(mode):
+def test_steps_that_a_wrapper_simulates_as_it_resets_are_not_heard(mode):
     alone = ants(2, mode, lambda env: AddAudioObservation(Settling(env), frames=900, **HEARING))
     together = VectorAddAudioObservation(ants(2, mode, Settling), frames=900, **HEARING)
     one, other = turns(alone, 9), turns(together, 9)

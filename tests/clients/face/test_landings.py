@@ -59,7 +59,7 @@ def test_a_plank_that_lands_on_one_end_slaps_with_the_other():
     assert len(hits) >= 2 and hits[1].speed > hits[0].speed
 
 
-def test_what_sinks_into_the_soft_neither_slides_nor_rolls():
+def test_ball_that_sinks_into_a_soft_mat_neither_slides_nor_rolls():
     """A ball falls straight on a trampoline, which holds it for 0.1 s: its contact moves along the normal alone."""
     model = mujoco.MjModel.from_xml_string("""<mujoco><default><geom solref="-800 -2"/></default><worldbody>
     <geom name="mat" type="box" size=".5 .5 .5" pos="0 0 -.5"/>
@@ -90,7 +90,7 @@ def test_the_blows_of_all_steps_that_a_function_takes_are_kept():
     assert bridge.hits == []
 
 
-def test_what_mujoco_resets_as_it_is_unstable_begins_anew(tmp_path, monkeypatch):
+def test_unstable_simulation_that_mujoco_resets_begins_anew(tmp_path, monkeypatch):
     """A ball that is thrown at 1e11 m/s after its blow falls and lands once more."""
     monkeypatch.chdir(tmp_path)  # of MuJoCo's log
     geoms = '<geom type="sphere" size=".02"/>'
@@ -126,7 +126,7 @@ def test_a_slide_on_elastic_contacts_is_a_slide(cone):
     assert max(run.level for run in runs) - min(run.level for run in runs) < 2.0
 
 
-def test_what_bounces_as_it_tumbles_is_told_its_blows():
+def test_blows_of_a_box_that_bounces_as_it_tumbles_are_told():
     """A box lands on one corner after another, on elastic contacts too: none comes back to where it slid."""
     model = mujoco.MjModel.from_xml_string("""<mujoco><default><geom solref=".02 .3" friction=".3"/></default>
     <worldbody><geom name="floor" type="plane" size="5 5 .1"/><body pos="0 0 .4" euler="20 30 40"><freejoint/>

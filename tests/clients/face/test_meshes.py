@@ -89,7 +89,7 @@ def test_straight_and_as_messages_it_sounds_alike():
     np.testing.assert_array_equal(again, sound)
 
 
-def test_what_was_made_is_found_again_by_its_name(own_cache):
+def test_object_made_of_a_mesh_is_found_again_by_its_name(own_cache):
     _, score = heard(True, (0, 0, -0.004))
     (preset,) = (own_cache / "objects").glob("*.toml")
     assert f"/object/new bar {preset.stem} " in score

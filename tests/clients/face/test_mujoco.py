@@ -79,7 +79,7 @@ def test_every_blow_is_told_once(scene, step):
     assert heard.counts.hits == len(heard.hits) >= 3
 
 
-def test_what_is_told_straight_to_the_engine_has_the_bits_of_its_messages():
+def test_simulation_told_straight_to_the_engine_has_the_bits_of_its_messages():
     straight, kept = (run("domino", 0.002, 0.8, keep=keep) for keep in (False, True))
     assert straight.hits == kept.hits and len(kept.hits) > 8 and kept.counts.gestures > 4
     np.testing.assert_array_equal(straight.sound, kept.sound)
@@ -87,7 +87,7 @@ def test_what_is_told_straight_to_the_engine_has_the_bits_of_its_messages():
 
 
 @pytest.mark.parametrize("scene", ["drop", "stack", "topple", "chain", "rattle", "slide"])
-def test_it_is_silent_after_rest(scene):
+def test_scenes_at_rest_are_silent(scene):
     heard = run(scene, 0.002, 2.5)
     assert np.abs(heard.sound[-4800:]).max() < 1e-4 * np.abs(heard.sound).max()
     assert not any(hit.time > 2.0 for hit in heard.hits)
@@ -153,7 +153,7 @@ def test_a_slide_that_chatters_is_a_slide_at_any_step_and_stiffness():
     assert max(run.level for run in runs) - min(run.level for run in runs) < 2.0
 
 
-def test_nothing_is_told_while_the_scene_settles():
+def test_blows_are_not_told_while_the_scene_settles():
     model, data = dropped(0.002, 0.05, ".004 .3")
     hits = []
     bridge = Bridge(model, data, settle=0.1)
@@ -387,7 +387,7 @@ def test_a_contact_pair_is_heard_as_its_bodies():
     assert {(hit.a, hit.b) for hit in found} == {("ball", "floor")}
 
 
-def test_what_reports_stays_as_long_as_it_is_held():
+def test_report_of_a_bridge_works_after_the_bridge_is_let_go():
     model, data = dropped(0.002, 0.1, ".02 1")
     report = carom.mujoco.Bridge(model, data).report
     gc.collect()

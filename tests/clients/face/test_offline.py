@@ -73,7 +73,7 @@ def test_folders_of_presets_come_first(tmp_path):
         (SCORE, {"presets": "none"}, carom.PresetError, "none: expected a folder"),
     ],
 )
-def test_what_cannot_be_rendered_names_the_culprit(score, options, error, text):
+def test_errors_of_a_render_name_the_culprit(score, options, error, text):
     with pytest.raises(error, match=text):
         carom.render(score, **options)
 

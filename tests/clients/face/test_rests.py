@@ -53,7 +53,7 @@ def blow_at_100(n):
 
 
 @pytest.mark.slow
-def test_what_lies_on_rubber_rings_shorter():
+def test_dish_that_lies_on_rubber_decays_faster():
     with furnished(material="rubber") as lies, furnished(rests=0, material="rubber") as hangs:
         muted, free = (told(each, 330, blow_at_100) for each in (lies, hangs))
         assert lies.counts.rests == 1 and hangs.counts.rests == 0
@@ -78,7 +78,7 @@ def test_the_load_is_the_simulators_and_the_rest_is_over_when_they_part():
         assert world.counts.rests == 2
 
 
-def test_what_slips_does_not_rest_and_rests_when_it_stays():
+def test_dish_rests_only_while_it_does_not_slip():
     with furnished() as world:
         told(world, 100, lambda n: lying(slip=0.2))
         assert world.counts.rests == 0

@@ -193,7 +193,7 @@ def scene():
         (lambda s: s.quality(9), "quality = 9: expected a number from 0 to 8"),
     ],
 )
-def test_what_cannot_be_carried_out_names_the_culprit(scene, call, text):
+def test_errors_of_a_call_name_the_culprit(scene, call, text):
     with pytest.raises(carom.CommandError, match=text):
         call(scene)
 
@@ -209,7 +209,7 @@ def test_what_cannot_be_carried_out_names_the_culprit(scene, call, text):
         ({"frames": 1.5}, "frames = 1.5: expected a whole number"),
     ],
 )
-def test_what_is_no_length_is_refused(scene, lengths, text):
+def test_wrong_length_of_a_render_is_refused_and_no_time_passes(scene, lengths, text):
     before = scene.time
     with pytest.raises(ValueError, match=text):
         scene.render(**lengths)

@@ -42,7 +42,7 @@ def test_three_blows_solve_the_equations_of_rigid_bodies():
     assert [found[name].impulse for name in "abc"] == pytest.approx(expected, rel=1e-4)
 
 
-def test_what_the_others_push_open_is_no_blow():
+def test_slow_touch_that_a_faster_one_pushes_open_is_no_blow():
     """A point that closes slowly, beside one that closes fast."""
     with World() as world:
         for name in "ab":

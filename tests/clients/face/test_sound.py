@@ -17,7 +17,7 @@ def sound():
     return carom.render("0 /object/new a wood-block pan 1\n0.01 /object/a/impact 1\n", 44_100, seconds=0.25)
 
 
-def test_it_is_an_array_of_frames(sound):
+def test_sound_is_an_array_of_frames(sound):
     array = np.asarray(sound)
     assert array.shape == (11_025, 2) and array.dtype == np.float32 and np.shares_memory(array, sound.samples)
     assert len(sound) == 11_025 and sound.duration == 0.25 and sound.start == 0.0
@@ -36,7 +36,7 @@ def test_it_is_an_array_of_frames(sound):
         ("S.WAV", "24", "PCM_24", 2**-23),
     ],
 )
-def test_it_is_saved_by_the_names_ending(sound, tmp_path, name, format, subtype, error):
+def test_sound_is_saved_by_the_names_ending(sound, tmp_path, name, format, subtype, error):
     sound.save(str(tmp_path / name), format)
     info = soundfile.info(tmp_path / name)
     assert (info.samplerate, info.subtype, info.frames) == (44_100, subtype, 11_025)
@@ -53,7 +53,7 @@ def test_it_is_saved_by_the_names_ending(sound, tmp_path, name, format, subtype,
         ("none/s.wav", None, "there is no folder"),
     ],
 )
-def test_what_cannot_be_saved_names_the_culprit(sound, tmp_path, name, format, text):
+def test_error_of_saving_names_the_culprit(sound, tmp_path, name, format, text):
     with pytest.raises(carom.RenderError, match=text):
         sound.save(tmp_path / name, format)
     assert not list(tmp_path.iterdir())
@@ -72,7 +72,7 @@ def test_a_notebook_plays_it(sound):
 
 
 @pytest.mark.slow
-def test_it_is_drawn_into_a_file_or_for_a_notebook(sound, tmp_path):
+def test_sound_is_drawn_into_a_file_or_for_a_notebook(sound, tmp_path):
     assert sound.plot(tmp_path / "s.svg") is None
     assert b"<svg" in (tmp_path / "s.svg").read_bytes() and len(list(tmp_path.iterdir())) == 1
     picture = sound.plot()

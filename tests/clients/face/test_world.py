@@ -272,7 +272,7 @@ def test_a_ball_in_a_groove_is_as_fast_as_it_falls():
             assert hit.normal == pytest.approx((0, 0, 1))
 
 
-def test_what_was_not_kept_is_an_error():
+def test_sound_that_was_not_kept_is_an_error():
     with furnished() as world, pytest.raises(WorldError, match="keep=True"):
         world.sound()
     with pytest.raises(WorldError, match="expected keep=True"):

@@ -118,7 +118,7 @@ def test_a_drag_leads_a_slide_over_the_surface(play):
     table.until("/stop")
 
 
-def test_what_has_no_surface_is_not_turned(play):
+def test_object_without_a_surface_is_not_turned(play):
     table = play()
     assert not table.page.get_by_role("button", name="Turn", exact=True).is_visible()
     table.page.mouse.click(*table.spot("marimba-bar"), button="right")

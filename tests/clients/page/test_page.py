@@ -308,7 +308,7 @@ def test_a_page_that_closes_lets_go(play):
 @pytest.mark.parametrize(
     ("size", "scheme"), [((320, 568), "dark"), ((320, 568), "light"), ((768, 1024), "light"), ((3840, 2160), "dark")]
 )
-def test_it_fits_every_screen(play, size, scheme):
+def test_page_fits_small_and_large_screens(play, size, scheme):
     table = play(viewport={"width": size[0], "height": size[1]}, color_scheme=scheme)
     assert table.ask("document.documentElement.scrollWidth") <= size[0]
     unnamed = """[...document.querySelectorAll("button, a, input, select, [role=img]")].filter((each) =>

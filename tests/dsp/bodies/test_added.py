@@ -125,7 +125,7 @@ def test_losses_go_with_the_material_that_takes_the_place_of_another():
 
 
 @pytest.mark.slow
-def test_what_is_added_takes_the_place_of_the_highest_modes():
+def test_added_modes_take_the_place_of_the_highest_ones():
     make = Complete(bodies.disc, (Noise(edges=(1e3, 2e3), t60=1.0, level=0.0, modes=300),), STEEL)
     disc = {"material": STEEL, "radius": 0.3, "thickness": 0.001, "split": 0.004}
     full, plain = make(top=20000, **disc), bodies.disc(top=20000, **disc)
@@ -156,12 +156,12 @@ def test_what_is_added_takes_the_place_of_the_highest_modes():
         ),
     ],
 )
-def test_what_does_not_fit_is_named(make, arguments, message):
+def test_arguments_that_do_not_fit_are_named(make, arguments, message):
     with pytest.raises(ValueError, match=message):
         make(**arguments)
 
 
-def test_what_is_added_radiates_no_more_than_it_loses():
+def test_added_modes_radiate_no_more_than_they_lose():
     modes = completed(Partials(ratio=(1.5, 3.3, 4.0), t60=(1.0, 0.1, 9.0), level=(-40.0, 0.0, 10.0)))
     radiated = 4 * math.pi / IMPEDANCE * (modes.pressure**2).mean(axis=0)
     added = ~own_and_added(modes)

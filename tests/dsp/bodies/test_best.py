@@ -35,7 +35,7 @@ def test_the_best_modes_are_those_of_all_to_the_bit(name, most):
         assert np.array_equal(one, other)
 
 
-def test_those_are_kept_that_radiate_most_after_a_blow_where_they_move_most():
+def test_modes_that_radiate_most_after_a_blow_are_kept():
     modes = bodies.string(**WIRE)
     kept = Best(0.0, 3).of(modes)
     spectrum = 1 / (1 + (2 * 0.0005 * modes.frequency) ** 2) ** 2

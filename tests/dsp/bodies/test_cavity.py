@@ -74,7 +74,7 @@ def test_a_dent_drives_the_air_as_a_chain_of_masses_and_springs_has_it():
         ({"wall": 1.0, "area": 5e-3}, "area = 0.005"),
     ],
 )  # fmt: skip
-def test_what_does_not_fit_is_named(more, says):
+def test_arguments_that_do_not_fit_are_named(more, says):
     with pytest.raises(ValueError, match=says):
         Cavity(**{**CAN, **more})
 

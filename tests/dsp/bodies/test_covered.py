@@ -62,7 +62,7 @@ def test_bodies_without_known_shapes_have_one_over_their_mass(name):
 
 
 @pytest.mark.parametrize("name", ["marimba-bar", "piano-string"])
-def test_what_is_narrower_than_a_palm_has_one_over_its_mass_in_the_mean(name):
+def test_body_narrower_than_a_palm_has_one_over_its_mass_as_mean_square(name):
     preset = Presets().object(name)
     made = preset.modes(TOP)
     found = mean_squares(made, preset.shape, preset.geometry, preset.material, AREA)

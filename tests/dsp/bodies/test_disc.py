@@ -95,7 +95,7 @@ def test_roots_do_not_depend_on_how_far_was_searched(edge):
             assert array[root < limit].tobytes() == alone[few[1] < limit].tobytes()
 
 
-def test_what_is_kept_for_the_next_body_cannot_be_changed():
+def test_tables_kept_for_the_next_body_are_read_only():
     film, _ = disc._membrane_waves(disc._enough(2))
     every, square = disc._plate_waves("free", 0.3, 9)
     kept = [

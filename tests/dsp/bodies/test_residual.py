@@ -21,7 +21,7 @@ def yields(modes, position=0.6):
 
 
 @pytest.mark.slow
-def test_it_yields_as_the_modes_that_it_stands_for(monkeypatch):
+def test_residual_mode_yields_as_the_modes_that_it_stands_for(monkeypatch):
     full, rest = yields(bodies.membrane(FILM, **HEAD))
     for name in ("carom.dsp.bodies.modes", "carom.dsp.bodies.disc"):
         monkeypatch.setattr(sys.modules[name], "MOST_MODES", 300)
@@ -30,7 +30,7 @@ def test_it_yields_as_the_modes_that_it_stands_for(monkeypatch):
     assert more > 2 * rest > 0
 
 
-def test_it_is_not_heard_and_does_not_move_the_edge():
+def test_residual_mode_is_not_heard_and_does_not_move_the_edge():
     modes = bodies.membrane(FILM, **HEAD)
     assert np.all(modes.pressure[:, -1] == 0)
     assert (

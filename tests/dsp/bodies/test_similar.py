@@ -129,7 +129,7 @@ def test_a_body_that_is_too_small_to_ring_is_silent_in_its_size():
         Sized(bodies.sphere, 0.01, ("radius",))(top=TOP, material=STEEL, radius=0.2)
 
 
-def test_what_has_to_do_with_more_than_the_air_has_no_table():
+def test_nonlinear_discs_and_strings_have_no_table_of_similar_bodies():
     assert has_similar(bodies.bar, dict(length=0.3, board="box"))
     assert has_similar(bodies.disc, dict(radius=0.1, felt=0.01))
     assert not has_similar(bodies.disc, dict(radius=0.1, nonlinear_modes=20))

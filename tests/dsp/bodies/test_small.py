@@ -60,7 +60,7 @@ def test_a_cubes_click_is_that_of_a_plate_as_wide():
         (bodies.disc, {"radius": 0.001, "thickness": 0.001, "edge": "clamped"}),
     ],
 )
-def test_one_that_is_held_can_not_click_and_is_refused(shape, size):
+def test_held_body_without_audible_modes_is_refused(shape, size):
     with pytest.raises(Silent):
         heard_or_felt(shape, TOP, material=HEAVY, **size)
 

@@ -75,7 +75,7 @@ def string():
     ("made", "tolerance"),
     [(cantilever, 0.04), (clamped_disc, 0.1), (supported_disc, 0.1), (supported_plate, 0.04), (string, 0.04)],
 )
-def test_what_is_heard_and_what_is_not_yield_together_as_the_body_does(made, tolerance):
+def test_heard_and_unheard_modes_yield_together_as_the_body_does(made, tolerance):
     modes, position, whole = made()
     heard, unheard = (at(flexibility(each), position) for each in (modes, modes.unheard))
     assert unheard == pytest.approx(whole - heard, rel=tolerance)

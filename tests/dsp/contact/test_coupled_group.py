@@ -79,7 +79,7 @@ def modes(random, n: int, modal_mass: float, samples: int) -> Case:
 
 
 @pytest.mark.slow
-def test_one_alone_is_as_without_a_group():
+def test_striker_alone_in_a_group_moves_as_without_a_group():
     random = np.random.default_rng(3)
     case = modes(random, 20, 0.05, 200)
     alone = simulate(case, 1e-5)

@@ -164,7 +164,7 @@ def test_the_measure_finds_the_click_of_a_sound_that_is_cut_off():
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_what_is_played_right_after_it_is_as_in_silence(scene):
+def test_blow_right_after_a_panic_sounds_as_on_a_fresh_object(scene):
     """The sound in the same quantum, on the same object, tuned anew, is the sum of what fades and of a fresh object."""
     after = [lambda one: setting(one, "tune", 1.3, 5000.0), lambda one: impact(one, BALL, 5001.5)]
     faded = made(scene, [lambda _: panic(5000.0)])

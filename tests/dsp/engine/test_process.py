@@ -39,7 +39,7 @@ def test_a_recorder_gets_what_was_heard_and_is_told_what_is_missing():
 
 
 @pytest.mark.parametrize("limited", [False, True])
-def test_what_a_recorder_gets_says_where_something_is_missing(limited):
+def test_recorded_parts_say_where_sound_is_missing(limited):
     """Sound that was lost lies after what waited for the recorder, and before what came once that had taken it."""
     engine = Engine(RATE, limited=limited)
     strike(engine, engine.add(bell(), 0.05))

@@ -117,7 +117,7 @@ def test_modes_above_the_nyquist_frequency_take_no_more_energy_than_there_is():
         assert simulate(case, 1e-7).growth(case) < GROWTH.bound
 
 
-def test_what_is_felt_lies_where_the_engine_would_put_it():
+def test_felt_modes_lie_where_the_engine_would_put_them():
     """All at once as one by one, at the multiples of the Nyquist frequency, on both sides of them, and far above."""
     frequency = np.outer(np.arange(1.0, 4.0), 1 + APART * np.array([-2.0, -0.5, 0.0, 0.5, 2.0])).ravel() * RATE / 2
     frequency = np.append(frequency, np.random.default_rng(1).uniform(10.0, 3 * RATE, 1000))
@@ -141,7 +141,7 @@ def test_an_object_that_is_tuned_keeps_what_is_felt_where_the_bank_can():
         assert np.all(np.sqrt(1 + a1**2 / (4 * a2)) > 0.9 * math.sin(math.pi * APART))  # |sin theta|
 
 
-def test_what_was_tuned_too_high_to_be_heard_comes_back_to_the_bit():
+def test_object_tuned_too_high_to_be_heard_comes_back_to_the_bit():
     """Tuned up by two octaves and back, an object is as it was: weights, recursions and answers to forces."""
 
     def tables(*tunes):
@@ -161,7 +161,7 @@ def test_what_was_tuned_too_high_to_be_heard_comes_back_to_the_bit():
         np.testing.assert_array_equal(went, stayed)
 
 
-def test_nobody_hears_modes_that_are_tuned_too_high():
+def test_modes_that_are_tuned_too_high_are_not_heard():
     """An object that is tuned up in the midst of its ringing, and one that is struck then: they would alias."""
     sounds = []
     for tunes in ((1.0, 4.0), (1.0, 1.0), (4.0, 4.0)):

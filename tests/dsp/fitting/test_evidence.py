@@ -116,6 +116,6 @@ NO_STRIKES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NO_STRIKES)
-def test_what_does_not_ring_is_refused_in_one_line(name):
+def test_sounds_that_do_not_ring_are_refused(name):
     with pytest.raises(RecordingError, match="expected the sound of a strike"):
         fitted(NO_STRIKES[name])

@@ -79,7 +79,7 @@ USELESS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", USELESS)
-def test_what_is_no_strike_is_refused_in_one_line(name):
+def test_recordings_of_no_strike_are_refused_in_one_line(name):
     samples, says = USELESS[name]
     with pytest.raises(RecordingError) as caught:
         fit([clearest(hits(samples, RATE))], [None], 20)

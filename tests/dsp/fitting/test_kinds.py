@@ -23,7 +23,7 @@ def ring(decays: dict[float, float], levels: dict[float, float], seconds: float 
 T60 = {500.0: 0.4, 2000.0: 0.3}
 
 
-def test_what_is_as_far_as_they_are_has_no_excess():
+def test_sound_between_two_recordings_is_half_as_far_as_they_are_apart():
     sounds = [(ring(T60, {500.0: 0.0, 2000.0: level}), RATE) for level in (-4.0, 0.0, 4.0)]
     found = excess(sounds[1], [sounds[0], sounds[2]])
     assert found.recordings == 2

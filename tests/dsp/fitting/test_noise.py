@@ -31,7 +31,7 @@ def test_levels_and_decays_are_found_with_the_floor_in_the_model(floor):
     assert np.sqrt(np.mean(faster**2)) < 0.25 and abs(np.mean(faster)) < 0.1
 
 
-def test_what_is_left_of_a_tone_is_no_noise():
+def test_noise_is_left_where_a_tone_is_taken_out():
     t = np.arange(round(RATE)) / RATE
     tone = 0.01 * np.sin(2 * np.pi * 1003 * t) * np.exp(-3 * t)
     hiss = noise(len(t), 0.001)

@@ -60,7 +60,7 @@ def test_events_and_motion_are_of_order_three(modes):
     assert np.all(orders > 2.8)
 
 
-def test_one_force_a_sample_is_of_order_two_at_best_and_close():
+def test_rub_with_one_force_a_sample_ends_close_to_the_exact_one():
     state, _ = exact_rub(of(1, 48_000.0, 1), 0.1)
     course = rub_modes(of(1, 48_000.0, 4800), held=True)
     assert abs(course.velocity[-1] - 10.0 * state[1]) < 5e-3 * 0.1 * 10.0
@@ -161,7 +161,7 @@ def test_a_contact_that_is_pulled_to_and_fro_follows_mindlin(share):
     assert course.lost[-1] - course.lost[quarter - 1] == pytest.approx(loop, abs=0.01 * limit * max(most, REACH))
 
 
-def test_what_sticks_is_a_spring():
+def test_sticking_contact_is_a_spring():
     """A mode and the contact ring as one: sqrt(omega^2 + k phi^2)."""
     phi, rate = 3.0, 48_000.0
     rub = Rub(np.array([300.0]), np.array([0.0]), np.array([phi]), constant(0.0, 2400), constant(100.0, 2400))

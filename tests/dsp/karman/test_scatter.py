@@ -102,7 +102,7 @@ def test_modes_above_get_what_they_get_where_they_are_coupled(dome):
 
 
 @pytest.mark.slow
-def test_what_is_not_coupled_has_no_part_in_it():
+def test_plate_whose_coupling_is_not_heard_exchanges_no_energy():
     """A plate whose coupling is not heard exchanges nothing: energies stay, each by itself."""
     engine = Engine(48_000)
     body = lossless(plate(20))

@@ -162,6 +162,6 @@ def test_another_size_of_the_same_proportions_is_the_same_body(monkeypatch):
         model_of_block(Block(BOX, (0.5, 0.01, 0.01)), STEEL, wanted)
 
 
-def test_what_is_too_slender_is_said():
+def test_block_that_is_too_slender_is_refused():
     with pytest.raises(MeshError, match="a box of 500 x 10 x 10 mm: expected edges"):
         degrees_of(Block(BOX, (0.5, 0.01, 0.01)), 700)

@@ -117,7 +117,7 @@ def test_an_open_surface_asks_for_its_wall_and_says_where_it_is_open():
         (np.eye(3), np.array([[0, 1, 7]]), "names point 7"),
     ],
 )
-def test_what_is_no_body_is_said(points, faces, said):
+def test_meshes_that_are_no_body_are_refused_with_a_reason(points, faces, said):
     with pytest.raises(MeshError, match=said):
         cleaned(points, faces)
 

@@ -44,7 +44,7 @@ def test_between_the_shares_is_what_lies_between_them():
 
 @pytest.mark.parametrize("counts", [(3, 3), (80, 40), (150, 4)])
 @pytest.mark.parametrize("turn", [1.0, np.pi / 2, 2.4])
-def test_what_does_not_bend_is_as_long_as_the_law_has_it(turn, counts):
+def test_part_of_a_crease_that_does_not_bend_follows_the_law(turn, counts):
     wall, surface = 0.001, folded(turn, counts)
     share, across = held(surface, wall)
     assert share.max() <= 0.25
@@ -55,7 +55,7 @@ def test_what_does_not_bend_is_as_long_as_the_law_has_it(turn, counts):
     assert np.allclose(np.linalg.norm(across[some], axis=1), 1)
 
 
-def test_what_is_round_or_flat_has_no_corner():
+def test_round_and_flat_surfaces_have_no_corner():
     for surface in (folded(0.0, (3, 3)), forms.ball(0.1, 3)):
         assert not held(surface, 0.001)[0].any()
 

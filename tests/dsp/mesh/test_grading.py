@@ -69,7 +69,7 @@ def test_cells_are_halved_where_a_narrow_gap_ends(gap, seed):
     assert (grid.levels[grid.number(edges @ turn)] == 2).all()
 
 
-def test_what_a_halving_changes_tells_the_rest():
+def test_frequencies_are_extrapolated_from_what_a_halving_changes():
     # Errors that fall as the side to the power of 1.09; the second and the third mode have changed places.
     known, wrong = np.array([100.0, 202.0, 200.0]), np.array([1e-4, 1e-2, 2e-2])
     before, after = (known * (1 + wrong * side**1.0888) for side in (1.0, 0.5))

@@ -72,7 +72,7 @@ def test_the_share_of_energy_is_by_how_much_a_material_raises_the_frequency():
 
 
 @pytest.mark.slow
-def test_where_parts_overlap_the_first_ones_material_is():
+def test_overlap_of_parts_is_of_the_first_ones_material():
     both = HALVES[0], forms.moved(HALVES[1], (-0.04, 0, 0))
     size = sizing.sizes(forms.together(*both), 12)
     for materials, steel in (((STEEL, WOOD), 0.16), ((WOOD, STEEL), 0.16)):

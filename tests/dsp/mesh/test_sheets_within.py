@@ -78,7 +78,7 @@ def test_a_body_that_has_no_thickness_anywhere_asks_for_its_wall():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("shift", "area"), [(0.05, 1.5), (0.1, 2.0)])
-def test_what_lies_inside_of_another_part_or_on_it_radiates_nothing(shift, area):
+def test_surfaces_inside_of_another_part_or_on_it_are_not_exposed(shift, area):
     """Of two boxes that overlap by half, or touch, that which is outside is left, within the cuts."""
     box = forms.box(0.1, 0.03, 0.02)
     body, _ = cleaned(*forms.together(box, forms.moved(box, (shift, 0, 0))))

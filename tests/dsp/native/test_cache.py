@@ -65,7 +65,7 @@ def test_files_of_an_older_version_in_the_cache_are_left_alone(doubling, tmp_pat
     assert len(list(older.iterdir())) == 2
 
 
-def test_what_was_not_used_for_longest_goes_when_the_cache_is_full(doubling, tmp_path, monkeypatch):
+def test_code_that_was_not_used_for_longest_goes_when_the_cache_is_full(doubling, tmp_path, monkeypatch):
     assert doubled(doubling) == (42, "compiled")
     kept = Store(tmp_path / "cache" / "carom" / "code", compiler_digest())
     for path in kept.root.glob("units/*"):

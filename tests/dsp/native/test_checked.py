@@ -169,7 +169,7 @@ STOOD = """0 /object/new z goblet
 
 
 @pytest.mark.slow
-def test_what_stands_and_is_rubbed_has_the_same_bits_whatever_stood_and_was_freed_before():
+def test_rubbed_goblet_has_the_same_bits_after_another_was_freed():
     """Its feet have each other's places then: their forces are summed in the order in which they began."""
     after, plain = (
         play(Score(tuple(parse("\n".join(STOOD.splitlines()[first:]).encode(), "score")), 48_000, 256, 1.1), begin=1.0)
@@ -197,7 +197,7 @@ RUNG_OUT = """0 /object/new gone glockenspiel-bar
         ),
     ],
 )
-def test_what_a_contact_or_an_object_has_left_is_not_heard(text):
+def test_memory_that_a_contact_or_an_object_has_left_is_not_heard(text):
     """After a panic an object fades in a place where another faded; a striker rings on as its contact has ended."""
     score = Score(tuple(parse(text.encode(), "score")), 48_000, 256, 0.4)
     sounds = [play(score, filler) for filler in (0, *FILLERS)]

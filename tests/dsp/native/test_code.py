@@ -286,7 +286,7 @@ OTHER = Target("linux" if system() != "linux" else "windows", LEVELS[1])
         (targets.targets()[:1], True, "the machine code that came along is of other sources of doubling"),
     ],
 )
-def test_who_has_neither_code_nor_a_compiler_is_told_what_helps(doubling, tmp_path, monkeypatch, wanted, edited, said):
+def test_error_without_code_or_compiler_says_what_is_missing(doubling, tmp_path, monkeypatch, wanted, edited, said):
     packaged(doubling, tmp_path, monkeypatch, wanted)
     if not wanted:
         monkeypatch.setattr(store, "PACKAGED", tmp_path / "nowhere")
@@ -388,7 +388,7 @@ print(sorted({"numba", "llvmlite"} & sys.modules.keys()))
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", [RENDERS, SERVES], ids=["render and Scene", "serve"])
-def test_nothing_that_plays_needs_a_compiler(script):
+def test_rendering_and_serving_load_no_compiler(script):
     for _ in range(2):  # the first time it may have to be compiled
         run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (run.stdout, run.stderr) == ("[]\n", "")

@@ -46,7 +46,7 @@ def test_a_terminal_sees_progress_and_keeps_no_line_of_it(monkeypatch):
     assert shown[-1] == "" and shown[-2].strip() == "" and "\n" not in terminal.getvalue()
 
 
-def test_what_takes_little_is_not_mentioned(monkeypatch):
+def test_short_compilation_is_not_mentioned(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setattr(compile_notice, "_SOON", 10.0)

@@ -55,7 +55,7 @@ def files() -> list[Path]:
 
 
 @pytest.mark.slow
-def test_one_file_alone_takes_more_of_numba_than_its_documents_have():
+def test_undocumented_parts_of_numba_are_taken_by_one_file_alone():
     found = {path.relative_to(ROOT).as_posix(): undocumented(path.read_text()) for path in files()}
     assert {name: taken for name, taken in found.items() if taken} == {}
     assert len(undocumented(INTERNALS.read_text())) > 10

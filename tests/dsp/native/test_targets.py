@@ -64,7 +64,7 @@ def test_a_wheel_is_for_these_systems():
 
 
 @pytest.mark.slow
-def test_what_runs_here_runs_everything():
+def test_functions_of_the_system_run_on_this_machine():
     before = clock_ns()
     assert everything() > before
 

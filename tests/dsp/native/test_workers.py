@@ -49,7 +49,7 @@ def make_all(store: Store, count: int) -> int:
     return len(told)
 
 
-def test_one_process_makes_all(kept):
+def test_process_without_workers_compiles_all_units(kept):
     assert make_all(kept, 0) == COUNT
 
 

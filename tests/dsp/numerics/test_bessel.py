@@ -45,7 +45,7 @@ def test_by_many_digits(order):
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_where_they_turn(order):
+def test_functions_agree_with_those_of_scipy(order):
     """All x, beside scipy; near zeros by the size of the waves, sqrt(2/(pi x))."""
     wave = np.sqrt(2 / (np.pi * X))
     assert jn(order, X) / wave == pytest.approx(special.jv(order, X) / wave, rel=1e-11, abs=1e-13)

@@ -13,7 +13,7 @@ def _all(x, exponentials, rises, logarithms):
         logarithms[i] = elementary.log(exponentials[i])
 
 
-def test_they_are_as_exact_as_the_module_says():
+def test_functions_are_as_exact_as_the_module_says():
     near = np.geomspace(1e-300, 1, 2000)
     x = np.concatenate([np.linspace(-700, 700, 40_001), np.linspace(-1, 1, 4001), near, -near, [-0.0, 0.0]])
     exponentials, rises, logarithms = np.empty((3, len(x)))

@@ -10,7 +10,7 @@ from carom.dsp.numerics.monotone import monotone_cubic
 @pytest.mark.slow
 @pytest.mark.parametrize("points", [2, 3, 4, 9, 30])
 @pytest.mark.parametrize("digits", [0, 1, 8])
-def test_as_scipy_has_them(points, digits):
+def test_cubics_agree_with_those_of_scipy_and_do_not_overshoot(points, digits):
     """Digits: with few there are flat steps, and turns."""
     random = np.random.default_rng(points)
     for _ in range(20):

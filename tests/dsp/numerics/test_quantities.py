@@ -106,7 +106,7 @@ def test_a_mass_that_may_be_0_is_0_or_a_mass(name, value):
     assert str(refused.value) == f"{name} = {shown(value)}: expected 0, or from 1e-09 to 1e+06 kg"
 
 
-def test_what_is_too_little_to_tell_is_0():
+def test_numbers_too_small_to_tell_are_0():
     velocity = VERBS["/object/NAME/impact"].named["velocity"]
     assert check_number(velocity, SUBNORMAL) == 0.0 and check_number(velocity, 1e-300) == 0.0
     assert check_number(velocity, 1e-6) == 1e-6

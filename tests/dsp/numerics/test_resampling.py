@@ -9,7 +9,7 @@ from carom.dsp.numerics.resampling import resampled
 
 @pytest.mark.parametrize(("up", "down"), [(1, 1), (2, 1), (4, 1), (1, 2), (160, 147), (147, 160), (1, 24), (80, 441)])
 @pytest.mark.parametrize("count", [0, 1, 5, 1000])
-def test_as_scipy_has_it(up, down, count):
+def test_samples_at_another_rate_agree_with_those_of_scipy(up, down, count):
     samples = np.random.default_rng(1).normal(size=(count, 2))
     expected = resample_poly(samples, up, down, axis=0) if count else np.zeros((0, 2))
     assert resampled(samples, up, down) == pytest.approx(expected, abs=1e-14)

@@ -72,7 +72,7 @@ def test_free_ringing_is_exact():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("ring", "half"), [(bank.ring_left, 0.0), (bank.ring_middle, 0.5)])
-def test_what_is_heard_of_one_side_or_from_one_point_is_that_side_or_the_middle_of_both(ring, half):
+def test_sound_of_one_side_or_point_is_that_side_or_the_middle_of_both(ring, half):
     """Sounds of one side are those of two, and of one point the middle of both, in eights and by the rest."""
     frequency, decay = np.linspace(100.0, 9_000.0, LANES), np.linspace(1.0, 80.0, LANES)
     here, there = (Bank(frequency, decay, 48_000.0) for _ in range(2))

@@ -99,7 +99,7 @@ def driven(body, on, speed, pieces=fed.LINE, frames=24_000):
 
 @pytest.mark.parametrize("speed", [0.0, 1e-3])
 @pytest.mark.parametrize(("body", "on"), [(MARBLE, GLASS), (STEEL_BALL, WOOD), (WHEEL, STONE)])
-def test_one_number_a_frame_is_as_good_as_all_moments(body, on, speed):
+def test_force_of_one_number_a_frame_drives_modes_as_well_as_all_moments(body, on, speed):
     expected, found = driven(body, on, speed)
     window = np.hanning(expected.shape[1])
     heard = np.fft.rfftfreq(expected.shape[1], 1.0 / RATE) < 20_000.0

@@ -90,7 +90,7 @@ def test_spectrum_is_that_of_brute_force(body, on, seeds):
 
 
 @pytest.mark.parametrize(("mobility", "bound"), [(0.0, accuracy.ROLL_START.bound), (2e-3, 2e-3)])
-def test_one_contact_on_a_kink_against_dop853(mobility, bound):
+def test_contact_on_a_kink_follows_dop853(mobility, bound):
     """The first milliseconds, before chaos, follow an independent integrator, restarted at every piece.
 
     The surface may sink under the body, as a dashpot of 500 N s/m.

@@ -33,7 +33,7 @@ def test_freed_objects_give_their_room_back():
     assert active(engine) == 0
 
 
-def test_what_is_touched_is_held_and_unchanged():
+def test_memory_that_is_touched_is_held_and_unchanged():
     status = Path("/proc/self/status")
     if not status.exists():
         needs.skip("the system does not tell what a process holds", "Linux does")

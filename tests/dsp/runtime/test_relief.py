@@ -73,7 +73,7 @@ def test_a_side_hears_nothing_of_the_relief_of_the_other():
     assert np.abs(left - right).max() < 3e-7 * np.abs(left).max() > 0.0
 
 
-def test_what_is_silent_has_none():
+def test_silent_modes_have_no_relief():
     """The ground of a table is as small as its modes: it is computed for as long as what lies there rings."""
     modes = ground(2_000.0, 20_000.0)
     plan = planned(modes, 20_000.0, RATE / 2, True)

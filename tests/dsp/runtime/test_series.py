@@ -57,7 +57,7 @@ def test_a_rounded_table_stays_what_it_is() -> None:
     assert told.mean() > 0.99  # the peak of one in some thousands is rounded to another scale
 
 
-def test_what_is_a_multiple_of_a_step_stays() -> None:
+def test_multiples_of_a_step_and_tables_of_few_rows_stay() -> None:
     """Columns of 1, as clicks have them, and of 0 are as they were; a table of few rows is, whatever it holds."""
     table = np.ones((64, 3), np.float32)
     table[:, 1] = 0.0

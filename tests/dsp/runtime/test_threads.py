@@ -128,7 +128,7 @@ def test_an_order_that_is_weakened_is_found(program: Path, case: str, kernel: st
 
 
 @pytest.mark.parametrize("case", ["rings", "writers", "blocks"])
-def test_what_is_published_before_it_is_written_or_by_two_at_once_is_found(program: Path, case: str) -> None:
+def test_races_in_a_careless_program_are_found(program: Path, case: str) -> None:
     """Teeth: two stores that change places, and two threads that send at once."""
     code, said = run(program, case, "careless")
     assert (code == RACE and "data race" in said) or (code == 1 and "expected" in said)

@@ -119,7 +119,7 @@ def place(reads: Change, writes: Change) -> bool:
 
 
 @pytest.mark.parametrize("fails", [bell, clock, ends, place])
-def test_what_threads_tell_each_other_is_whole(fails: Callable[[Change, Change], bool]) -> None:
+def test_messages_between_threads_are_whole(fails: Callable[[Change, Change], bool]) -> None:
     assert not fails(list, list)
 
 

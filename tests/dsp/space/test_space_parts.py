@@ -48,7 +48,7 @@ def test_taps_delay_a_tone_and_leave_its_amplitude():
 
 
 @pytest.mark.parametrize("speed", [-0.4, -0.03, 0.0, 0.02, 0.9, 3.0])
-def test_what_moves_is_read_where_it_is(speed):
+def test_moving_sound_is_read_where_it_is(speed):
     """Stretch by stretch, as sample by sample; at a steady delay, as at once."""
     places = 40.3 + np.arange(64) * (1.0 + speed)
     sound = np.random.default_rng(2).normal(size=400)

@@ -119,7 +119,7 @@ def test_a_device_that_stalls_is_stood_in_for_until_it_comes_round(devices):
     assert not goes_on(engine)
 
 
-def test_what_can_not_be_closed_is_told_and_time_goes_on(devices):
+def test_device_that_cannot_be_closed_is_told_and_time_goes_on(devices):
     engine = Engine(48_000)
     player = Player(engine, None, 0, None)
     devices[0].gone = True

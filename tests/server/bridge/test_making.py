@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 PLATE = ("plate", "wood", 3.0, 2.0)  # takes some 0.1 s and more
 
 
-def test_others_are_answered_while_bodies_are_made_and_no_sphere_takes_long(tmp_path):
+def test_other_clients_are_answered_while_plates_and_a_sphere_are_made(tmp_path):
     with serving(tmp_path, "--device", "none") as server, server.client() as maker, server.client() as other:
         maker.send("/world/body", "a", "sphere", "plastic", 10)  # it froze the server for good
         for n in range(20):
@@ -28,7 +28,7 @@ def test_others_are_answered_while_bodies_are_made_and_no_sphere_takes_long(tmp_
         assert server.quit() == (0, "")
 
 
-def test_what_tells_the_simulation_waits_for_its_bodies_whoever_sends_it(tmp_path):
+def test_messages_to_a_simulation_wait_for_its_bodies_whoever_sends_them(tmp_path):
     """Each message is sent as by a script: from a client of its own. The log renders to what was recorded."""
     lines = [
         Message("/world/body", ("floor", *PLATE, 0.01, "held", 1)),

@@ -79,7 +79,7 @@ WRONG_POSES: list[dict[str, Any]] = [
 
 
 @pytest.mark.parametrize("wrong", [*WRONG_TOUCHES, *WRONG_POSES], ids=str)
-def test_nothing_of_a_refused_step_is_taken(wrong: dict[str, Any]) -> None:
+def test_refused_step_changes_nothing(wrong: dict[str, Any]) -> None:
     """A touch or a pose that cannot be is named, and no body has moved, and no time has passed."""
     touches, poses = random_step(1)
     touch, pose = touches[-1], poses["body2"]

@@ -87,7 +87,7 @@ def test_a_score_may_tell_bodies_that_are_grains(render_text):
         ("/world/pour rice bowl 3 speed wide", "speed = wide: expected a number"),
     ],
 )
-def test_what_cannot_be_said_of_grains_is_refused(render_text, line, reason):
+def test_wrong_messages_about_grains_are_refused(render_text, line, reason):
     with pytest.raises(Exception) as refused:
         render_text(POURED + "0.1 " + line, seconds=0.2)
     assert reason in str(refused.value)
@@ -105,7 +105,7 @@ TOLD = """
 
 
 @pytest.mark.slow
-def test_what_is_put_off_for_a_table_of_pulses_is_told_once():
+def test_messages_put_off_for_a_table_of_pulses_are_carried_out_once():
     session = Session(SoundEngine(48_000), Presets())
     lines = f"{TOLD}/object/bowl/shake 5 exponent 2.3".strip().splitlines()
     messages = [line.message for line in parse("".join(f"0 {line}\n" for line in lines).encode(), "told")]
@@ -121,7 +121,7 @@ def test_what_is_put_off_for_a_table_of_pulses_is_told_once():
     assert piled == 1 and heaps[0]["count"] == 3.0
 
 
-def test_what_cannot_be_of_a_step_leaves_the_rest_of_it():
+def test_refused_pour_leaves_the_rest_of_its_step():
     """Hammers at next to no speed, whose blows would last for seconds, are silent beside rice, and faster ones
     than there are refused by themselves: all later steps were refused."""
     session = Session(SoundEngine(48_000), Presets())

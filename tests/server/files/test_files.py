@@ -39,7 +39,7 @@ def test_a_recording_has_every_sample_and_room_to_grow_beyond_4_gib(tmp_path):
         os.fstat(recorder._out.descriptor)
 
 
-def test_what_the_system_takes_in_pieces_is_written_whole(tmp_path, monkeypatch):
+def test_bytes_that_the_system_takes_in_pieces_are_written_whole(tmp_path, monkeypatch):
     write = os.write
     monkeypatch.setattr(os, "write", lambda descriptor, data: write(descriptor, data[:3]))
     file = OutFile(tmp_path / "out")

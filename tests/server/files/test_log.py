@@ -166,7 +166,7 @@ def test_swarms_and_what_breaks(tmp_path):
 
 
 @pytest.mark.slow
-def test_what_the_spectral_bank_keeps_its_modes_in(tmp_path):
+def test_log_renders_changes_of_the_spectral_banks_precision(tmp_path):
     """The bank begins with float32, and changes while two cymbals ring."""
     rng = random.Random(1)
     first = [[Message("/object/new", (name, "cymbal", "gain", -30))] for name in "ab"]
@@ -404,7 +404,7 @@ def test_a_server_that_runs_for_longer_than_a_score_lasts(logged, monkeypatch, t
     assert [line.message.address for line in read(tmp_path / "log.txt")] == []
 
 
-def test_what_waits_to_be_logged_is_forgotten_once_it_is(logged):
+def test_messages_that_wait_to_be_logged_are_forgotten_once_they_are(logged):
     engine, scene, log = logged
     for n in range(10):
         scene.perform([Message("/object/a/impact", (0.1,)), Message("/object/a/damp", (0.1,))], 1e6 * (n % 2))

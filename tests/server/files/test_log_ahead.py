@@ -13,7 +13,7 @@ from tests.server.files.test_log import replay
 from tests.support import render_lines
 
 
-def test_nothing_rests_on_what_was_told_to_go(logged, tmp_path):
+def test_rest_on_an_object_that_is_freed_before_is_not_logged(logged, tmp_path):
     """A rest that was sent ahead: the object that it names is gone by then."""
     engine, scene, log = logged
     begin = [Message("/object/new", ("b", "wine-glass")), Message("/object/a/rest", ("b", "id", "early"))]
@@ -61,7 +61,7 @@ def test_a_point_for_gestures_of_which_one_has_no_surface(logged, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
-def test_which_gestures_are_the_newest(tmp_path, seed):
+def test_newest_gestures_are_those_that_began_or_were_steered_last(tmp_path, seed):
     """The newest are those that began or were steered last, and not those whose messages came last, which no log
     knows."""
     rng = random.Random(seed)

@@ -15,7 +15,7 @@ from tests.server.files.test_log import PRESETS, replay
 from tests.support import render_lines
 
 
-def test_what_is_played_with_make_up_and_headroom(tmp_path):
+def test_log_of_make_up_and_headroom_renders_to_what_was_heard(tmp_path):
     """A server's headroom works, as it is too loud, and gestures have make-up, that of a roll as it is steered."""
     rng = random.Random(5)
     made = [Message("/object/new", ("bell", "church-bell")), Message("/object/new", ("floor", "wooden-floor"))]

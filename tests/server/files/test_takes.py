@@ -138,7 +138,7 @@ def test_no_name_leads_elsewhere(tmp_path, playing, name):
     assert len(list((tmp_path / "takes").iterdir())) == (0 if name else 2)
 
 
-def test_nothing_is_written_over_nor_through_a_link(tmp_path, playing):
+def test_recordings_overwrite_no_file_and_follow_no_link(tmp_path, playing):
     engine, tap, _, _ = playing
     takes = Takes(engine, tap, tmp_path, 10**9)
     (tmp_path / "old.wav").write_bytes(b"kept")

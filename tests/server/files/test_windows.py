@@ -80,7 +80,7 @@ def test_a_sound_file_appears_with_its_sound(windows, tmp_path, name, format):
 
 
 @pytest.mark.parametrize("kind", [Log, Recorder])
-def test_what_a_server_writes_has_its_bytes(windows, tmp_path, kind):
+def test_files_that_a_server_writes_have_its_bytes(windows, tmp_path, kind):
     keeper = kind(Engine(48_000), tmp_path / "out")
     keeper.start()
     keeper.close()

@@ -237,13 +237,13 @@ def test_a_pedal_that_is_bound_is_a_controller(played):
         ("/midi/notes", ("bar", "low", 128), "low = 128: expected a MIDI number from 0 to 127, or a name such as C#4"),
     ],
 )
-def test_what_is_wrong_is_named(played, address, args, reason):
+def test_refusals_of_midi_messages_are_short_and_name_the_reason(played, address, args, reason):
     with pytest.raises(Refused) as error:
         played.ask(address, *args)
     assert reason in str(error.value) and len(str(error.value)) < 200
 
 
-def test_what_is_refused_is_warned_of_once_in_a_while(played):
+def test_repeated_refusals_of_a_controller_are_warned_of_once(played):
     played.ask("/midi/control", 1, "/gesture/x/speed")
     played.play(*[0xB0, 1, 5] * 100)
     assert played.warned == ["MIDI: /gesture/x/speed: x: no such gesture is running; there is none"]
@@ -255,7 +255,7 @@ def test_a_flood_is_bounded_and_told(played):
     assert played.warned == ["2 MIDI messages dropped: they came too fast"]
 
 
-def test_nothing_is_learnt_where_nothing_can_come(played):
+def test_learning_without_midi_ports_is_refused(played):
     played.midi.ports = None
     with pytest.raises(Refused, match="--midi"):
         played.ask("/midi/learn", "/gain")

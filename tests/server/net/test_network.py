@@ -66,7 +66,7 @@ def test_a_stream_that_ends_amid_a_packet_is_told(net, stack, framing, cut, word
 
 
 @pytest.mark.slow
-def test_what_came_before_the_end_is_answered(net, stack):
+def test_packets_before_the_end_of_a_stream_are_answered(net, stack):
     one = client(net, stack)
     one.sendall(Sized.framed(A) * 3)
     one.shutdown(socket.SHUT_WR)
@@ -82,7 +82,7 @@ def test_what_came_before_the_end_is_answered(net, stack):
 
 
 @pytest.mark.slow
-def test_those_that_linger_make_room(net, stack):
+def test_lingering_connections_make_room(net, stack):
     for _ in range(2 * MOST_CONNECTIONS):
         one = client(net, stack)
         one.sendall(Sized.framed(A))
@@ -237,7 +237,7 @@ def test_a_client_that_resets_is_forgotten(net, stack):
     assert net.connections == 0
 
 
-def test_what_a_client_sent_before_it_left_is_heard_though_it_took_no_reply(net, stack):
+def test_packets_of_a_client_that_left_are_heard_though_it_took_no_reply(net, stack):
     """A socket that is closed while replies wait in it is reset; what it had sent lies in the system here."""
     one = client(net, stack)
     one.sendall(Sized.framed(A))

@@ -26,7 +26,7 @@ def test_a_host_elsewhere_gets_three_times_the_bytes_it_sent_with_heads_and_gaps
     assert all(rations.take(host, 1 << 20) for host in ["127.0.0.1", "::1"] for _ in range(100))
 
 
-def test_what_a_host_saves_is_little():
+def test_allowance_that_a_host_saves_is_little():
     """However much was sent in its name, and for however long: a forged one's could come all at once."""
     rations = reply_budget.Allowance()
     for _ in range(10_000):
@@ -80,5 +80,5 @@ def test_no_question_from_elsewhere_is_answered_by_more_than_three_times_its_byt
         ("", False),
     ],
 )
-def test_what_is_local(host, is_local):
+def test_loopback_hosts_are_local(host, is_local):
     assert reply_budget.local(host) is is_local

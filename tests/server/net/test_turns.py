@@ -120,7 +120,7 @@ def test_a_question_may_wait_for_as_long_as_its_client_is_paused(net, stack, mon
         (b"", Urgency.COMMAND),
     ],
 )
-def test_how_urgent_packets_are(packet, kind):
+def test_urgency_of_a_packet_follows_from_its_messages(packet, kind):
     assert urgency(packet) == kind
 
 

@@ -64,7 +64,7 @@ def test_datagrams_of_all_sizes_come_whole_and_in_order(net, stack):
     assert net.counts["dropped"] == 0
 
 
-def test_what_the_system_drops_is_counted(net, stack):
+def test_datagrams_that_the_system_drops_are_counted(net, stack):
     """More than its buffer holds, while nobody empties that."""
     if sys.platform != "linux":
         needs.skip("the system does not tell what it drops", "Linux does")
@@ -88,7 +88,7 @@ def test_a_burst_of_ten_thousand_waits_while_nobody_looks(net, stack):
     assert len(taken(net)) == 10_000 and not any(net.counts.values())
 
 
-def test_what_arrives_wakes_who_waits(net, stack):
+def test_arriving_datagram_wakes_the_one_who_waits(net, stack):
     one = udp(stack)
     waits = []
     for _ in range(50):

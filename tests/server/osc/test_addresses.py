@@ -37,7 +37,7 @@ def test_the_reference_has_an_example_of_every_address_that_is_no_error():
 
 
 @pytest.mark.parametrize("name", STEERABLE)
-def test_what_steers_a_gesture_has_the_range_of_what_starts_it(name):
+def test_value_that_steers_a_gesture_has_the_range_of_the_one_that_starts_it(name):
     (number,) = VERBS[f"/gesture/ID/{name}"].required
     gestures = gestures_steered_by(name)
     assert gestures and gestures.keys() <= GESTURES.keys()

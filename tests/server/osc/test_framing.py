@@ -26,7 +26,7 @@ def test_whatever_the_pieces(kind, sent, piece):
     assert got == sent
 
 
-def test_as_the_standards_print_it():
+def test_framed_packets_are_as_the_standards_print_them():
     assert Slip.framed(b"a\xc0b\xdbc") == b"\xc0a\xdb\xdcb\xdb\xddc\xc0"
     assert Sized.framed(b"/abc\0\0\0\0") == b"\0\0\0\x08/abc\0\0\0\0"
     # Many ENDs in a row are line noise, and a first packet may come without one (RFC 1055).

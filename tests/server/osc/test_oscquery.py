@@ -49,7 +49,7 @@ def test_its_text_comes_in_pieces_and_by_attributes():
     assert json.loads("".join(text("/object/bell/gain", NAMES, attribute="TYPE"))) == {"TYPE": "f"}
 
 
-def test_what_it_offers_is_taken():
+def test_arguments_that_oscquery_offers_are_taken():
     """Every list of arguments that it names passes the checks at its bounds, and of the right types alone.
 
     A range is what a fader should cover; the checks take more, which CLIPMODE says.
@@ -105,7 +105,7 @@ def test_words_have_their_choices():
     assert node("/object/new", NAMES)["RANGE"] == [None, {"VALS": ["tom", "bar"]}]
 
 
-def test_what_is_not_there():
+def test_unknown_addresses_have_no_node():
     for path in ("/object/drum", "/object/NAME", "/nothing", "/object/bell/impact/x", "/object/bell/sing"):
         assert node(path, NAMES) is None
     assert node("/object", {}) == {

@@ -226,7 +226,7 @@ messages = st.builds(Message, texts.map("/".__add__), st.lists(arguments, max_si
 
 @pytest.mark.slow
 @given(st.lists(st.tuples(st.floats(0, 86_400), messages), max_size=4))
-def test_what_is_written_is_read(tmp_path_factory: pytest.TempPathFactory, events: list[tuple[float, Message]]) -> None:
+def test_score_reads_as_written(tmp_path_factory: pytest.TempPathFactory, events: list[tuple[float, Message]]) -> None:
     text = "".join(score.format_line(at, message) + "\n" for at, message in events)
     lines = score.read(written(tmp_path_factory.getbasetemp(), text))
     assert [(line.time, line.message) for line in lines] == events
@@ -247,7 +247,7 @@ def test_lines_are_plain_where_they_can_be() -> None:
 
 
 @pytest.mark.parametrize("value", [b"x", None, math.nan, math.inf, (1, (math.inf,)), (None,)])
-def test_what_text_has_no_word_for(value: wire.Argument) -> None:
+def test_values_that_text_has_no_word_for_are_refused(value: wire.Argument) -> None:
     with pytest.raises(ValueError, match="cannot stand in a score"):
         score.format_line(0.0, Message("/a", (value,)))
 

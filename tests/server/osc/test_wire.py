@@ -186,7 +186,7 @@ tags = st.integers(0, 2**64 - 1)
 
 @pytest.mark.slow
 @given(tags, st.lists(messages, min_size=1, max_size=4), st.sampled_from("fd"))
-def test_what_is_written_is_read(tag: int, sent: list[Message], real: str) -> None:
+def test_bundle_reads_as_written(tag: int, sent: list[Message], real: str) -> None:
     (bundle,) = wire.parse(wire.encode_bundle(tag, sent, real=real))
     # repr: NaN is itself there, and True is not 1.
     assert (bundle.time, repr(bundle.messages)) == (tag, repr(tuple(sent)))
@@ -286,7 +286,7 @@ def test_the_largest_packets_take_no_time(packet: bytes) -> None:
         ("/a", ("x" * 65507,)),
     ],
 )
-def test_what_osc_cannot_carry(address: str, args: tuple[wire.Argument, ...]) -> None:
+def test_messages_that_osc_cannot_carry_are_refused(address: str, args: tuple[wire.Argument, ...]) -> None:
     with pytest.raises(ValueError):
         wire.encode(address, *args)
 

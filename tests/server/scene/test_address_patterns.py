@@ -50,7 +50,7 @@ def test_patterns_reach_verbs_without_objects(session):
     assert "z*: no such object" in refusal(session, "/object/z*/impact", 1.0)
 
 
-def test_what_a_pattern_can_not_do_is_told_for_each(session):
+def test_refusals_of_a_pattern_are_told_for_each_match(session):
     say(session, "/object/new", "a", "wood-block")
     replies = say(session, "/object/a/{damp,pan,decay}", -0.5)
     assert {reply.args[0] for reply in replies} == {"/object/a/damp", "/object/a/decay"}

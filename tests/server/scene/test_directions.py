@@ -150,6 +150,6 @@ def test_a_slide_in_a_direction_pushes_along_it(session):
         ("roll", (1.0, "point", 0.0, 0.0, 0.0, "direction", 0.0, 0.0, 1.0), "direction: no such key"),
     ],
 )
-def test_what_has_no_direction_is_refused(session, gesture, args, said):
+def test_wrong_directions_are_refused(session, gesture, args, said):
     say(session, "/object/new", "bar", "bar")
     assert said in refusal(session, f"/object/bar/{gesture}", *args)

@@ -38,7 +38,7 @@ def touching(played):
     return [contact for contact in played.engine.state["contacts"][0] if contact["gesture"]]
 
 
-def test_what_strikes_with_an_object_has_its_mass_and_its_place_and_waits_for_it(played):
+def test_object_that_strikes_gives_its_mass_and_place_and_is_waited_for(played):
     say(played, "/object/pane/impact", 0.5, "by", "cup", "id", "x")
     played.engine.process(64)
     (contact,) = touching(played)
@@ -113,7 +113,7 @@ def test_only_what_falls_feels_gravity_and_only_a_hand_a_force(played):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words", [("glass",), ("pane", "by", "glass")])
-def test_nothing_is_heard_of_what_is_merely_bent(played, words):
+def test_bend_of_a_pressed_glass_is_not_heard(played, words):
     """A hand of 10 N on a thin glass, or the glass on a pane: no direct current, and no thump of its coming."""
     name, *by = words
     say(played, "/object/new", "glass", "wine-glass")
@@ -126,7 +126,7 @@ def test_nothing_is_heard_of_what_is_merely_bent(played, words):
 
 
 @pytest.mark.parametrize(("quality", "sounding"), [(3, 1), (4, 0)])
-def test_what_bounces_goes_on_when_the_object_is_left_out(played, quality, sounding):
+def test_bounce_goes_on_when_the_object_is_left_out(played, quality, sounding):
     say(played, "/quality", quality)
     say(played, "/object/new", "bowl", "singing-bowl")
     say(played, "/object/bowl/bounce", 3.0, "striker", "ping-pong", "dissipation", 0.13, "id", "x")
@@ -182,7 +182,7 @@ def test_a_hand_that_does_not_press_hovers(played):
     assert list(played.take_ends()) == [] and ringing() > 30 * muted and free > 30 * muted
 
 
-def test_nothing_is_heard_of_modes_that_are_bent_and_silent(played):
+def test_bend_of_silent_modes_is_not_heard(played):
     say(played, "/object/new", "bar", "marimba-bar", "tune", 60)
     say(played, "/object/bar/press", 100.0)
     seconds(played, 1.0)

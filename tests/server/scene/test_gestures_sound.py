@@ -103,7 +103,7 @@ def third_octaves(sound: np.ndarray, rate: int, low: float, high: float) -> np.n
 
 @pytest.mark.slow
 @pytest.mark.parametrize("gesture", [*(f"roll {roll} seed 3" for roll in ROLLS), "impact 1 striker {}steel"])
-def test_what_strikes_is_heard_alike_at_any_rate(render, gesture):
+def test_strikers_are_heard_alike_at_any_sampling_rate(render, gesture):
     """A body's own sound, in thirds of an octave up to 0.4 of the lowest rate, within 0.6 dB.
 
     Clicks have the right values at each sample: a marble's treble folds, and covers what is 50 dB fainter.

@@ -44,7 +44,7 @@ def test_a_wall_gets_the_impulse_that_was_asked_for(session, lost, impulse):
 
 @pytest.mark.parametrize(("name", "striker"), [("cymbal", "steel"), ("tin-lid", "wood"), ("tin-lid", "hammer")])
 @pytest.mark.parametrize("impulse", [1e-4, 0.01])
-def test_what_yields_gets_it_within_3_db(session, name, striker, impulse):
+def test_yielding_objects_get_the_impulse_within_3_db(session, name, striker, impulse):
     got = impulse_of(session, f"/object/{name}/impact", "impulse", impulse, "striker", striker)
     assert 0.7 < got / impulse < 1.42
 

@@ -69,7 +69,7 @@ def test_numbers(scene, tmp_path, value):
     assert list(preset.modes(20_000).frequency) == [440.0, 881.5, 1320.0]
 
 
-def test_what_was_sent_as_a_list_is_logged_as_one(scene, tmp_path):
+def test_list_in_a_message_is_logged_as_a_list(scene, tmp_path):
     message = from_osc("a", "glass-plate", "edges", EDGES)
     line = score.format_line(0.0, message)
     assert line == "0.0 /object/new a glass-plate edges [free clamped free clamped]"

@@ -330,7 +330,7 @@ def test_an_object_morphs_to_another_of_its_family(session):
         ("dice", (-1,), "seed = -1: expected a number from 0 to 2147483647"),
     ],
 )
-def test_what_is_wrong_is_named(played, address, args, reason):
+def test_wrong_macros_are_refused_with_a_reason(played, address, args, reason):
     assert reason in refusal(played, f"/object/pane/{address}", *args)
     assert played.objects["pane"].macros["size"] == NEUTRAL
 

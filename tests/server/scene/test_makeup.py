@@ -132,7 +132,7 @@ def test_textures_and_breaking_stay_below_full_scale(name: str, kind: str) -> No
     assert found.peak < 2.0
 
 
-def test_what_is_stored_is_what_is_measured() -> None:
+def test_stored_measurements_are_those_of_the_presets() -> None:
     """The stored measurement of a strike is that of its preset as it is now."""
     rows = json.loads(STORED.read_text(encoding="utf-8"))
     assert set(rows) == {path.stem for path in (BUILT_IN / "objects").glob("*.toml")}

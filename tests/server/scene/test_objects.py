@@ -54,7 +54,7 @@ def last_sent(session):
     return session.engine.state["ring"]["entries"][0][session.engine.sent - 1]
 
 
-def test_what_is_changed_with_an_object_is_its_own(session):
+def test_values_given_with_an_object_are_its_defaults(session):
     """The object has the value that a message leaves out, not the preset or a middle."""
     say(session, "/object/new", "a", "glass-plate", "position", 0.1, "striker", "felt")
     say(session, "/object/new", "b", "glass-plate", "position", 0.9)
@@ -120,7 +120,7 @@ def test_names_mean_who_has_them_at_the_time(session, name):
     assert say(session, "/panic") == [] and not session.objects.replaced
 
 
-def test_what_is_late_comes_before_what_is_for_now(session):
+def test_late_messages_come_before_those_for_now(session):
     session.engine.process(4800)
     say(session, "/object/new", "b", "church-bell", time=4000.0)
     say(session, "/object/b/impact", 1.0)
@@ -153,7 +153,7 @@ def test_modes_run_out(session, monkeypatch):
 
 
 @pytest.mark.slow
-def test_one_among_many_is_found_at_once(session):
+def test_object_among_many_is_found_at_once(session):
     for n in range(USUAL_OBJECTS):
         say(session, "/object/new", f"o{n}", "wood-block")
         session.engine.process(64)

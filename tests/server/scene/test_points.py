@@ -168,7 +168,7 @@ def test_the_object_that_strikes_may_have_a_point_too(mug):
     assert contact["point"][1]["row"] == faces.rows[face]
 
 
-def test_what_lies_on_an_object_is_moved_over_its_surface(mug, modes):
+def test_rest_on_an_object_is_moved_over_its_surface(mug, modes):
     say(mug, "/object/new", "bar", "marimba-bar")
     say(mug, "/object/bar/rest", "mug", 0.5, "by_point", *HERE, "id", "g")
     mug.engine.process(4800)
@@ -191,7 +191,7 @@ def test_what_lies_on_an_object_is_moved_over_its_surface(mug, modes):
     assert contact["point"][1]["on_surface"] == 0 and contact["point"][1]["row"] == int(0.25 * 64) - 1
 
 
-def test_what_lies_on_nothing_with_a_surface_takes_no_point_there(played):
+def test_rest_on_nothing_with_a_surface_takes_no_point_there(played):
     say(played, "/object/new", "bar", "marimba-bar")
     say(played, "/object/new", "cup", "ceramic-bowl")
     say(played, "/object/bar/rest", "pane", "id", "g")
@@ -221,7 +221,7 @@ def test_what_lies_on_nothing_with_a_surface_takes_no_point_there(played):
         ("mug/rain", (9.0, "point", 0.0, 0.0, 0.0, "spread", 0.1), "spread = 0.1: expected none beside a point"),
     ],
 )
-def test_what_does_not_fit_is_said(mug, address, args, said):
+def test_wrong_points_are_refused_with_a_reason(mug, address, args, said):
     say(mug, "/object/new", "pane", "glass-plate")
     say(mug, "/object/new", "cup", "ceramic-bowl")
     assert re.search(said, refusal(mug, f"/object/{address}", *args))

@@ -90,7 +90,7 @@ def test_all_that_is_steered_takes_its_time(played, name):
         ((), "pan is missing: expected /object/NAME/pan pan [key value ...], with pan -1 to 1"),
     ],
 )
-def test_what_is_wrong_is_named_and_changes_nothing(played, args, reason):
+def test_wrong_ramp_is_named_and_changes_nothing(played, args, reason):
     assert refusal(played, "/object/pane/pan", *args) == reason
     assert played.objects["pane"].settings["pan"] == 0.0
 

@@ -59,7 +59,7 @@ def test_the_words_of_the_declaration_are_the_supports():
 
 @pytest.mark.parametrize("what", ["pane", "table"])
 @pytest.mark.parametrize("at_once", [False, True])
-def test_what_was_freed_under_a_rest_that_slept_goes_with_its_end(played, what, at_once):
+def test_support_freed_under_a_sleeping_rest_goes_when_the_rest_ends(played, what, at_once):
     """A ground, or an object, below what has been still for long; its end, or that of what lies there."""
     played.engine.process(64)
     used = played.engine.state["objects"][0]["used"].sum()

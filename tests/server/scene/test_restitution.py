@@ -101,7 +101,7 @@ def test_both_at_once_are_refused_by_name(wall, gesture):
     assert reason == "dissipation = 0.3, restitution = 0.5: expected one of the two"
 
 
-def test_what_is_no_restitution_is_refused_by_name(wall):
+def test_wrong_restitutions_are_refused_by_name(wall):
     for value in (0.0, 1.5, -0.1, math.nan):
         assert refusal(wall, "/object/wall/impact", 1.0, "restitution", value).startswith("restitution = ")
     assert "expected dissipation" in refusal(wall, "/object/wall/roll", 0.3, "restitution", 0.5)

@@ -69,7 +69,7 @@ def test_an_object_stands_as_if_a_message_had_laid_it_there(presets):
 REST = "/object/a/rest", "felt", 0.1
 
 
-def test_it_is_lifted_and_laid_elsewhere(presets):
+def test_standing_object_is_lifted_or_laid_elsewhere(presets):
     """Laid elsewhere by its weight it no longer stands where it did; a finger on it does not lift it."""
     new = "/object/new", "a", "lying"
     free = heard(presets, (*new, "rest", "none"))
@@ -146,7 +146,7 @@ def test_on_two_felts_each_bears_half(presets, tmp_path):
     )
 
 
-def test_what_stands_nowhere_is_not_lifted():
+def test_object_that_stands_nowhere_is_not_lifted():
     session = Session(Engine(48_000), Presets())
     session.perform([Message("/object/new", ("a", "glass-plate"))], NOW)
     (warning,) = session.perform([Message("/object/a/rest", ("none",))], NOW)
@@ -212,7 +212,7 @@ def _level(sound, at, frequency):
     return np.square(np.abs(np.fft.rfft(window)))[np.abs(bins - frequency) < 40].sum()
 
 
-def test_what_was_lifted_stands_no_more():
+def test_lifted_object_stands_no_more():
     session = Session(Engine(48_000), Presets())
     session.perform([Message("/object/new", ("a", "tumbler"))], NOW)
     assert session.perform([Message("/object/a/rest", ("none",))], NOW) == []

@@ -36,7 +36,7 @@ def test_a_bundle_has_room_for_so_many_contact_laws_and_no_more(played):
     assert "go on or wait" in played.perform(shakes([3.5]), NOW)[0].args[1]
 
 
-def test_what_is_refused_keeps_no_table(played):
+def test_refused_swarms_keep_no_table(played):
     for n in range(3 * PULSES):
         wrong = Message("/object/cup/shake", (50.0, "exponent", 1.0 + 0.125 * n, "speed", -1.0))
         assert played.perform([wrong], NOW)[0].address == "/fail"

@@ -45,7 +45,7 @@ def test_a_full_queue_refuses_whole_bundles_and_forgets_nothing(session):
 
 
 @pytest.mark.slow
-def test_what_waits_far_ahead_leaves_room_for_now(session):
+def test_messages_far_ahead_leave_room_for_those_for_now(session):
     say(session, "/object/new", "a", "wood-block")
     later = [Message("/object/a/impact", (1.0,))] * 1000
     replies = []
@@ -68,7 +68,7 @@ def full(session, address, *args, time=NOW):
 
 
 @pytest.mark.slow
-def test_what_found_no_room_left_nothing(session):
+def test_messages_that_find_no_room_leave_nothing(session):
     say(session, "/object/new", "b", "wood-block")
     full(session, "/object/b/free", 1)
     places = session.engine._memory.free
@@ -112,7 +112,7 @@ def test_a_bundle_that_strikes_everything_without_end_is_refused_in_time(session
     assert say(session, "/object/*/impact", 1.0) == []
 
 
-def test_what_fails_by_a_fault_of_ours_leaves_nothing(session, monkeypatch):
+def test_messages_that_fail_by_a_fault_of_ours_leave_nothing(session, monkeypatch):
     assert "self = 1: church-bell, of the shape" in refusal(session, "/object/new", "a", "church-bell", "self", 1)
 
     def broken(*_):

@@ -51,7 +51,7 @@ def test_a_gesture_that_suits_goes_as_the_preset_says(sent, kind):
         assert command.surface == Presets().surface(usual.surface).profile
 
 
-def test_what_a_message_says_counts(sent):
+def test_values_in_a_message_come_before_those_of_the_preset(sent):
     slide = PLATE.gestures["slide"]
     command = values(sent, "/object/plate/slide", 0.05, 0.25, "surface", "glass", "force", 1)
     assert command.values["speed"] == 0.05 and command.values["position"] == 0.25 and command.values["force"] == 1.0
@@ -82,7 +82,7 @@ def test_a_gesture_that_does_not_suit_is_played_if_the_message_says_how(sent):
     assert command.surface == Presets().surface("wood").profile
 
 
-def test_what_slides_is_held_and_does_not_ring(sent):
+def test_held_striker_clicks_and_does_not_ring(sent):
     """A coin that is drawn over a plate is not a line at 14.7 kHz."""
     session, _ = sent
     laws = session.laws if hasattr(session, "laws") else session._laws

@@ -20,7 +20,7 @@ _COUNT = 60
 
 @pytest.mark.slow
 @pytest.mark.parametrize("says", [b"GET / HTTP/1.1\r\n\r\n", hello()[:50], hello()], ids=["none", "half", "hello"])
-def test_nothing_is_kept_of_handshakes_that_fail(network, says):
+def test_handshakes_that_fail_leave_nothing(network, says):
     web = WebServer(Site(Known(), network, 57140, None, Guard("")), "127.0.0.1", 0, context(None, "127.0.0.1"))
     with answering(web):
         for _ in range(_COUNT):

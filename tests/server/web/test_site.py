@@ -197,7 +197,7 @@ def test_many_questions_at_once(web):
 
 
 @pytest.mark.slow
-def test_it_knows_what_the_server_plays(tmp_path):
+def test_oscquery_knows_the_objects_of_the_server(tmp_path):
     with serving(tmp_path, "--device", "none", "--oscquery", "0") as server:
         assert server.process.stdout
         line = server.process.stdout.readline()

@@ -51,7 +51,7 @@ def test_a_page_over_tls(tmp_path):
         (("--page", "70000"), "page = 70000: expected 0 to 65535"),
     ],
 )
-def test_what_can_not_be_is_told_in_a_line(carom_here, options, said):
+def test_wrong_options_are_told_in_a_line(carom_here, options, said):
     run = carom_here("serve", "--port", "0", "--device", "none", *options)
     assert run.returncode == 1 and said in run.stderr and run.stderr.count("\n") == 1
 

@@ -36,7 +36,7 @@ def test_a_cylinders_orders_by_hankel_functions_of_many_digits(order):
     assert cylinder_efficiency(order, SIZES) == pytest.approx(expected, rel=1e-8)
 
 
-def test_what_hardly_radiates_is_small_and_no_error():
+def test_efficiency_of_poor_radiators_is_tiny_and_no_error():
     assert 0 <= cylinder_efficiency(300, np.array([1e-3]))[0] < 1e-200
     assert 0 <= sphere_efficiency(200, np.array([1e-3]))[0] < 1e-200
 

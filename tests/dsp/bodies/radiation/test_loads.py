@@ -96,7 +96,7 @@ def test_modes_that_are_not_solved_lie_where_solved_ones_would(monkeypatch, shap
     assert np.sqrt((off**2).mean()) < rms and np.abs(off).max() < 4
 
 
-def test_some_of_many_orders_are_solved():
+def test_loads_of_many_orders_are_solved_for_some():
     assert list(members(5, 16)) == [0, 1, 2, 3, 4]
     chosen = members(200, 16)
     assert list(chosen[:16]) == list(range(16)) and chosen[-1] == 199 and chosen.size < 32

@@ -199,7 +199,7 @@ def test_a_plates_modes_are_those_solved_each_by_itself(monkeypatch, steel_plate
 
 
 @pytest.mark.slow
-def test_where_there_are_too_many_modes_their_mean_is_right(monkeypatch, steel_plate):
+def test_loads_of_too_many_modes_are_right_in_the_mean(monkeypatch, steel_plate):
     plate, frequency = steel_plate
     few = loads_of(monkeypatch, plate, frequency, MOST_TERMS=120)
     exact = loads_of(monkeypatch, plate, frequency, MOST_TERMS=1e9)

@@ -141,7 +141,7 @@ def test_no_mode_grows(form):
 
 
 @pytest.mark.slow
-def test_what_rings_in_the_bank_dies_away_and_rests():
+def test_modes_in_the_bank_decay_until_the_engine_is_quiet():
     """Nothing is left of it: the engine is quiet, and what it did not look at is as it was."""
     engine = Engine(RATE)
     handles = [engine.add(body, 10.0) for body in BODIES]

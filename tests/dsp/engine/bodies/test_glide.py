@@ -133,7 +133,7 @@ def test_energy_never_grows():
     assert retunes > 300
 
 
-def test_it_glides_back_to_its_own_pitch_and_its_own_tables():
+def test_string_glides_back_to_its_own_pitch_and_its_own_tables():
     def ringing(glide):
         engine = Engine(RATE)
         handle = engine.add(string((200.0, 310.0, 543.0), t60=0.5, glide=glide))
@@ -149,7 +149,7 @@ def test_it_glides_back_to_its_own_pitch_and_its_own_tables():
         assert np.array_equal(bent, straight)
 
 
-def test_what_nobody_hears_is_left_alone():
+def test_glide_below_a_cent_changes_no_bit():
     """Every bit below a cent is that of an object that does not glide."""
 
     def sound(glide, velocity):
@@ -236,7 +236,7 @@ def test_a_glide_is_alike_at_any_rate(cone):
     assert _between_rates(head, (0.0135, 0.03), 0.1) < 0.003
 
 
-def test_what_a_soft_blow_bends_is_retuned_without_a_step():
+def test_head_that_a_soft_blow_bends_is_retuned_without_a_step():
     """The tension changes while felt presses the head down: by 0.3 of its sound, were its bend to ring."""
     head = string(np.linspace(100, 4_000, 64), t60=0.1, glide=2.0, cone=0.05)
     assert _between_rates(head, (0.0135, 0.05), 0.1, FELT) < 0.003
@@ -257,7 +257,7 @@ def test_soft_blows_in_a_glide_give_no_more_than_they_bring():
         assert rung_out(engine, handle).sum() < brought * (1 + 1e-9)
 
 
-def test_what_rings_long_glides_in_finer_steps():
+def test_string_that_rings_long_glides_in_finer_steps():
     """A step that is left out puts it out of phase for as long as it rings: by 0.02 of its sound, were steps cents."""
     slow = string(np.linspace(200, 4_000, 24), t60=8.0, glide=0.2)
     assert _between_rates(slow, (0.0135, 0.2), 0.5) < 0.008

@@ -36,7 +36,7 @@ def test_a_flat_sheet_under_a_hand_comes_to_rest():
         (48_000, 20.0, 0.9, "steel", -60.0),
     ],
 )
-def test_what_rings_under_a_hand_dies_away(rate, force, position, striker, left):
+def test_cymbal_under_a_hand_dies_away(rate, force, position, striker, left):
     """The splash sounded on, 0 to 26 dB under the most that there was: stretching pulled at nothing now and then, and
     modes that exchange energy took half of a kick, which a bent mode gets at every sample, for its motion."""
     with carom.Scene(rate, calibrated=True) as scene:

@@ -211,7 +211,7 @@ def test_energy_falls_at_any_time_but_by_a_strikers(rate, dome):
 @pytest.mark.parametrize(
     ("dome", "thickness", "position"), [(0.018, 0.00125, 0.01), (0.008, 0.00065, 0.3), (0.0, 0.0006, 0.3)]
 )
-def test_what_is_much_heavier_leaves_no_more_than_it_brought(dome, thickness, position):
+def test_striker_much_heavier_than_a_plate_leaves_no_more_than_it_brought(dome, thickness, position):
     """9 kg push a thin plate in: its energy stays below theirs, and so does that of its modes once it has sprung back.
 
     The grid cannot follow, and V is not to fall far below what it says, or the modes would have what is missing.
@@ -271,7 +271,7 @@ def test_a_dome_that_is_uncoupled_while_it_is_pushed_in_gets_nothing():
 
 
 @pytest.mark.slow
-def test_it_is_coupled_by_a_blow_and_left_when_it_is_soft_and_neither_adds_energy():
+def test_plate_is_coupled_from_a_blow_until_it_is_soft_and_gains_no_energy():
     engine = Engine(48_000)
     handle = engine.add(plate(40, 0.006))
     seen, before = [], 0.0

@@ -64,7 +64,7 @@ def test_a_ball_that_is_an_object_clicks_alike():
 
 
 @pytest.mark.parametrize("level", [0.05, 2.0])
-def test_it_is_heard_with_the_object(level):
+def test_striker_has_the_level_gain_place_and_stem_of_its_object(level):
     """The striker has the object's level, gain, place and stem."""
     engine = started()
     values = engine.lay_out_striker(BALL_SOUND)
@@ -98,7 +98,7 @@ def test_modes_of_a_striker_ring_by_its_force():
     np.testing.assert_allclose(heard[101:501], exact, atol=0.01 * np.abs(exact).max())
 
 
-def test_what_a_force_bends_slowly_is_not_heard():
+def test_striker_that_a_force_bends_slowly_is_not_heard():
     engine = started()
     law = (0.1, 1e4, 0.1, 1.0)  # 10 ms
     slow = sound_of(impact(wall(engine), law, 100.0, **engine.lay_out_striker(SHELL)), engine=engine, frames=4800)
@@ -111,7 +111,7 @@ def _columns(ringing):
     return ringing.frequency, ringing.decay, ringing.weight
 
 
-def test_what_rolls_clicks_by_the_force_that_the_object_feels():
+def test_rolling_striker_clicks_by_the_force_that_the_object_feels():
     engine = started()
     rolling = dict(speed=0.5, radius=RADIUS, seed=3.0, number=1)
     heard = {}
@@ -125,7 +125,7 @@ def test_what_rolls_clicks_by_the_force_that_the_object_feels():
     np.testing.assert_allclose(heard["voice"], heard["object"], atol=1e-6 * np.abs(heard["object"]).max())
 
 
-def test_what_rolls_clicks_as_large_as_it_is():
+def test_rolling_striker_clicks_as_large_as_it_is():
     engine = started()
     larger = StrikerSound(BALL[0], acceleration.sphere(BALL[0], 2 * RADIUS), 2 * RADIUS)
     heard = []
@@ -175,7 +175,7 @@ def test_a_bounce_has_a_voice_at_every_contact():
     assert len(seen) > 5 and set(seen) == {1} and voices(engine) <= 1
 
 
-def test_where_all_voices_are_taken_the_quietest_is_cut_and_counted():
+def test_quietest_voice_is_cut_and_counted_where_all_are_taken():
     engine = started()
     handle = wall(engine)
     values = engine.lay_out_striker(SHELL)
@@ -207,7 +207,7 @@ def test_kinds_are_kept_by_what_they_are_and_make_room_for_others():
     assert engine.lay_out_striker(kinds[0]) != laid_out[0]
 
 
-def test_what_rolls_keeps_its_place_however_many_other_kinds_are_asked_for():
+def test_rolling_striker_keeps_its_place_however_many_others_are_asked_for():
     engine = started()
     rolls = engine.lay_out_striker(BALL_SOUND)
     engine.send([gesture("roll", engine.add(bell(), 1.0), BALL, 0.0, 1, speed=0.5, radius=RADIUS, seed=3, **rolls)])

@@ -254,7 +254,7 @@ HOPPER = {"mass": 5.9e-4, "stiffness": 4.3e5, "exponent": 1.5, "dissipation": 0.
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [8, 17, 19, 31])
-def test_what_hops_beside_a_roll_lands_on_time(seed):
+def test_slider_that_hops_beside_a_roll_lands_on_time(seed):
     """A sheet that both move by much within a sample."""
     gestures = [("roll", ROLLER | {"seed": seed}), ("slide", HOPPER | {"seed": seed})]
     assert beside_exact(48_000, "-60", "glass-plate", SHEET, gestures) < -60
@@ -402,7 +402,7 @@ LAID = {"roll": ROLL, "rest": {"load": 0.2}}
 @pytest.mark.parametrize("level", ["-60", "exact"])
 @pytest.mark.parametrize("kind", LAID)
 @pytest.mark.parametrize("others", [[], [(0.0, 11)], [(0.0, 11), (10.6, 12)]])
-def test_what_is_laid_on_an_object_that_rings_amid_a_sample(level, kind, others):
+def test_body_laid_on_amid_a_sample_sounds_as_at_a_samples_beginning(level, kind, others):
     """A body is laid on 10.75 samples after a blow, beside none, one or two that roll: at four times the rate, where
     that is at a sample's beginning, the sound is the same."""
     heard = []
@@ -438,7 +438,7 @@ def thrown(level, kind, law):
 
 @pytest.mark.parametrize("kind", LAID)
 @pytest.mark.parametrize(("stiffness", "exponent"), [(1e10, 1.5), (1e11, 1.5), (1e12, 2.0), (1e17, 2.5)])
-def test_what_is_thrown_up_lands_as_hard_as_it_may(kind, stiffness, exponent):
+def test_body_that_is_thrown_up_lands_as_accurately_as_asked(kind, stiffness, exponent):
     """A body lands with up to 3000 times the energy that it rests with: its contact is then up to four times as
     stiff."""
     law = (0.02, stiffness, 0.5, exponent)
@@ -452,7 +452,7 @@ def test_what_is_thrown_up_lands_as_hard_as_it_may(kind, stiffness, exponent):
 @pytest.mark.parametrize(
     ("preset", "gesture", "speed", "travel"), [("steel-plate", "slide", 2.0, 0.02), ("tin-lid", "roll", 1.0, 0.01)]
 )
-def test_what_passes_many_rows_of_shapes_in_a_quantum_is_as_loud_as_what_stays(level, preset, gesture, speed, travel):
+def test_contact_across_many_rows_in_a_quantum_is_as_loud_as_one_that_stays(level, preset, gesture, speed, travel):
     """Cubics through four rows, taken far beyond these, were up to 41 dB too loud."""
     heard = []
     for keys in ({}, {"travel": travel}):

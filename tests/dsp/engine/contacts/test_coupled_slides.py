@@ -262,7 +262,7 @@ def test_steady_slides_are_as_loud_as_at_exact(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("material", ["rubber", "polycarbonate"])
-def test_what_swings_for_hundreds_of_steps_a_sample_does_so_beside_another(material):
+def test_roll_beside_a_slide_as_stiff_is_as_accurate_as_asked(material):
     """A weight rolls on a sheet that something as stiff slides on: at `exact` no force is held."""
     found = []
     for accuracy in ("exact", "-60"):

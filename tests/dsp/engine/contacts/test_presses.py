@@ -84,7 +84,7 @@ def reference(modes, hand, start, push, quanta):
 @pytest.mark.parametrize(
     ("modal_mass", "hand"), [(0.02, HAND), (0.02, (0.005, 1e7, 0.5, 1.5)), (0.02, (0.2, 1e4, 5.0, 1.0)), (1.0, HAND)]
 )
-def test_what_rings_under_a_press_against_dop853(modal_mass, hand, level, bound):
+def test_modes_that_ring_under_a_press_follow_dop853(modal_mass, hand, level, bound):
     """A strike is over, and the modes ring on under the hand for 32 ms."""
     engine, handle = pressed(level, hand, modal_mass=modal_mass)
     engine.process(150 * QUANTUM)

@@ -141,7 +141,7 @@ def test_a_mass_that_is_laid_on_a_plate_lowers_its_modes_by_rayleighs_quotient(r
     assert turn * rate / (2 * math.pi) == pytest.approx(400.0 / math.sqrt(1 + mass * phi**2), rel=2e-4)
 
 
-def test_what_a_rest_is_taken_off_rings_as_if_it_had_never_been_there():
+def test_object_rings_freely_once_its_rest_is_taken_off():
     engine, sigma = engine_at(), 3.0
     handle = engine.add(plate(sigma=sigma))
     engine.send([rest(handle, FELT, 2.0, 0.2)])
@@ -222,7 +222,7 @@ def test_energy_does_not_grow(seed):
     assert growth(seed) < 1e-5
 
 
-def test_what_rests_and_is_still_sleeps_and_a_load_that_is_steered_does_not_wake_it():
+def test_rest_that_is_still_sleeps_and_a_steered_load_does_not_wake_it():
     engine = engine_at()
     one, other = engine.add(plate()), engine.add(plate(sigma=40.0))
     engine.send([rest(one, FELT, 2.0, 0.2, 7, by=other), rest(other, FELT, 1.0, 0.1, 8)])
@@ -241,7 +241,7 @@ def test_what_rests_and_is_still_sleeps_and_a_load_that_is_steered_does_not_wake
     assert not np.any(engine.process(QUANTUM))
 
 
-def test_what_rests_and_is_still_is_quiet():
+def test_engine_is_quiet_when_a_rest_is_still():
     engine = engine_at()
     handle = engine.add(plate())
     engine.send([rest(handle, FELT, 3.0, 0.3)])
@@ -268,7 +268,7 @@ def test_a_rest_that_slept_sounds_like_one_that_begins_as_it_is_struck(level):
     assert np.abs(slept - woke).max() < 1e-4 * np.abs(slept).max()
 
 
-def test_what_moves_by_more_than_the_load_compresses_buzzes():
+def test_object_that_moves_by_more_than_its_load_compresses_buzzes():
     """A light load on a hard contact: the force has gaps, and its sound higher partials than the mode's own."""
     engine = engine_at()
     handle = engine.add(plain([200.0], 1.0, [[1.0]]))

@@ -87,5 +87,5 @@ def heard(forgets):
     return np.concatenate(sound)
 
 
-def test_what_goes_straight_through_is_known_anew_where_it_changes():
+def test_direct_path_kept_between_quanta_sounds_as_one_found_anew():
     np.testing.assert_array_equal(heard(False), heard(True))

@@ -102,7 +102,7 @@ def test_a_loud_blow_is_heard_after_as_many_whispers_as_there_is_room_for():
 
 
 @pytest.mark.parametrize("kind", ["impact", "press", "bounce", "rest"])
-def test_who_is_left_out_fades_without_a_click(kind):
+def test_contact_that_is_left_out_fades_without_a_click(kind):
     """One that pushes is replaced: nothing above what both sound by themselves is heard of the change."""
     values = {
         "press": {"force": 20.0, "velocity": 0.01},

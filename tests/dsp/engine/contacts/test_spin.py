@@ -117,7 +117,7 @@ def test_irregular_contacts_scatter_and_the_seed_says_how():
     assert ratio.max() < 1.1 and 0.4 < ratio.min() < 0.65 and 0.7 < ratio.mean() < 0.85
 
 
-def test_it_is_steered_from_its_next_contact_on():
+def test_spin_is_steered_from_its_next_contact_on():
     engine = Engine(RATE)
     handle = engine.add(bell(modal_mass=1e7))
     engine.send([gesture("spin", handle, COIN, 0.0, 7, **EURO)])
@@ -135,7 +135,7 @@ def test_it_is_steered_from_its_next_contact_on():
 
 
 @pytest.mark.parametrize("law", [COIN, (0.5, 1e6, 0.5, 1.5)])
-def test_who_picks_it_up_ends_it(law):
+def test_spin_that_is_picked_up_ends(law):
     engine = Engine(RATE)
     handle = engine.add(bell(modal_mass=1.0), 0.05)
     engine.send([gesture("spin", handle, law, 0.0, 7, **EURO), stop(7, 48_000.0)])
@@ -143,7 +143,7 @@ def test_who_picks_it_up_ends_it(law):
     assert engine.ended() == [(7, End.STOPPED)] and engine.stats.contacts_active == 0
 
 
-def test_it_may_be_over_before_it_has_turned():
+def test_spin_may_be_over_before_it_has_turned():
     times, _, engine = spun(seconds=0.1, duration=0.01)
     assert len(times) == 1 and engine.ended() == [(7, End.RESTED)]
     _, _, engine = spun(seconds=0.1, duration=0.0)

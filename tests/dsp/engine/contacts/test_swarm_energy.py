@@ -150,12 +150,12 @@ def test_a_piece_clicks_by_all_of_its_blow_however_much_it_rings():
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [22_050.0, 44_100.0, 192_000.0])
 @pytest.mark.parametrize(("kind", "keys"), [("shake", {}), ("shake", {"variety": 0.5}), ("shatter", {"stage": 1.0})])
-def test_they_take_no_more_at_any_sampling_rate(kind, keys, rate):
+def test_ringing_takes_no_more_than_the_blows_bring_at_any_sampling_rate(kind, keys, rate):
     for modal_mass in (1e-2, 10.0):
         assert 0.1 < rung(kind, keys, modal_mass, rate=rate)[0][2] < 1.0
 
 
-def test_they_take_no_more_while_a_rate_is_steered():
+def test_ringing_takes_no_more_than_the_blows_bring_while_a_rate_is_steered():
     events = [steer(7, "rate", rate, 0.02 * n) for n, rate in enumerate([1e6, 0.0, 30.0, 1e5, 0.0, 1e6])]
     most, engine = rung("shake", {"rate": 10.0}, 1e-2, seconds=0.15, events=events)
     assert most[2] < 1.0 and drawn(engine)[0] > 20_000
@@ -164,7 +164,7 @@ def test_they_take_no_more_while_a_rate_is_steered():
 @pytest.mark.parametrize("modal_mass", [1e-4, 1e-2, 10.0])
 @pytest.mark.parametrize("law", [GRAIN, HARD], ids=["light", "heavy"])
 @pytest.mark.parametrize("velocity", [0.05, 3.0])
-def test_one_blow_of_what_rings_takes_no_more(law, modal_mass, velocity):
+def test_ringing_takes_no_more_than_a_single_blow_brings(law, modal_mass, velocity):
     """A contact of its own: the striker rings with half of the energy at most, which the object leaves."""
     engine = Engine(RATE)
     handle = engine.add(plate(40, modal_mass, t60=200.0), 1.0)

@@ -214,7 +214,7 @@ SHATTER = {"velocity": 3.0, "pieces": 80.0, "whole": 0.1, "height": 0.1, "seed":
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stage", [0.0, 1.0])
-def test_what_breaks_does_so_alike_at_any_sampling_rate_and_spends_no_more_than_it_has(stage):
+def test_shattering_is_alike_at_any_rate_and_spends_no_more_than_it_has(stage):
     """Cracks have a quarter of the energy of what hits; pieces land with as much at most and that of their fall."""
     found, spent, bands = [], [], []
     for rate in (44_100.0, 48_000.0, 96_000.0):

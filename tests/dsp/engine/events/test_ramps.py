@@ -69,7 +69,7 @@ def test_a_curve_is_supercolliders(curve):
     np.testing.assert_allclose(course(engine, lambda: target(engine, "speed")[0]), 0.4 + 0.6 * share, rtol=1e-9)
 
 
-def test_what_has_a_unit_of_ratios_goes_by_equal_ratios():
+def test_ramps_of_gain_and_tune_go_by_equal_ratios():
     engine, handle = rolling(gain=0.5)
     engine.send([over(setting(handle, "gain", 0.01)), over(setting(handle, "tune", 2.0)), over(steer(7, "gain", 0.05))])
     engine.send([over(Command(NOW, Kind.GAIN, value=0.1))])
@@ -89,7 +89,7 @@ def test_every_setting_of_an_object_goes_there(name):
 
 
 @pytest.mark.parametrize("name", [name for name in STEERABLE if name in ("mass", "radius", "roughness", "gravity")])
-def test_what_a_roll_is_told_reaches_its_body(name):
+def test_ramps_of_a_roll_reach_its_body(name):
     engine, _ = rolling()
     first = target(engine, name)[0]
     engine.send([over(steer(7, name, 1.5 * first))])
@@ -158,7 +158,7 @@ def test_ramps_end_with_what_they_change():
     assert engine.state["ramps"]["count"] == 0
 
 
-def test_what_finds_no_room_counts_at_once():
+def test_ramp_that_finds_no_room_counts_at_once():
     engine, handle = rolling()
     for _ in range(0, RAMPS, 512):
         engine.send([over(setting(handle, "pan", 0.5), 1.0, 1.0 + n) for n in range(512)])

@@ -167,7 +167,7 @@ def test_commands_that_are_never_carried_out_are_noted_too():
     assert engine.noted() == [(2, -1.0), (1, 100.0), (0, -1.0)] and engine.noted() == []
 
 
-def test_what_is_for_an_object_waits_for_it_wherever_the_clock_is_set():
+def test_commands_timed_before_their_object_wait_for_it():
     """A change, and the end, that by the clock come before the object, as on a machine that stalls."""
     engine = Engine(RATE)
     engine.note()
@@ -179,7 +179,7 @@ def test_what_is_for_an_object_waits_for_it_wherever_the_clock_is_set():
     assert not engine.objects["used"].any() and engine.queued == 0
 
 
-def test_what_is_for_an_object_of_next_year_does_not_wait_for_it():
+def test_gesture_on_an_object_far_ahead_does_not_wait_for_it():
     """The object's end does wait, or it would stay for good."""
     engine = Engine(RATE)
     engine.note()

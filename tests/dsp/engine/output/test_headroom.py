@@ -26,7 +26,7 @@ def loud() -> float:
     return 4.0 / float(np.abs(struck(False, 1.0, 1, limited=False)[1]).max())
 
 
-def test_what_is_soft_keeps_its_bits():
+def test_soft_sound_keeps_its_bits():
     level = 0.1 * loud()
     np.testing.assert_array_equal(struck(True, level, 8)[1], struck(False, level, 8)[1])
 

@@ -66,7 +66,7 @@ def test_a_sound_arrives_after_its_way_and_falls_as_its_inverse(far, frequency):
 
 @pytest.mark.parametrize("speed", [-30.0, -3.0, 10.0, 50.0])
 @pytest.mark.parametrize("who", ["source", "listener"])
-def test_what_moves_is_heard_higher_or_lower_by_doppler(speed, who):
+def test_moving_sources_and_listeners_shift_the_pitch_by_doppler(speed, who):
     """A source that goes is heard at f/(1 + v/c), by a listener who goes at f (1 - v/c), within 0.1 cent."""
     start = 100.0
     goes = (start + speed, 0.0, 0.0)
@@ -287,7 +287,7 @@ def test_the_late_part_comes_after_the_straight_sound(far):
     assert np.abs(there[late:] - shifted).max() < 0.02 * np.abs(shifted).max()
 
 
-def test_what_a_room_holds_comes_to_rest_and_goes_with_a_panic():
+def test_sound_in_a_room_comes_to_rest_and_goes_with_a_panic():
     engine = Engine(RATE, 1)
     handle = engine.add(bell(t60=0.1))
     engine.send([listen(), furnish(6.0, 0, 0, 0, 6, 5, 3, 0.5, 0.3, 0.3, 1.0, 0.01), put(handle, (2.0, 2.0, 1.0))])
@@ -340,7 +340,7 @@ def test_a_jump_makes_no_click():
 
 @pytest.mark.parametrize("speed", [340.0, 1e3, 1e4, 1e6])
 @pytest.mark.parametrize("room", [False, True])
-def test_what_is_faster_than_sound_is_no_louder(speed, room):
+def test_motion_faster_than_sound_is_at_most_four_times_as_loud(speed, room):
     """Object and listener flee each other, or meet, as fast as may be said; only what was written is read."""
     plain = np.abs(heard(bell(), listen(), lambda h: put(h, (2.0, 1.0, 1.0)))).max()
     for sign in (-1.0, 1.0):

@@ -23,6 +23,6 @@ def test_bodies_are_fixed_to_one_that_has_a_joint_or_is_led_by_its_pose():
     assert {part.name for part in parts_of(model) if part.body} == {"bat", "arm", "ball"}
 
 
-def test_that_is_what_mujoco_says_itself_but_for_poses_before_3_12():
+def test_bodies_that_no_pose_leads_are_fixed_as_mujoco_says():
     model = mujoco.MjModel.from_xml_string(MODEL.replace(' mocap="true"', ""))
     assert (welded_to(model) == model.body_weldid).all()
