@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ..dsp.runtime.engine import Engine
 
-_FREE = 2.0
-"""s of a processor, beyond its own length, that a sound may take before anybody is warned."""
+_FREE = 0.5
+"""s of a processor, beyond its own length, that a sound may take before anybody is warned: its first block may."""
 
 
 class CostWatch:
@@ -43,6 +43,5 @@ class CostWatch:
             return ""
         name, took = max(self._touched.items(), key=lambda each: each[1], default=("", 0.0))
         mostly = f", mostly for contacts of {name}" if took > 0.5 * self._cost else ""
-        return (
-            f"{seconds:.2g} s of sound took {self._cost:.2g} s of a processor{mostly}: /budget 16 8192 bounds contacts"
-        )
+        way = "/quality 2 or 3 costs less" if all(self._engine.budget) else "/budget 16 8192 bounds contacts"
+        return f"{seconds:.2g} s of sound took {self._cost:.2g} s of a processor{mostly}: {way}"

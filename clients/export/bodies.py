@@ -46,11 +46,15 @@ def said_of_materials(materials: Sequence[Material]) -> dict[str, list[float]]:
     }  # fmt: skip
 
 
-def said_of_bodies(session: Session, simulation: Simulation, put: Callable[[bytes], int]) -> dict[str, Any]:
+def said_of_bodies(
+    session: Session, simulation: Simulation, presets: Iterable[ObjectPreset], put: Callable[[bytes], int]
+) -> dict[str, Any]:
     """Return the entries of bodies: their rows by name, laws and surfaces of each two materials, and slides.
 
     put: keeps bytes in the scene's data, and says where.
     """
+    for each in materials_of(presets, simulation):  # a body may be made of any of them
+        simulation.number_of_material(each)
     record = simulation.state[0]
     numbers = range(len(simulation.materials))
     laws = [

@@ -97,7 +97,7 @@ def scene_map(baked: Baked, strikers: Strikers, put: Callable[[bytes], int] = la
     engine = baked.engine
     session, simulation = baked.session, baked.session.simulation
     return {
-        **(said_of_bodies(session, simulation, put) if simulation else {}),
+        **(said_of_bodies(session, simulation, presets, put) if simulation else {}),
         "materials": said_of_materials(materials_of(presets, simulation)),
         "rate": engine.rate,
         "channels": engine.width,

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..numerics.constants import LOSS_FACTOR_AT
+
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 
 HERTZ_EXPONENT = 1.5
 
-LOSS_FACTOR_AT = 1000.0  # Hz
 LOSSES = ("material", "measured")
 
 CONTACT_RADIUS = 0.01

@@ -9,6 +9,9 @@ AIR_DENSITY = 1.2
 SPEED_OF_SOUND = 343.0
 """m/s, in it."""
 
+LOSS_FACTOR_AT = 1000.0
+"""Hz: frequency at which a material's `loss_factor` holds."""
+
 FULL_SCALE_PRESSURE = 4.0
 """Pa: the sound pressure that is full scale, 0 dBFS, of an object whose level is 0 dB, unless another is chosen: 106 dB
 over 20 µPa. Strikes of most things, at a metre, come out at a usual loudness then."""

@@ -10,12 +10,12 @@ import math
 
 import numpy as np
 
-from ..bodies.material import LOSS_FACTOR_AT
 from ..engine.memory.capacity import MODES
 from ..engine.memory.commands import COMMAND, KIND_NEW, Event
 from ..engine.memory.state import STATE, State
 from ..native.jit import carray, kernel, noinline_kernel
 from ..native.typed import Items, View
+from ..numerics.constants import LOSS_FACTOR_AT
 
 SIZE, SPEED, DENSITY, OWN, OTHER = 0, 1, 2, 3, 7
 """Places in a row of changes: octaves of the size, of the wave speed, of the density; then the losses of both

@@ -223,7 +223,7 @@ class Simulation:
             self._skins.append(skin_of(body.modes.faces))
             record["skin"][number], record["skin_faces"][number] = self._skins[-1].ctypes.data, len(self._skins[-1])
             record["round"][number] = round_of(body.modes.faces, float(record["reach"][number]))
-        record["loudness"][number], record["material"][number] = body.loudness(), self._material(body)
+        record["loudness"][number], record["material"][number] = body.loudness(), self.number_of_material(body.material)
         if pose is not None:
             put_pose(self.state, number, checked_pose(pose, f"body {name}"))
         self.bodies.append(body)
@@ -231,19 +231,19 @@ class Simulation:
         self._numbers[name] = number
         return [Said(self.time, body.message())] if body.rings else []
 
-    def _material(self, body: Body) -> int:
-        """Return the number of a body's material, of whose contacts with the others the law is known from then on."""
-        if body.material not in self.materials:
+    def number_of_material(self, material: Material) -> int:
+        """Return the number of a material, of whose contacts with the others the law is known from then on."""
+        if material not in self.materials:
             if len(self.materials) == MATERIALS:
-                raise WorldError(f"body {body.name}: expected at most {MATERIALS} materials")
-            self.materials.append(body.material)
+                raise WorldError(f"material {material.name}: expected at most {MATERIALS} materials")
+            self.materials.append(material)
             number = len(self.materials) - 1
             for n, other in enumerate(self.materials):
-                law = contact_between(body.material, other, 1.0)
+                law = contact_between(material, other, 1.0)
                 self.state["law"][0, number, n] = self.state["law"][0, n, number] = law
-                surface = self._surface(body.material, other)
+                surface = self._surface(material, other)
                 self.state["surface"][0, number, n] = self.state["surface"][0, n, number] = surface
-        return self.materials.index(body.material)
+        return self.materials.index(material)
 
     def _surface(self, a: Material, b: Material) -> int:
         """Return 1 and the number of the surface on which bodies of two materials slide; 0 where there is no room for

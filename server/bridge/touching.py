@@ -39,6 +39,7 @@ BODY_ROW = _LOUDNESS + OCTAVES
 """Numbers of a body: 1/kg; 1/(kg m^2) about its axes; 1 if it rings; m: half its greatest length; m: edges; its strike
 path, as in strips.py; m: radius of its side; 1 if that ends at faces; material; s for which it rings; loudness."""
 _LARGEST = 1e12
+_SHORTEST, _LONGEST = 1e-6, 1e6  # s: of a frame
 COUNTS = 7
 """Numbers of a report."""
 
@@ -186,6 +187,8 @@ def _free_number(own: Touching) -> int:
         free = own.used[number] == 0
         for i in range(state.touching if free else 0):
             free = free and state.pairs[i].a != number and state.pairs[i].b != number
+        for i in range(own.touches if free else 0):
+            free = free and state.pair[i, 0] != number and state.pair[i, 1] != number
         if free:
             state.bodies = max(state.bodies, number + 1)
             return number
@@ -317,15 +320,15 @@ def end_frame(memory: int, seconds: float, position: int, waiting: int, load: fl
     load: the share of a core that the sound takes.
     """
     own: Touching = carray(memory, (1,), TOUCHING)[0]
-    if not 0.0 < seconds <= _LARGEST:
+    touches, own.touches = own.touches, 0
+    if not _SHORTEST <= seconds <= _LONGEST:
         return -1
     state, before = own.tracker, own.written
     own.position, own.waiting, own.read = position, waiting, own.written
     time = state.time + seconds
     _keep_pace(own, time, position / own.link.rate)
     _govern(own, load, time)
-    found = take_touches(own.link, state, own.microphones, own.touches, time)
-    own.touches = 0
+    found = take_touches(own.link, state, own.microphones, touches, time)
     own.crowded += int(found < 0)
     return own.written - before
 

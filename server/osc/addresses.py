@@ -182,7 +182,9 @@ _RUNNING = (
         POINT,
     ),
     Move(
-        "/gesture/ID/by_point", "moves a rest to the supporting object's point nearest to these coordinates", BY_POINT
+        "/gesture/ID/by_point",
+        "moves a rest on the other object, to the surface point nearest to these coordinates",
+        BY_POINT,
     ),
 )
 

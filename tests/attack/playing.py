@@ -11,6 +11,7 @@ import numpy as np
 from carom.dsp.native import CHECKED
 from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets
+from carom.server.costs import CostWatch
 from carom.server.options import BUDGET
 from carom.server.osc.score import format_line
 from carom.server.osc.wire import Message
@@ -23,19 +24,23 @@ LOUDEST = 1e30
 """Of a sample without a limiter: more is taken for a sound that grows without bounds."""
 MOST_CPU = 1.0
 """s of a processor for a second of sound, with the budget that a server begins with; twice as many where others share
-the processor. A render without a budget may take more, and says so; the checked build takes more of all."""
+the processor. The checked build takes more of all."""
+MOST_TOLD = 4.0
+"""The same of a sound that says what it took: many blows a second on a plate that swells take 2."""
 _WARM = 0.1  # s of a processor that any sound may take
+_LONG = 2.0  # s of a sound that is played again, as it took much: what takes little longer than it lasts is not told
 _MAKING = 30  # s of a processor for all that is made
 _PRESETS = Presets()
 
 
 class Played(NamedTuple):
     """What messages led to: the reasons why some were refused, the loudest sample, and the time (s) of a processor that
-    the sound took."""
+    the sound took, and whether a render would say so."""
 
     refusals: list[str]
     loudest: float
     cpu: float
+    told: bool
 
 
 def play(messages: Sequence[Message], seconds: float) -> Played:
@@ -47,17 +52,21 @@ def play(messages: Sequence[Message], seconds: float) -> Played:
         replies = session.perform([message], 0.0)
         refusals += [str(reply.args[-1]) for reply in replies if reply.address == "/fail"]
     begun = time.process_time()
-    sound = session.engine.process(round(seconds * RATE))
+    watch = CostWatch(session.engine, session.objects.slots)
+    sound = watch.process(round(seconds * RATE))
     took = time.process_time() - begun
     loudest = float(np.abs(sound).max(initial=0.0)) if np.isfinite(sound).all() else np.nan
     loudest = np.nan if session.engine.stats.faults else loudest  # an object was silenced in time
-    return Played(refusals, loudest, took)
+    return Played(refusals, loudest, took, bool(watch.warning()))
 
 
 def tried(child: Child, messages: Sequence[Message], seconds: float) -> Tried:
     """Play messages in a process; a fault names the fewest of them that lead to it."""
     try:
         played = child.run(play, messages, seconds, cpu=_MAKING)
+        if _fault(played, seconds):
+            seconds = _LONG
+            played = child.run(play, messages, seconds, cpu=_MAKING)
     except Died as died:
         return Tried(faults=(_told(child, messages, seconds, str(died)),))
     fault = _fault(played, seconds)
@@ -71,7 +80,8 @@ def tried(child: Child, messages: Sequence[Message], seconds: float) -> Tried:
 def _fault(played: Played, seconds: float) -> str:
     if not played.loudest < LOUDEST:
         return f"a sample of {played.loudest:g}"
-    most = math.inf if CHECKED else _WARM + MOST_CPU * seconds * (1.0 + _is_shared())
+    usual = MOST_TOLD if played.told else MOST_CPU
+    most = math.inf if CHECKED else _WARM + usual * seconds * (1.0 + _is_shared())
     return f"{played.cpu:.2f} s of a processor for {seconds:g} s of sound" if played.cpu > most else ""
 
 

@@ -36,6 +36,12 @@ def test_a_render_that_takes_long_says_so_and_names_what_is_touched_with_most_mo
     assert said[0].startswith("0.1 s of sound took")
 
 
+def test_a_render_with_a_budget_is_not_advised_to_have_one(takes):
+    takes(1.0)
+    (said,) = carom.render(f"0 /budget 16 8192\n{SCORE}", seconds=0.1).report.warnings
+    assert said.endswith("mostly for contacts of gong: /quality 2 or 3 costs less")
+
+
 def test_a_scene_that_takes_long_says_so_each_time(takes):
     scene = carom.Scene()
     bell = scene.new("bell", "church-bell")

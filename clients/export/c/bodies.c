@@ -62,6 +62,7 @@ void body_gone(carom *scene, int body) {
 }
 
 int carom_body(const carom *scene, const char *name) {
+    if (!name) return -1;
     const object *of = object_by(scene, name);
     if (of) return of->body >= 0 ? of->body : -1;
     int number = 0; /* of a silent one of the score, which the tracker made in its order, and nothing frees */
@@ -114,12 +115,16 @@ int carom_govern(carom *scene, double share) {
 
 int carom_frame(carom *scene, double seconds) {
     if (!scene->touching) return refused_here(scene, "carom_frame: expected a scene with bodies: /world/body in its score");
+    if (room(scene) < scene->ring / 2) { /* before the tracker takes it: else the end of a slide may get lost */
+        carom_tracker_end_frame(scene->touching, 0.0, 0, 0, 0.0);
+        return refused_here(scene, "carom_frame: no capacity for its commands: compute sound");
+    }
     int64_t waits = whole_at(scene, (int64_t)number_of(item(scene->rules, "state"), "queued"));
     carom_state state;
     carom_report(scene, &state);
     int64_t count = carom_tracker_end_frame(scene->touching, seconds, whole_at(scene, scene->position),
                                             waits + scene->ring - room(scene), state.load);
-    if (count < 0) return refused_here(scene, "carom_frame: expected seconds above 0");
+    if (count < 0) return refused_here(scene, "carom_frame: expected 1e-6 to 1e6 seconds");
     if (count > room(scene)) return refused_here(scene, "carom_frame: no capacity for its commands: compute sound, or report fewer contacts");
     for (int64_t n = 0; n < count; n++)
         post(scene, (const uint8_t *)scene->touching + carom_tracker_command_at(scene->touching, n));

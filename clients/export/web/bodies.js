@@ -72,14 +72,14 @@ export class Bodies {
   /** Take a frame: `moves` and `touches` as carom.js has them. */
   frame({ seconds, moves, touches, listener, share }, load) {
     if (share !== undefined && !this.tracker.govern(this.base, share)) throw new Error(`share = ${share}: expected 0 to 1`);
-    if (listener && !this.tracker.listen(this.base, this.put(listener))) throw new Error(`listener ${listener}: expected a place, and a direction`);
-    this.report("move", moves);
-    this.report("touch", touches);
+    if (listener && !(listener.length === 6 && this.tracker.listen(this.base, this.put(listener)))) throw new Error(`listener ${listener}: expected a place, and a direction`);
     const { scene } = this;
     const { ring, queued } = scene.map.state;
+    scene.expectRoom(ring / 2); // before the tracker takes the frame: else the end of a slide may get lost
+    const wrong = [...this.report("move", moves), ...this.report("touch", touches)];
     const waiting = scene.whole(queued) + ring - scene.room;
     const count = Number(this.tracker.end_frame(this.base, seconds, BigInt(scene.position), BigInt(waiting), load));
-    if (count < 0) throw new Error(`seconds = ${seconds}: expected above 0`);
+    if (count < 0) throw new Error(`seconds = ${seconds}: expected 1e-6 to 1e6`);
     scene.expectRoom(count);
     for (let n = 0; n < count; n++) {
       const at = this.base + Number(this.tracker.command_at(this.base, BigInt(n)));
@@ -87,16 +87,23 @@ export class Bodies {
       if (scene.judge(bytes) < 0) scene.hand(bytes);
       else scene.refused++;
     }
+    if (wrong.length) throw new Error(wrong[0]);
   }
 
-  /** Report moves or touches: rows that begin with one name of a body, or two. */
+  /** Report moves or touches: rows that begin with one name of a body, or two; why those that cannot be are left out. */
   report(what, rows) {
+    const wrong = [];
     const names = what === "touch" ? 2 : 1;
     for (const row of rows) {
-      const numbers = row.map((each, n) => (n < names ? this.number(each) : each));
-      const isWhole = numbers.length === WIDTHS[what] && Number(this.tracker[what](this.base, this.put(numbers)));
-      if (!isWhole) throw new Error(`${what} ${row.slice(0, names).join(", ")}: expected numbers that can be, and lengths of 1`);
+      try {
+        const numbers = row.map((each, n) => (n < names ? this.number(each) : each));
+        const isWhole = numbers.length === WIDTHS[what] && Number(this.tracker[what](this.base, this.put(numbers)));
+        if (!isWhole) throw new Error(`${what} ${row.slice(0, names).join(", ")}: expected numbers that can be, and lengths of 1`);
+      } catch (error) {
+        wrong.push(error.message);
+      }
     }
+    return wrong;
   }
 
   /** What happened so far, as `carom_contacts` has it in C. */

@@ -15,16 +15,25 @@ from carom.clients.export.machines import machine_of
 from carom.clients.export.plugins import FORMATS, RATES, write_plugin
 from carom.clients.export.scene import bake_scene
 from carom.dsp.engine.memory.state import QUANTUM
+from carom.dsp.sizes import CAPACITY
 from carom.presets import Presets
 from carom.server.osc.score import parse
 from carom.server.render import Options, blocks
 from tests.clients.export.make_scene import use
 
-OBJECTS = "0 /object/new bell church-bell gain -6 pan 0.25\n0 /object/new block marimba-bar\n"
+COPIES = 62
+"""Room for copies besides the objects."""
+OBJECTS = "".join(
+    f"0 /object/new {each}\n"
+    for each in (
+        "bell church-bell gain -6 pan 0.25",
+        "block marimba-bar",
+        *(f"mute.{n} glass-ball size 0.1" for n in range(CAPACITY.objects - COPIES - 2)),
+    )
+)
+"""Two that are heard, and some that are too small for it, and so no instruments: they leave room for COPIES."""
 RATE = 48_000
 FRAMES = 28_000
-COPIES = 62
-"""Room for copies besides the two objects."""
 
 
 class Played:

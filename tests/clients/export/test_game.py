@@ -106,7 +106,8 @@ def test_what_is_refused_is_said(played: Game) -> None:
     assert played.move(7, (0, 0, 0)) == 0 and "carom_move: expected" in played.why
     assert played.touch(0, 1, (0, 0, 0), (0, 0, 2), NAN, 1.0, NAN) == 0 and "carom_touch: expected" in played.why
     assert played.touch(0, 1, (0, 0, 0), (0, 0, 1), 1.0, 1.0, NAN) == 0 and "impulse or speed" in played.why
-    assert played.frame(0.0) == 0 and "seconds above 0" in played.why
+    assert played.c.carom_body(played.scene, None) == -1
+    assert played.frame(0.0) == 0 and "1e-6 to 1e6 seconds" in played.why
     for message, words in (
         ("/object/new a nobody", "nobody: no such object"), ("/object/new ball ball", "there is an object"),
         ("/object/new a/b ball", "expected no blank"), ("/object/new a ball size 100", "size = 100"),
@@ -115,6 +116,20 @@ def test_what_is_refused_is_said(played: Game) -> None:
     ):  # fmt: skip
         told = played.send(message)
         assert words in told if words else not told, (message, told)
+
+
+def test_frames_are_refused_whole_while_the_sound_stalls(played: Game) -> None:
+    """While half of the ring waits: else the end of a slide would be lost."""
+    floor, box, along = played.body("floor"), played.body("box"), (1.5, 0.0, 0.0)
+    for _ in range(20):
+        assert played.move(box, (0, 0, 0.05), along) and played.touch(floor, box, (0, 0, 0), (0, 0, 1), NAN, NAN, 1.5)
+        assert played.frame(), played.why
+    while not played.send("/object/bell/gain 0"):
+        pass
+    assert played.c.carom_frame(played.scene, ctypes.c_double(FRAME)) == 0 and "compute sound" in played.why
+    played.process(4_096)
+    assert played.move(box, (0, 0, 0.05)) and played.frame(), played.why
+    assert played.contacts.slides == 1 and played.contacts.crowded == 0
 
 
 def test_objects_are_made_and_freed_for_ever(played: Game) -> None:

@@ -120,7 +120,10 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
     assert {name for name in held if ".runtime." in name} == {
         "carom.dsp.runtime.callback",
         "carom.dsp.runtime.signature",
-        *(f"carom.dsp.runtime.{name}" for name in ("admission", "file_commands", "file_records", "file_words")),
+        *(
+            f"carom.dsp.runtime.{name}"
+            for name in ("admission", "copies", "file_commands", "file_records", "file_words")
+        ),
     }
 
 

@@ -157,6 +157,22 @@ def test_numbers_of_bodies_are_given_again() -> None:
     assert tracker.touch(0, 1, touch) == 1 and any(each["kind"] == Kind.GESTURE for each in tracker.frame())
 
 
+def test_a_body_that_touches_in_this_frame_keeps_its_number() -> None:
+    tracker = Tracker(simulation())
+    row, touch = body_row(simulation().state[0], 1), Touch("floor", "ball", (0.0,) * 3, (0.0, 0.0, 1.0), approach=1.0)
+    assert tracker.touch(0, 1, touch) == 1
+    touching.free_body(tracker.at, 1)
+    assert tracker.make(row) == 3
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, NAN, 1e-300, 9e-7, 1.1e6, 1e12, math.inf])
+def test_a_frame_that_cannot_be_is_refused_with_its_touches(seconds: float) -> None:
+    tracker = Tracker(simulation())
+    assert tracker.touch(0, 1, Touch("floor", "ball", (0.0,) * 3, (0.0, 0.0, 1.0), approach=1.0)) == 1
+    assert touching.end_frame(tracker.at, seconds, 0, 0, 0.0) == -1
+    assert not [each for each in tracker.frame() if each["kind"] == Kind.GESTURE]
+
+
 @pytest.mark.parametrize("place", range(BODY_ROW))
 @pytest.mark.parametrize("value", [NAN, math.inf, -1.0])
 def test_a_row_that_cannot_be_makes_no_body(place: int, value: float) -> None:
@@ -178,7 +194,6 @@ def test_what_cannot_touch_or_move_is_refused() -> None:
     for wrong in ({"point": (NAN, 0, 0)}, {"normal": (0, 0, 2)}, {"approach": 1.0, "impulse": 1.0}, {"slip": -1.0}):
         assert tracker.touch(0, 1, good._replace(**wrong)) == 0, wrong
     assert tracker.move(1, Pose((0, 0, 0), (1, 1, 0, 0))) == 0
-    assert touching.end_frame(tracker.at, 0.0, 0, 0, 0.0) == touching.end_frame(tracker.at, NAN, 0, 0, 0.0) == -1
 
 
 def test_a_listener_that_moves_hears_more_of_what_is_near() -> None:
