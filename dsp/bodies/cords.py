@@ -17,8 +17,12 @@ _BISECTIONS = 40
 
 def nodes(shape: Callable[[Array], Array]) -> Array:
     """Return the first and the last position in 0..1 where the lowest mode of shapes, positions (p,) -> (p, n), stands
-    still."""
-    changes = np.flatnonzero(np.diff(np.signbit(shape(_PLACES)[:, 0])))[[0, -1]]
+    still. ValueError where it does so at fewer than two: a bar that is 30,000 times as long as thick has its lowest
+    modes lost in rounding."""
+    found = np.flatnonzero(np.diff(np.signbit(shape(_PLACES)[:, 0])))
+    if found.size < 2:
+        raise ValueError("cords: expected a thicker or shorter bar, whose lowest mode has nodes that can be found")
+    changes = found[[0, -1]]
     low, high = _PLACES[changes], _PLACES[changes + 1]
     below = np.signbit(shape(low)[:, 0])
     for _ in range(_BISECTIONS):

@@ -76,3 +76,10 @@ def test_cords_leave_a_bar_that_bends_too_fast_to_be_heard():
     lowest = bodies.bar(HEAVY, top=1e5, **wide, **STRAIGHT).frequency[0]
     held, free = (bodies.bar(HEAVY, cords=each, top=0.95 * lowest, **wide) for each in (4.0, 0.0))
     assert held.decay == pytest.approx(free.decay, rel=1e-12)
+
+
+@pytest.mark.parametrize("moves", [np.ones_like, lambda x: x - 0.3])
+def test_a_bar_whose_lowest_mode_has_fewer_than_two_nodes_is_refused(moves):
+    """Rounding gives that of a bar that is 37,000 times as long as thick, as it moves as a whole."""
+    with pytest.raises(ValueError, match="cords: expected a thicker or shorter bar"):
+        nodes(lambda x: moves(x)[:, None])
