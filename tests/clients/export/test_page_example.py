@@ -1,29 +1,18 @@
 """The example in JavaScript of the page on exports."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from carom.clients.cli import main
 from tests import needs
-from tests.clients.export.conftest import TINY
-from tests.clients.export.pages import ENGINE, served
+from tests.clients.export.pages import served
 from tests.documents.pages import ROOT
 
 playwright = needs.module("playwright.sync_api")
 
 pytestmark = [pytest.mark.slow, needs.without("chromium")]
-
-EXPORTS = """
-import sys
-from carom.clients.cli import main
-from tests.clients.export.make_scene import use
-
-use(sys.argv[1])
-sys.exit(main(sys.argv[2:]))
-"""
 
 
 def test_its_module_strikes_and_rolls(tmp_path: Path) -> None:
@@ -32,8 +21,7 @@ def test_its_module_strikes_and_rolls(tmp_path: Path) -> None:
     begin, rest = text.split("\n", 1)
     assert begin == 'import { Carom } from "./carom.js";'
     (tmp_path / "score.txt").write_text("0 /object/new bell church-bell\n0 /object/new pane glass-plate\n")
-    words = [sys.executable, "-c", EXPORTS, TINY, "export", tmp_path / "score.txt", tmp_path / "page"]
-    subprocess.run(words, env=ENGINE, check=True)
+    assert main(["export", str(tmp_path / "score.txt"), str(tmp_path / "page")]) == 0
     with served(tmp_path / "page") as address, playwright.sync_playwright() as runner:
         browser = runner.chromium.launch(executable_path=needs.program("chromium"), args=["--no-sandbox"])
         opened = browser.new_page()
