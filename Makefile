@@ -24,7 +24,7 @@ demo: $(READY)  ## render the demo score to demo.wav and draw demo.png
 	@$(BIN)/carom render presets/scores/demo.txt demo.wav --plot demo.png
 	@echo "demo.wav and demo.png are here"
 
-quick: $(DEV)  ## the tests that are fast: about a minute on two cores, once the engine is compiled
+quick: $(DEV)  ## the tests that are fast: about two minutes on two cores, once the engine is compiled
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist worksteal
 
 test: $(DEV) lint  ## linters, types and all tests: some twenty minutes on two cores
