@@ -104,6 +104,27 @@ static int is_finite_for(carom *scene, long long frames) {
     return sane;
 }
 
+/* Frames of bodies that fall, slide and touch, and of copies of them. */
+static void touch_bodies(carom *scene) {
+    const float up[3] = {0.0f, 0.0f, 1.0f}, along[3] = {1.5f, 0.0f, -1.0f};
+    float at[3] = {0.0f, 0.0f, 0.05f};
+    carom_send(scene, "/object/new ball.1 ball size 2 material glass pan 1", -1.0);
+    int floor = carom_body(scene, "floor"), ball = carom_body(scene, "ball"), box = carom_body(scene, "box");
+    int other = carom_body(scene, "ball.1"), ground = carom_body(scene, "ground");
+    for (int n = 0; n < 12; n++) {
+        at[0] += 0.02f;
+        carom_move(scene, ball, at, NULL, along, NULL);
+        carom_move(scene, box, at, NULL, along, along);
+        carom_move(scene, other, at, NULL, along, NULL);
+        if (n % 4 == 0) carom_touch(scene, floor, ball, at, up, NAN, 1.0f, NAN);
+        if (n % 4 == 1) carom_touch(scene, ground, other, at, up, 0.1f, NAN, NAN);
+        carom_touch(scene, floor, box, at, up, NAN, NAN, 1.5f);
+        carom_frame(scene, 1.0 / 60.0);
+        is_finite_for(scene, 800);
+    }
+    carom_send(scene, "/object/ball.1/free", -1.0);
+}
+
 static char play(const uint8_t *file, size_t size, int live, long long frames) {
     carom *scene = carom_open(file, size, live);
     if (!scene) return 'r';
@@ -113,6 +134,7 @@ static char play(const uint8_t *file, size_t size, int live, long long frames) {
         snprintf(message, sizeof message, "/object/%.200s/%s", carom_object(scene, n), n % 2 ? "note 60 100" : "impact 1");
         carom_send(scene, message, -1.0);
     }
+    if (live && carom_body(scene, "ground") >= 0) touch_bodies(scene);
     int sane = is_finite_for(scene, frames);
     carom_close(scene);
     return sane ? 'p' : 'n';

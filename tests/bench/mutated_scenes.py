@@ -1,6 +1,6 @@
 """Scenes for C that are changed at random, opened and played under the sanitizers of addresses and undefined behaviour.
 
-`python -m tests.bench.mutated_scenes --count 10000 --seed 1` bakes three scenes, and changes a bit, a byte, a number, a
+`python -m tests.bench.mutated_scenes --count 10000 --seed 1` bakes four scenes, and changes a bit, a byte, a number, a
 character of the map, some bytes or the end of one. Every second one gets the checksum of what it is then. It fails
 where one without is opened, and where one crashes, sounds of what is no number, or takes a second. `--tiny` has the
 engine of the tests, which compiles in seconds, in place of Carom's.
@@ -51,9 +51,15 @@ SCORES = {
 0.2 /gesture/rain/stop
 0.2 /object/plate/shatter 2 seed 4
 """,
+    "game": """0 /world/body floor plate wood 1 1 0.02 held 1 most_modes 24
+0 /world/body ball sphere steel 0.03 most_modes 16
+0 /world/body box box glass 0.2 0.15 0.1 most_modes 16
+0 /world/body ground box wood 1 1 1 held 1 rings 0
+0 /object/new bell church-bell most_modes 16
+""",
 }
 """Scores of many kinds of commands, with objects that come and go, plates that stretch, and tables of pulses."""
-SHARES = {"struck": 0.6, "spread": 0.3, "swarmed": 0.1}
+SHARES = {"struck": 0.5, "spread": 0.2, "swarmed": 0.1, "game": 0.2}
 """Their shares of all changes: those with tables of pulses take longer to open."""
 SECONDS = 0.3
 FRAMES = 14_400
