@@ -53,6 +53,9 @@ class Game:
         numbers = (ctypes.c_float(each) for each in (impulse, speed, slip))
         return int(self.c.carom_touch(self.scene, a, b, _floats(*point), _floats(*normal), *numbers))
 
+    def listen(self, position: Any, right: Any) -> int:
+        return int(self.c.carom_listen(self.scene, _floats(*position), _floats(*right)))
+
     def frame(self, seconds: float = FRAME) -> int:
         taken = int(self.c.carom_frame(self.scene, ctypes.c_double(seconds)))
         self.process(round(seconds * RATE))
@@ -86,7 +89,7 @@ def test_frames_are_heard_as_a_world_hears_them(played: Game) -> None:
     wanted, time = simulation(), 0.0
     numbers = {name: played.body(name) for name in ("floor", "ball", "box", "ground")}
     assert numbers == {"floor": 0, "ball": 1, "box": 2, "ground": 3}
-    assert played.c.carom_listen(played.scene, _floats(0, 0, 1.5), _floats(1, 0, 0)) == 1
+    assert played.listen((0, 0, 1.5), (1, 0, 0)) == 1
     for touches, poses in frames(2.0):
         time += FRAME
         wanted.step(time, touches, poses)
