@@ -113,6 +113,7 @@ def test_what_is_refused_is_said(played: Game) -> None:
     assert played.frame(0.0) == 0 and "1e-6 to 1e6 seconds" in played.why
     for message, words in (
         ("/object/new a nobody", "nobody: no such object"), ("/object/new ball ball", "there is an object"),
+        ("/object/new ground ball", "there is a silent body"),
         ("/object/new a/b ball", "expected no blank"), ("/object/new a ball size 100", "size = 100"),
         ("/object/new a ball material cheese", "cheese: no such material"), ("/object/new a", "like is missing"),
         ("/object/new a bell material steel", ""), ("/object/new b ball material glass size 0.5 pan -1", ""),
