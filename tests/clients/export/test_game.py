@@ -136,6 +136,21 @@ def test_frames_are_refused_whole_while_the_sound_stalls(played: Game) -> None:
     assert played.contacts.slides == 1 and played.contacts.crowded == 0
 
 
+def test_a_slide_begins_long_after_its_contact_wandered(played: Game) -> None:
+    """Once its place on the box has wandered, and then stood for two seconds, the engine still takes the slide."""
+    ground, box, x = played.body("ground"), played.body("box"), 0.0
+    for frame in range(150):
+        moves = 1.0 if frame < 6 or frame > 126 else 0.0
+        at = 0.01 * min(frame, 6)
+        x += moves * FRAME
+        assert played.move(box, (x, 0, 0.05), (moves, 0, 0))
+        assert played.touch(ground, box, (x + at, 0, 0), (0, 0, 1), NAN, NAN, moves)
+        assert played.frame(), played.why
+    report = Report()
+    played.c.carom_report(played.scene, ctypes.byref(report))
+    assert played.contacts.slides == 2 and report.refused == 0
+
+
 def test_objects_are_made_and_freed_for_ever(played: Game) -> None:
     """Many more objects than there is room for, some at a time: each has a body while it is there."""
     bodies = set()
