@@ -83,7 +83,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--limiter", default="on", **SWITCH, help="limiter, which keeps the sound within full scale (%(default)s)"
     )
     parser.add_argument(
-        "--headroom", default="on", **SWITCH, help="slow automatic level ahead of the limiter (%(default)s)"
+        "--headroom", default="on", **SWITCH, help="slow automatic gain before the limiter (%(default)s)"
     )
     parser.add_argument(
         "--modes", type=whole, default=131_072, metavar="N", help="largest number of modes, up to 1310720 (%(default)s)"
