@@ -199,15 +199,13 @@ BOUNCE = Gesture(
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until its speed is 0, or steers the running roll `id` (default NAME)",
-    SPEED,
+    "roll", "rolls the striker over the object until the speed is 0. "
+    "If roll `id` (default NAME) is running, it is steered", SPEED,
     (
         *_STEERED_LAW,
         RADIUS,
         ROUGHNESS,
-        Parameter(
-            "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, in radii", default=0.0, steerable=True,
-        ),
+        Parameter("asymmetry", 0.0, 1.0, "", "offset of the centre of mass, in radii", default=0.0, steerable=True),
         Parameter(
             "friction", 0.0, 10.0, "", "braking force, as a share of the weight", default=0.0, useful=(0.0, 0.2),
             steerable=True,
@@ -220,7 +218,7 @@ ROLL = Gesture(
     rolls=True,
 )  # fmt: skip
 PRESS = Gesture(
-    "press", "presses the striker (a hand, a mute) on the object until stopped", FORCE, _STEERED_LAW,
+    "press", "presses the striker, such as a hand, on the object until stopped", FORCE, _STEERED_LAW,
     fixed=("gain",), held=True,
 )  # fmt: skip
 DURATION = Parameter(
@@ -247,7 +245,8 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker on the object until its speed is 0, or steers the running slide `id` (default NAME)",
+    "slide", "drags the striker over the object until the speed is 0. "
+    "If slide `id` (default NAME) is running, it is steered",
     replace(SPEED, help="slip speed of the striker over the surface; 0: the striker stops"),
     (
         replace(FORCE, otherwise="the striker's weight"),
@@ -289,7 +288,7 @@ SLIDE = Gesture(
     slips=True,
 )  # fmt: skip
 REST = Gesture(
-    "rest", "lays the object on another object or a support until stopped; touching objects ring for less time",
+    "rest", "lays the object on another object or a support until stopped; objects in contact ring for less time",
     LOAD,
     (
         replace(_STEERED_LAW[0], help="mass that moves at the contact", otherwise="from the load, or the hand's"),
@@ -406,17 +405,17 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter",
-    "breaks the object; its pieces bounce until they lie still; `striker` is the preset of a piece",
+    "breaks the object into pieces that bounce until they lie still; `striker` is the preset of a piece",
     replace(VELOCITY, help="speed at which the object hits something and breaks; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),
         replace(HEIGHT, help="greatest height from which a piece falls", default=0.1),
         Parameter("steepness", 1.01, 3.0, "", "exponent b in the distribution m^-b of the masses", default=1.35),
-        replace(MASS, name="wall_mass", help="total mass of all other pieces; 0: the object's mass",
+        replace(MASS, name="wall_mass", help="total mass of all pieces but the thick parts; 0: the object's mass",
             useful=None, default=0.0, or_zero=True),
         replace(MASS, name="thick_mass", help="mass of the thick parts, such as foot, bottom and neck; 0: none",
             useful=None, default=0.0, or_zero=True),
-        Parameter("thick_ratio", 0.1, 10.0, "times", "ratio of the thick parts' thickness to other pieces'",
+        Parameter("thick_ratio", 0.1, 10.0, "times", "ratio of the thick parts' thickness to that of the other pieces",
             default=2.5),
         Parameter("thick_parts", 1, MOST_PIECES, "", "number of thick parts", default=1.0, whole=True),
         SPREAD,

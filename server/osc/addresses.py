@@ -208,8 +208,8 @@ _ENGINE = (
     ),
     Verb(
         "/budget",
-        "bounds the cost of contacts that are coupled to modes. A score begins without bounds (0 0), a server with "
-        "16 8192",
+        "bounds the cost of contacts that are coupled to modes. A score begins without bounds (0 0); a server "
+        "begins with 16 8192",
         (STEPS, ROOM),
     ),
     Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
@@ -220,7 +220,7 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns headroom, an automatic gain before the limiter, on or off. Servers begin with headroom, scores without",
+        "turns headroom, an automatic gain before the limiter, on or off; by default on in servers, off in scores",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
@@ -243,7 +243,7 @@ _ENGINE = (
         "sets a score's pressure of full scale; a server accepts only the pressure it was started with",
         (FULL_SCALE,),
     ),
-    Verb("/end", "ends a score's render at this message's time; servers ignore it"),
+    Verb("/end", "ends a score's render at this message's time; servers ignore this message"),
     Verb("/panic", "ends all gestures; the sound fades, and objects stay"),
 )
 
@@ -276,14 +276,14 @@ _SERVER = (
     Verb(
         "/record",
         "begins or ends a recording in the folder of `--recordings`. The reply is `/done /record FILE FIRST` at the "
-        "beginning, `/done /record FILE FIRST END` at the end; FIRST and END count samples",
+        "beginning, and `/done /record FILE FIRST END` at the end; FIRST and END count samples",
         (Number("on", 0, 1, "", "1 begins, 0 ends", whole=True),),
         keys=(Word("name", "name of the new file", "day and time"),),
         scored=False,
     ),
     Verb(
         "/dump",
-        "lets the server print each message, cut at 2,000 characters",
+        "makes the server print each message, up to 2,000 characters",
         (Number("on", 0, 1, "", "1: on, 0: off", whole=True),),
         scored=False,
     ),

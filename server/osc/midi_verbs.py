@@ -29,7 +29,7 @@ _ADDRESS = Word("address", "address that takes one number")
 MIDI = (
     Verb(
         "/midi/notes",
-        "lets an object play a channel's notes, or those from `low` to `high`; the newest object plays all others",
+        "lets an object play a channel's notes, or notes `low` to `high`; the newest object plays all other notes",
         (Word("object", "name of the object"),),
         keys=(CHANNEL, LOWEST, HIGHEST),
         scored=False,
