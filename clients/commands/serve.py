@@ -56,7 +56,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     _add_files_and_midi(parser)
     parser.add_argument(
         "--page", type=whole, nargs="?", const=PAGE_PORT, metavar="PORT",
-        help=f"serve a page to play on, and OSCQuery, at this port; 0: any free one ({PAGE_PORT})",
+        help=f"port of a page to play on, and of OSCQuery; 0: any free one ({PAGE_PORT})",
     )  # fmt: skip
     parser.add_argument("--tls", action="store_true", help="serve the page over https, with a new certificate")
     parser.add_argument(
@@ -76,7 +76,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--sensors", type=whole, default=0, metavar="N",
-        help="number of channels for sensors, after those of the sound (%(default)s)",
+        help="number of sensor channels, which follow the sound's channels (%(default)s)",
     )  # fmt: skip
     parser.add_argument("--gain", type=number, default=0.0, metavar="DB", help="level of everything, dB (%(default)g)")
     parser.add_argument(
@@ -98,7 +98,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def _add_files_and_midi(parser: argparse.ArgumentParser) -> None:
     """Add the options of what is written, and of MIDI."""
-    parser.add_argument("--record", type=_file, metavar="OUT.wav", help="file to record the sound to")
+    parser.add_argument("--record", type=_file, metavar="OUT.wav", help="file to record to: WAV, 32-bit float")
     parser.add_argument("--log", type=_file, metavar="OUT.txt", help="file to log all messages to, as a score")
     parser.add_argument(
         "--recordings", type=Path, metavar="DIR", help="folder for recordings that clients make by /record"
@@ -109,7 +109,7 @@ def _add_files_and_midi(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--midi", action="append", default=[], metavar="PORT",
-        help="MIDI input, by number or part of its name; virtual: an input to connect to; may be repeated",
+        help="MIDI input, by number or part of its name; virtual: a new input, for a DAW; may be repeated",
     )  # fmt: skip
 
 
