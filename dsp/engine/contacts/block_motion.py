@@ -1,20 +1,21 @@
 """The motion of points by modes alone, over a quantum: rows for contacts that are solved in blocks."""
 
-from ...contact.block_records import SOFT_TERMS, TERMS
+from ...contact.block_records import SOFT_TERMS, TERMS, Net, motion_of
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.checks import Array
-from ...numerics.legendre import AHEAD, KEPT
+from ...numerics.legendre import AHEAD, FINE, KEPT
 from ...numerics.settled import same_everywhere
-from ...resonator.bank import Modes, Point, inject_kept
+from ...resonator.bank import Modes, Point, inject_kept, observe
 from ...resonator.mode import settle_under
 from ...resonator.rows import Row, Work, at_time, course, filters_of, lay_rows
 from ...resonator.simd import LANES
 from ..bodies.objects import modes_of, point_of, shapes_of, weigh
 from ..bodies.surface import put
 from ..memory.records import Contact
-from ..memory.state import ROLLS, State
+from ..memory.state import BEHIND, ROLLS, Object, State
 from .coupled_rolls import keeps_rows, position_of, turns
+from .rolls import list_drivers
 
 
 def _rows_of() -> list[Row]:
@@ -149,3 +150,59 @@ def lay_answers(state: State, contact: Contact, other: Contact, moment: int, sam
             where, scratch = point_of(state, obj, point), state.scratch
             place += lay_motion(samples, moved, where, _spare(state), scratch.rows, scratch.net.terms)
     return place
+
+
+@kernel
+def has_room_for_driven(state: State, obj: Object) -> bool:
+    """True if `add_driven` has room for an object's modes."""
+    return 4 * obj.size <= len(state.scratch.work)
+
+
+@noinline_kernel
+def add_driven(state: State, net: Net, obj: Object, slot: int, frame: int) -> None:
+    """Add to the rows of a net's contacts how an object moves, from a frame on, by the rolls and swarms on it that feel
+    no modes: their forces over the quantum are known. As the modes get them, from one sample to the next."""
+    count = list_drivers(state, obj, frame, True)
+    scratch, n = state.scratch, obj.driven_modes
+    if count == 0 or n == 0:
+        return
+    whole = modes_of(state, obj, 0, n)
+    modes = Modes(scratch.work[:n], scratch.power[:n], whole.a1, whole.a2, whole.balance, whole.response)
+    work, shapes = scratch.work[n:], shapes_of(state, obj)
+    for i in range(n):
+        modes.y1[i] = modes.y2[i] = 0.0
+    for t in range(frame, net.stop):
+        if t > frame:
+            _add_sample(state, net, slot, modes, work, t - frame)
+            count = list_drivers(state, obj, t, True)
+        for j in range(count):
+            driver = scratch.drivers[j]
+            inject_kept(modes, Point(shapes, obj.size, driver.row, driver.weights), state.feeds[driver.feed, BEHIND + t])
+        for i in range(n):
+            modes.y1[i], modes.y2[i] = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i], modes.y1[i]
+
+
+@kernel
+def _add_sample(state: State, net: Net, slot: int, driven: Modes, work: View[float], sample: int) -> None:
+    """Add how driven modes move over a sample of a block to the rows of its contacts with an object."""
+    fine, terms = state.scratch.fine, net.terms
+    for i in range(net.size):
+        contact, rows = state.contacts[net.contact[i]], motion_of(state.blocks[net.block[i]])
+        for side in range(2):
+            point = contact.point[side]
+            if point.slot != slot:
+                continue
+            obj = state.objects[slot]
+            size = min(point.modes, len(driven.y1))
+            modes = Modes(
+                driven.y1[:size], driven.y2[:size], driven.a1[:size], driven.a2[:size], driven.balance[:size],
+                driven.response,
+            )  # fmt: skip
+            observe(modes, point_of(state, obj, point), work, fine)
+            first = (sample + 1) * terms
+            for k in range(FINE):
+                rows[first + terms - 1] += fine[k] / contact.now.gain
+                for row in range(terms - 1):
+                    # (2 l + 1) int P_l(2 t - 1) x'(t) dt of x = P_k(2 t - 1), l = row + 1
+                    if k > row + 1 and (k - row) % 2 == 0:
+                        rows[first + row] += 2.0 * (2 * row + 3) * fine[k] / contact.now.gain

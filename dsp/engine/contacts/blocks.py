@@ -32,9 +32,9 @@ from ..bodies.strikers import feed_striker, press_striker
 from ..bodies.surface import glides
 from ..memory.quality import holds_steps
 from ..memory.records import Contact
-from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
+from ..memory.state import BEHIND, COUPLING, QUANTUM, ROLLING, Object, State
 from ..output.fade import note_force
-from .block_motion import clear_rows, lay_contact, lay_moving, whole_lanes
+from .block_motion import add_driven, clear_rows, has_room_for_driven, lay_contact, lay_moving, whole_lanes
 from .block_places import bends_under, put_amid, settle_net
 from .contact_force import observe_points
 from .contact_list import acts, take_place, take_room_again
@@ -121,6 +121,10 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
                 begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
             else:
                 project_path(contact.coupled, block)  # which is level
+        for i in range(net.objects):
+            obj = state.objects[net.object[i]]
+            if obj.rolls_head >= 0:
+                add_driven(state, net, obj, net.object[i], frame)
     return True
 
 
@@ -266,7 +270,7 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
             listed |= net.contact[i] == index
         if here and contact.asleep == 0 and waits > frame:
             net.stop = min(net.stop, waits)
-        elif here and contact.asleep == 0 and not listed:
+        elif here and contact.asleep == 0 and not listed and not _is_driver(state, contact):
             if net.size == TOGETHER or not (goes_on or _can_be(state, contact)):
                 return False
             i = net.size
@@ -283,6 +287,13 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
                     _join(net, contact.point[side].slot)
         index = contact.next
     return True
+
+
+@kernel
+def _is_driver(state: State, contact: Contact) -> bool:
+    """True if a roll or a swarm feels no modes, so that its force over the quantum is known; friction is not."""
+    known = contact.solver == ROLLING and not (contact.trait.slips == 1 and rubs(contact))
+    return known and has_room_for_driven(state, state.objects[contact.point[0].slot])
 
 
 @kernel
