@@ -76,7 +76,7 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
     """Begin a block of those contacts from a frame on, or go on with it; true if there is one to be solved. in_lanes: a
     soft one is to have three terms."""
     obj, net = state.objects[slot], state.scratch.net
-    obj.resumes = QUANTUM
+    obj.resumes, net.factored = QUANTUM, 0
     if not (IN_BLOCKS[state.choices.accuracy] or holds_steps(state) or state.choices.budget.steps > 0):
         return False
     goes_on = obj.laid >= 0
@@ -122,9 +122,8 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
             else:
                 project_path(contact.coupled, block)  # which is level
         for i in range(net.objects):
-            obj = state.objects[net.object[i]]
-            if obj.rolls_head >= 0:
-                add_driven(state, net, obj, net.object[i], frame)
+            if state.objects[net.object[i]].rolls_head >= 0:
+                add_driven(state, net, net.object[i], frame)
     return True
 
 
