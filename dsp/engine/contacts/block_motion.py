@@ -15,7 +15,7 @@ from ...resonator.simd import LANES
 from ..bodies.objects import modes_of, point_of, shapes_of, weigh
 from ..bodies.surface import put
 from ..memory.records import Contact
-from ..memory.state import BEHIND, ROLLS, Object, State
+from ..memory.state import BEHIND, ROLLS, State
 from .coupled_rolls import keeps_rows, position_of, turns
 from .rolls import list_drivers
 
@@ -158,12 +158,6 @@ def lay_answers(state: State, contact: Contact, other: Contact, moment: int, sam
             where, scratch = point_of(state, obj, point), state.scratch
             place += lay_motion(samples, moved, where, _spare(state), scratch.rows, scratch.net.terms)
     return place
-
-
-@kernel
-def has_room_for_driven(state: State, obj: Object) -> bool:
-    """True if `add_driven` has room for an object's modes."""
-    return 4 * obj.size <= len(state.scratch.work)
 
 
 @noinline_kernel

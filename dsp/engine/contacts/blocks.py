@@ -1,5 +1,6 @@
 """Rolls and slides that feel all modes, rests, presses and long blows, solved a quantum at a time (contact/block.py)
-where nothing else acts on the object, or on those that share contacts with it.
+where nothing else acts on the object, or on those that share contacts with it, but rolls and swarms that feel no modes:
+what these do over the quantum is known, and contacts beside them see it.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
 decided for each quantum anew: while a contact of another kind acts, or too many do, and where a contact is too stiff,
@@ -34,14 +35,14 @@ from ..memory.quality import holds_steps
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, ROLLING, Object, State
 from ..output.fade import note_force
-from .block_motion import add_driven, clear_rows, has_room_for_driven, lay_contact, lay_moving, whole_lanes
+from .block_motion import add_driven, clear_rows, lay_contact, lay_moving, whole_lanes
 from .block_places import bends_under, put_amid, settle_net
 from .contact_force import observe_points
 from .contact_list import acts, take_place, take_room_again
 from .coupled_rolls import PASSED, passed_by, turns
 from .flights import release_spent
 from .presses import press
-from .rolls import feed_of, register_roll
+from .rolls import bears, feed_of, register_roll
 from .slides import rubs
 from .solver_choice import price_of
 from .trace import trace_press, trace_roll
@@ -290,9 +291,11 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
 
 @kernel
 def _is_driver(state: State, contact: Contact) -> bool:
-    """True if a roll or a swarm feels no modes, so that its force over the quantum is known; friction is not."""
+    """True if a roll or a swarm feels no modes, so that its force over the quantum is known; friction is not. The modes
+    get it by moments, and there has to be room for them (`add_driven`)."""
     known = contact.solver == ROLLING and not (contact.trait.slips == 1 and rubs(contact))
-    return known and has_room_for_driven(state, state.objects[contact.point[0].slot])
+    obj = state.objects[contact.point[0].slot]
+    return known and bears(state, obj) and 4 * obj.size <= len(state.scratch.work)
 
 
 @kernel

@@ -19,7 +19,7 @@ from ..bodies.sensing import push_sensed
 from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending
 from ..bodies.surface import put
 from ..memory.records import Contact, Through
-from ..memory.state import BEHIND, QUANTUM, ROLLING, ROLLS, Object, State
+from ..memory.state import BEHIND, COUPLING, QUANTUM, ROLLING, ROLLS, Object, State
 from ..output.mix import sides_of
 from .coupled_rolls import keeps_line, put_on_line
 
@@ -193,8 +193,21 @@ def list_drivers(state: State, obj: Object, frame: int, known: bool) -> int:
 
 @kernel
 def is_fed(state: State, obj: Object) -> bool:
-    """True if an object's own modes get the rolls on it by one number a frame."""
-    return obj.felt >= LEAST_FED and obj.ahead == 0 and obj.rolls_head >= 0
+    """True if an object's own modes get the rolls on it by one number a frame; they don't beside what lasts, which goes
+    into blocks by moments and comes out of them again."""
+    return obj.felt >= LEAST_FED and obj.ahead == 0 and obj.rolls_head >= 0 and not bears(state, obj)
+
+
+@kernel
+def bears(state: State, obj: Object) -> bool:
+    """True if a roll, a slide, a rest or a press on an object feels its modes."""
+    found, index = False, obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        lasts = contact.trait.along == 1 or contact.trait.rests == 1 or contact.trait.held == 1
+        found |= lasts and contact.solver == COUPLING
+        index = contact.next
+    return found
 
 
 @kernel
