@@ -33,11 +33,11 @@ from ..native.jit import kernel, noinline_kernel, simd_kernel
 from ..native.typed import Items
 from .block_choice import landing_of, swing_of
 from .block_records import TERMS, Block, Net, Newton, motion_of
-from .collocation import discrete_gradient, eliminate
+from .collocation import discrete_gradient, factor, substitute
 from .coupled_records import Coupled, Member
 from .law import elastic
 from .step_record import NODES
-from .terms import NONE, dot, is_near, plus, project_law, put, solve_terms, take, times, work_of
+from .terms import NEAR, NONE, change_of, dot, plus, project_law, put, solve_terms, take, times, work_of
 
 ALLOWED = 1e-6  # share of the greatest V by which it may grow beyond the force's work
 ROUNDS = 6  # of changes for that
@@ -48,6 +48,7 @@ AS_HARD = 2.0  # times the greatest V so far, up to which a body that lands does
 _BEGINS, _ENDS = (1.0, -1.0, 1.0, -1.0), (1.0, 1.0, 1.0, 1.0)  # P_l at the sample's ends
 _NOTHING = 1e-12  # share of a held force below which a change is none
 _NEWTON_STEPS = 14
+_KNOWN_STEPS = 3  # of them by slopes that are known
 _SWEEPS = 50  # over held forces that feel each other
 
 
@@ -198,7 +199,7 @@ def _solve_alone(contact: Coupled, block: Block, newton: Newton) -> bool:
             project_law(newton, x, rate, law, contact.period)
             force = solve_terms(newton, plus(free, -1.0, rate), within)
             before, rate = rate, plus(free, -1.0, times(within, force))
-            if is_near(x, rate, before, bend):
+            if change_of(x, rate, before, bend) <= NEAR:
                 put(block.force, force)
                 put(block.rate, rate)
                 return True
@@ -208,39 +209,56 @@ def _solve_alone(contact: Coupled, block: Block, newton: Newton) -> bool:
 
 @kernel
 def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, size: int) -> bool:
-    """Find the forces and the rates of several contacts so."""
+    """Find the forces and the rates of several contacts so; at first by the slopes of an earlier sample, whose
+    equations are factored: what hardly changes its stiffness needs no others."""
     count = TERMS * size
-    for _ in range(2):
-        for _ in range(_NEWTON_STEPS):
+    for attempt in range(2):
+        last = NEAR * NEAR
+        for step in range(_NEWTON_STEPS):
+            anew = net.factored == 0 or step >= _KNOWN_STEPS or attempt > 0
             for i in range(size):
-                # Fill the rows of Newton's equations for a contact: (1 + K W) f = found + K (free - rate).
-                contact = contacts[net.contact[i]].coupled
-                block, newton, law = blocks[net.block[i]], net.newton, (contact.k, contact.mu, contact.a)
-                project_law(newton, contact.motion[0], take(block.rate), law, contact.period)
-                away = plus(take(block.free), -1.0, take(block.rate))
-                for k in range(TERMS):
-                    row, slopes = net.linear[TERMS * i + k], take(newton.slopes[TERMS * k :])
-                    for j in range(size):
-                        within = block.tables[j].within
-                        for p in range(TERMS):
-                            taken = dot(slopes, (within[0, p], within[1, p], within[2, p], within[3, p]))
-                            row[TERMS * j + p] = net.ratio[i, j] * taken
-                    row[TERMS * i + k] += 1.0
-                    row[TERMS * size] = newton.found[k] + dot(slopes, away)
-            eliminate(net.linear, count)
+                _lay_equations(contacts[net.contact[i]].coupled, blocks[net.block[i]], net, size, i, anew)
+            if anew:
+                factor(net.linear, count)
+                net.factored = 1
+            substitute(net.linear, count)
             for i in range(size):
                 put(blocks[net.block[i]].force, take(net.linear[TERMS * i : TERMS * i + TERMS, count]))
-            solved = True
+            moved = 0.0
             for i in range(size):
                 contact, before = contacts[net.contact[i]].coupled, take(blocks[net.block[i]].rate)
                 _find_rates(blocks, net, size, i)
                 rate = take(blocks[net.block[i]].rate)
-                solved &= is_near(contact.motion[0], rate, before, contact.mu / contact.period)
-            if solved:
+                moved = max(moved, change_of(contact.motion[0], rate, before, contact.mu / contact.period))
+            # Newton's next step would be about as small as the square of this one; by known slopes, as this one
+            # against the last.
+            if moved <= NEAR and (anew or moved * moved <= NEAR * NEAR * last):
                 return True
+            last = moved
         for i in range(size):
             put(blocks[net.block[i]].rate, take(blocks[net.block[i]].free))
     return False
+
+
+@kernel
+def _lay_equations(contact: Coupled, block: Block, net: Net, size: int, i: int, anew: bool) -> None:
+    """Lay Newton's equations for contact i of a net: (1 + K W) f = found + K (free - rate). anew: with its slopes as
+    they are now; else only their right side."""
+    newton, law = net.newton, (contact.k, contact.mu, contact.a)
+    project_law(newton, contact.motion[0], take(block.rate), law, contact.period)
+    away = plus(take(block.free), -1.0, take(block.rate))
+    for k in range(TERMS):
+        row = net.linear[TERMS * i + k]
+        if anew:
+            put(net.slopes[i, TERMS * k :], take(newton.slopes[TERMS * k :]))
+            slopes = take(newton.slopes[TERMS * k :])
+            for j in range(size):
+                within = block.tables[j].within
+                for p in range(TERMS):
+                    taken = dot(slopes, (within[0, p], within[1, p], within[2, p], within[3, p]))
+                    row[TERMS * j + p] = net.ratio[i, j] * taken
+            row[TERMS * i + k] += 1.0
+        row[TERMS * size] = newton.found[k] + dot(take(net.slopes[i, TERMS * k :]), away)
 
 
 @kernel

@@ -79,6 +79,8 @@ class Net(Record):
     # The factor on what the force of the second one does to the point of the first one, in this sample
     ratio: Annotated[View2D[float], TOGETHER, TOGETHER]
     newton: Newton
+    factored: int  # 1: the matrix below is, and goes with these slopes of the law (N sample/m)
+    slopes: Annotated[View2D[float], TOGETHER, TERMS * TERMS]
     # The equations for all terms of the forces of several in a sample, and in the last column what they leave
     linear: Annotated[View2D[float], TOGETHER * TERMS, TOGETHER * TERMS + 1]
 

@@ -30,6 +30,15 @@ _WITHIN = same_everywhere("WITHIN", _within())
 
 
 @kernel
+def within(answer: View[float], row: int, term: int) -> float:
+    """Return what term k of a force adds to v_l of a point within its sample, by the point's answer (FINE values)."""
+    total = 0.0
+    for n in range(FINE):
+        total += answer[n] * _WITHIN[row, n, term]
+    return total
+
+
+@kernel
 def settle_tables(tables: Tables, answer: View[float], eased: bool) -> None:
     """Set what the terms of a force do within a sample, by an answer (FINE values).
 
@@ -38,10 +47,7 @@ def settle_tables(tables: Tables, answer: View[float], eased: bool) -> None:
     """
     for i in range(TERMS):
         for j in range(TERMS):
-            total = 0.0
-            for n in range(FINE):
-                total += answer[n] * _WITHIN[i, n, j]
-            tables.within[i, j] = total
+            tables.within[i, j] = within(answer, i, j)
             tables.within[i, TERMS + j] = 0.0
     if eased:
         tables.within[TERMS - 1, TERMS - 1] += tables.within[0, 0] / (2 * TERMS - 1)

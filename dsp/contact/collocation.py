@@ -106,6 +106,29 @@ def eliminate(linear: View2D[float], size: int) -> None:
 
 
 @kernel
+def factor(linear: View2D[float], size: int) -> None:
+    """Factor the matrix of linear equations, for `substitute`. Its diagonal is safely positive."""
+    for i in range(size):
+        linear[i, i] = 1.0 / linear[i, i]
+        for row in range(i + 1, size):
+            linear[row, i] *= linear[i, i]
+            for j in range(i + 1, size):
+                linear[row, j] -= linear[row, i] * linear[i, j]
+
+
+@kernel
+def substitute(linear: View2D[float], size: int) -> None:
+    """Solve linear equations whose matrix is factored; the solution takes the right side's place."""
+    for i in range(size):
+        for j in range(i):
+            linear[i, size] -= linear[i, j] * linear[j, size]
+    for i in range(size - 1, -1, -1):
+        for j in range(i + 1, size):
+            linear[i, size] -= linear[i, j] * linear[j, size]
+        linear[i, size] *= linear[i, i]
+
+
+@kernel
 def allowance(gained: float, scale: float) -> float:
     """Return the energy (J) that a step may gain, in a contact of about `scale`, after `gained`: half of what is left
     to gain."""

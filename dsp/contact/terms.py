@@ -19,6 +19,8 @@ NONE: Terms = (0.0, 0.0, 0.0, 0.0)
 NEAR = 2e-3
 """Share of a compression by which it may change between two steps of Newton's method, for the second to be the last."""
 
+_LEAST = 1e-300  # keeps a quotient finite
+
 
 def _tables() -> tuple[Array, Array, Array]:
     """Return tables for `put_few`, by Gauss's quadrature at POINTS.
@@ -79,13 +81,14 @@ def work_of(force: Terms, rate: Terms) -> float:
 
 
 @simd_kernel
-def is_near(x: float, rate: Terms, before: Terms, bend: float) -> bool:
-    """True if rates hardly differ from those before, against the compression at both ends of the sample, at the first
-    x (m): what the law changes by between is a line then, but for a share of about NEAR. bend: mu in samples/m."""
+def change_of(x: float, rate: Terms, before: Terms, bend: float) -> float:
+    """Return how much rates differ from those before, against the compression at both ends of the sample, at the first
+    x (m). Up to NEAR, what the law changes by between is a line, but for a share of about NEAR. bend: mu in
+    samples/m."""
     moved = abs(rate[0] - before[0]) + abs(rate[1] - before[1]) + (abs(rate[2] - before[2]) + abs(rate[3] - before[3]))
     end = x + rate[0]
     deep = max(min(x, end), NEAR * max(abs(x), abs(end)))
-    return moved * (1.0 + bend * deep) <= NEAR * deep
+    return moved * (1.0 + bend * deep) / max(deep, _LEAST)
 
 
 @simd_kernel

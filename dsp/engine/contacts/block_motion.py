@@ -1,20 +1,23 @@
 """The motion of points by modes alone, over a quantum: rows for contacts that are solved in blocks."""
 
-from ...contact.block_records import SOFT_TERMS, TERMS
+from ...contact.block_records import SOFT_TERMS, TERMS, Net, motion_of
+from ...contact.block_tables import within
+from ...contact.coupled import answer_of
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.checks import Array
-from ...numerics.legendre import AHEAD, KEPT
+from ...numerics.legendre import AHEAD, FINE, KEPT
 from ...numerics.settled import same_everywhere
-from ...resonator.bank import Modes, Point, inject_kept
+from ...resonator.bank import Driver, Modes, Point, inject_kept, observe, transfer_receptance
 from ...resonator.mode import settle_under
 from ...resonator.rows import Row, Work, at_time, course, filters_of, lay_rows
 from ...resonator.simd import LANES
 from ..bodies.objects import modes_of, point_of, shapes_of, weigh
 from ..bodies.surface import put
 from ..memory.records import Contact
-from ..memory.state import ROLLS, State
+from ..memory.state import BEHIND, ROLLS, State
 from .coupled_rolls import keeps_rows, position_of, turns
+from .rolls import list_drivers
 
 
 def _rows_of() -> list[Row]:
@@ -118,6 +121,12 @@ def lay_moving(state: State, contact: Contact, frame: int, stop: int, modes: Mod
 
 
 @kernel
+def _ringing(modes: Modes, y1: View[float], y2: View[float]) -> Modes:
+    """Return modes that ring otherwise than now."""
+    return Modes(y1, y2, modes.a1, modes.a2, modes.balance, modes.response)
+
+
+@kernel
 def lay_answers(state: State, contact: Contact, other: Contact, moment: int, samples: int) -> float:
     """Lay out how a contact's points move for so many samples, a multiple of LANES, after one in which one moment of
     another's force is 1, or its own; or, for BENT, if 1 N that bent them is gone. Return where they begin (m)."""
@@ -133,7 +142,7 @@ def lay_answers(state: State, contact: Contact, other: Contact, moment: int, sam
             obj = state.objects[point.slot]
             modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
             size = len(modes.y1)
-            moved = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
+            moved = _ringing(modes, work[:size], work[size : 2 * size])
             for i in range(2 * size):
                 work[i] = 0.0
             for j in range(KEPT):
@@ -149,3 +158,72 @@ def lay_answers(state: State, contact: Contact, other: Contact, moment: int, sam
             where, scratch = point_of(state, obj, point), state.scratch
             place += lay_motion(samples, moved, where, _spare(state), scratch.rows, scratch.net.terms)
     return place
+
+
+@noinline_kernel
+def add_driven(state: State, net: Net, slot: int, frame: int) -> None:
+    """Add to the rows of a net's contacts how an object moves, from a frame on, by the rolls and swarms on it that feel
+    no modes: their forces over the quantum are known. As the modes get them, from one sample to the next."""
+    scratch, obj = state.scratch, state.objects[slot]
+    count, size = list_drivers(state, obj, frame, True), obj.driven_modes
+    if count == 0 or size == 0:
+        return
+    for j in range(count):
+        _add_within(state, net, slot, scratch.drivers[j], frame)
+    first, shapes = modes_of(state, obj, 0, size), shapes_of(state, obj)
+    modes = _ringing(first, scratch.work[:size], scratch.power[:size])
+    for i in range(size):
+        modes.y1[i] = modes.y2[i] = 0.0
+    for t in range(frame, net.stop):
+        if t > frame:
+            _add_after(state, net, slot, modes, t - frame)
+            count = list_drivers(state, obj, t, True)
+        for j in range(count):
+            driver = scratch.drivers[j]
+            where = Point(shapes, obj.size, driver.row, driver.weights)
+            inject_kept(modes, where, state.feeds[driver.feed, BEHIND + t])
+        for i in range(size):
+            modes.y1[i], modes.y2[i] = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i], modes.y1[i]
+
+
+@kernel
+def _add_within(state: State, net: Net, slot: int, driver: Driver, frame: int) -> None:
+    """Add what the force of a roll or a swarm does within each of its samples."""
+    scratch, obj, terms = state.scratch, state.objects[slot], net.terms
+    struck = Point(shapes_of(state, obj), obj.size, driver.row, driver.weights)
+    for i in range(net.size):
+        contact, rows = state.contacts[net.contact[i]], motion_of(state.blocks[net.block[i]])
+        for side in range(2):
+            point = contact.point[side]
+            if point.slot != slot:
+                continue
+            modes = modes_of(state, obj, 0, min(point.modes, obj.driven_modes))
+            transfer_receptance(modes, struck, point_of(state, obj, point), scratch.work, scratch.receptance)
+            answer_of(scratch.receptance, 1.0 / contact.now.gain, scratch.fine)
+            for k in range(KEPT):
+                for row in range(terms):
+                    v = (2 * k + 1) * within(scratch.fine, (row + 1) % terms, k)  # the last is where it is at the end
+                    for t in range(frame, net.stop):
+                        rows[(t - frame + 1) * terms + row] += v * state.feeds[driver.feed, BEHIND + t, k]
+
+
+@kernel
+def _add_after(state: State, net: Net, slot: int, driven: Modes, sample: int) -> None:
+    """Add how modes that were driven move over a sample of a block."""
+    scratch, obj, terms = state.scratch, state.objects[slot], net.terms
+    for i in range(net.size):
+        contact, rows = state.contacts[net.contact[i]], motion_of(state.blocks[net.block[i]])
+        for side in range(2):
+            point = contact.point[side]
+            if point.slot != slot:
+                continue
+            size = min(point.modes, len(driven.y1))
+            modes = _ringing(modes_of(state, obj, 0, size), driven.y1[:size], driven.y2[:size])
+            observe(modes, point_of(state, obj, point), scratch.work[len(driven.y1) :], scratch.fine)
+            for k in range(FINE):
+                moved = scratch.fine[k] / contact.now.gain
+                rows[(sample + 1) * terms + terms - 1] += moved
+                # (2 l + 1) int P_l(2 t - 1) x'(t) dt of x = P_k(2 t - 1) is 2 (2 l + 1), where k - l is odd and above 0
+                for order in range(1, terms):
+                    if k > order and (k - order) % 2 == 1:
+                        rows[(sample + 1) * terms + order - 1] += 2.0 * (2 * order + 1) * moved

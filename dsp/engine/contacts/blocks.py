@@ -1,5 +1,6 @@
 """Rolls and slides that feel all modes, rests, presses and long blows, solved a quantum at a time (contact/block.py)
-where nothing else acts on the object, or on those that share contacts with it.
+where nothing else acts on the object, or on those that share contacts with it, but rolls and swarms that feel no modes:
+what these do over the quantum is known, and contacts beside them see it.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
 decided for each quantum anew: while a contact of another kind acts, or too many do, and where a contact is too stiff,
@@ -32,16 +33,16 @@ from ..bodies.strikers import feed_striker, press_striker
 from ..bodies.surface import glides
 from ..memory.quality import holds_steps
 from ..memory.records import Contact
-from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
+from ..memory.state import BEHIND, COUPLING, QUANTUM, ROLLING, Object, State
 from ..output.fade import note_force
-from .block_motion import clear_rows, lay_contact, lay_moving, whole_lanes
+from .block_motion import add_driven, clear_rows, lay_contact, lay_moving, whole_lanes
 from .block_places import bends_under, put_amid, settle_net
 from .contact_force import observe_points
 from .contact_list import acts, take_place, take_room_again
 from .coupled_rolls import PASSED, passed_by, turns
 from .flights import release_spent
 from .presses import press
-from .rolls import feed_of, register_roll
+from .rolls import bears, feed_of, register_roll
 from .slides import rubs
 from .solver_choice import price_of
 from .trace import trace_press, trace_roll
@@ -76,7 +77,7 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
     """Begin a block of those contacts from a frame on, or go on with it; true if there is one to be solved. in_lanes: a
     soft one is to have three terms."""
     obj, net = state.objects[slot], state.scratch.net
-    obj.resumes = QUANTUM
+    obj.resumes, net.factored = QUANTUM, 0
     if not (IN_BLOCKS[state.choices.accuracy] or holds_steps(state) or state.choices.budget.steps > 0):
         return False
     goes_on = obj.laid >= 0
@@ -121,6 +122,9 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
                 begin_evenly(state.rolls[contact.roll], block, contact.coupled.period)
             else:
                 project_path(contact.coupled, block)  # which is level
+        for i in range(net.objects):
+            if state.objects[net.object[i]].rolls_head >= 0:
+                add_driven(state, net, net.object[i], frame)
     return True
 
 
@@ -266,7 +270,7 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
             listed |= net.contact[i] == index
         if here and contact.asleep == 0 and waits > frame:
             net.stop = min(net.stop, waits)
-        elif here and contact.asleep == 0 and not listed:
+        elif here and contact.asleep == 0 and not listed and not _is_driver(state, contact):
             if net.size == TOGETHER or not (goes_on or _can_be(state, contact)):
                 return False
             i = net.size
@@ -283,6 +287,15 @@ def _list(state: State, net: Net, slot: int, index: int, frame: int, goes_on: bo
                     _join(net, contact.point[side].slot)
         index = contact.next
     return True
+
+
+@kernel
+def _is_driver(state: State, contact: Contact) -> bool:
+    """True if a roll or a swarm feels no modes, so that its force over the quantum is known; friction is not. The modes
+    get it by moments, and there has to be room for them (`add_driven`)."""
+    known = contact.solver == ROLLING and not (contact.trait.slips == 1 and rubs(contact))
+    obj = state.objects[contact.point[0].slot]
+    return known and bears(state, obj) and 4 * obj.size <= len(state.scratch.work)
 
 
 @kernel

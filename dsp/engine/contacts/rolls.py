@@ -19,7 +19,7 @@ from ..bodies.sensing import push_sensed
 from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending
 from ..bodies.surface import put
 from ..memory.records import Contact, Through
-from ..memory.state import BEHIND, QUANTUM, ROLLS, Object, State
+from ..memory.state import BEHIND, COUPLING, QUANTUM, ROLLING, ROLLS, Object, State
 from ..output.mix import sides_of
 from .coupled_rolls import keeps_line, put_on_line
 
@@ -102,11 +102,12 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
         else:
             ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return
-    moves = False  # whether a roll on it moves over it
+    moves, driven = False, 0  # whether a roll on it moves over it
     entry = obj.rolls_head
     while entry >= 0:
         contact = state.contacts[entry // 2]
         moves = moves or (entry % 2 == 0 and contact.travel > 0.0)
+        driven = contact.point[entry % 2].modes
         entry = contact.point[entry % 2].next_roll
     frame = start
     while frame < stop:
@@ -119,19 +120,7 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
                 keep = keep and (entry % 2 == 1 or contact.travel == 0.0 or keeps_line(contact, obj.rows, frame))
                 entry = contact.point[entry % 2].next_roll
             end = min(stop, frame - frame % LINE + LINE) if keep else frame + 1
-        # List the rolls on an object as they are at a frame, and how they move, in `drivers`.
-        count = driven = 0
-        entry = obj.rolls_head
-        while entry >= 0:
-            contact = state.contacts[entry // 2]
-            point = contact.point[entry % 2]
-            if contact.trait.swarms > 0:
-                count = _list_swarm(state, obj, contact, count)
-            elif contact.roll >= 0:  # else it was a press that has ended in this quantum
-                _drive(state, state.scratch.drivers[count], contact, entry % 2, frame)
-                count += 1
-            driven = point.modes
-            entry = point.next_roll
+        count = list_drivers(state, obj, frame, False)
         if obj.sensors > 0:
             # Tell an object's sensors of the rolls on it over the sample before a frame.
             for j in range(count):
@@ -185,9 +174,40 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
 
 
 @kernel
+def list_drivers(state: State, obj: Object, frame: int, known: bool) -> int:
+    """List the rolls and swarms on an object as they are at a frame, and how they move, in `drivers`; return how many
+    there are. known: only those that feel no modes, so that their forces over the quantum are known."""
+    count = 0
+    entry = obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        if contact.solver == ROLLING or not known:
+            if contact.trait.swarms > 0:
+                count = _list_swarm(state, obj, contact, count)
+            elif contact.roll >= 0:  # else it was a press that has ended in this quantum
+                _drive(state, state.scratch.drivers[count], contact, entry % 2, frame)
+                count += 1
+        entry = contact.point[entry % 2].next_roll
+    return count
+
+
+@kernel
 def is_fed(state: State, obj: Object) -> bool:
-    """True if an object's own modes get the rolls on it by one number a frame."""
-    return obj.felt >= LEAST_FED and obj.ahead == 0 and obj.rolls_head >= 0
+    """True if an object's own modes get the rolls on it by one number a frame; they don't beside what lasts, which goes
+    into blocks by moments and comes out of them again."""
+    return obj.felt >= LEAST_FED and obj.ahead == 0 and obj.rolls_head >= 0 and not bears(state, obj)
+
+
+@kernel
+def bears(state: State, obj: Object) -> bool:
+    """True if a roll, a slide, a rest or a press on an object feels its modes."""
+    found, index = False, obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        lasts = contact.trait.along == 1 or contact.trait.rests == 1 or contact.trait.held == 1
+        found |= lasts and contact.solver == COUPLING
+        index = contact.next
+    return found
 
 
 @kernel
