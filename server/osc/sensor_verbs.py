@@ -28,7 +28,7 @@ FULL = Parameter(
 SENSORS = (
     Verb(
         SENSOR,
-        "mounts a sensor on an object; the sensor's channel, in SI units, follows the channels of the sound",
+        "mounts a sensor on an object; the sensor's channel, in SI units, comes after the sound channels",
         (Word("name", "name of the sensor"), Word("object", "name of the object")),
         (PLACE,),
         (

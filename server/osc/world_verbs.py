@@ -104,7 +104,7 @@ WORLD = (
     ),
     Verb(
         "/world/grains",
-        "declares small bodies, or a striker for `/world/pour`, as grains; all blows of grains on a body sound as one "
+        "declares grains: small bodies, or a striker for `/world/pour`; all blows of grains on a body sound as one "
         "shake",
         (Word("name", "name of the grains"),),
         keys=(Word("bodies", "pattern of the bodies' names, such as stone*"), Word("striker", "preset of a striker")),
