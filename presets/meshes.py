@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "23"
+EDITION = "24"
 """Edition of the computation: tables of another one are made anew."""
 
 _POINTER = b"version https://git-lfs"
