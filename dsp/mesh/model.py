@@ -45,7 +45,7 @@ _MET = 0.05  # of the volume
 _SETTLED = 0.1
 """Of the lowest frequency: the most that the last step of refinement may change it. That is 1 % at most of bodies as
 people make them (`tests.bench.meshes`), and 20 to 400 % where cells hold parts together that hang on a thread."""
-_HOPELESS = 0.3  # of it: more is not settled by finer cells either
+_HOPELESS = 0.5  # of it: more is not settled by finer cells either
 _SLIVERS = 0.05  # of a shell's area: its mass would be as far off
 _PLACES = 20_000  # in the box about a body
 _DIGITS = 12  # to which proportions are alike
