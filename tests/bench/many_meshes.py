@@ -53,6 +53,7 @@ _SAME = 0.05  # of the mass
 _ROUNDED = 0.1  # of the area of a shell
 _PISTON = 12.0  # times what areas radiate for themselves; the skin's are a few
 _LOWEST = 0.08  # of the lowest frequency
+_FAR = 1.5  # times it: some more cells do not settle it
 _OF_CELLS = re.compile(
     r"^(cells of|walls too thin|no ray|no mode|.* % of the rays|the mode of|its lowest mode|\d+,?\d* triangles)"
 )
@@ -160,6 +161,8 @@ def examined(mesh: Mesh, whole: bool, finer: bool) -> dict[str, Any]:
         low = found.model.frequency[0]
         if not _apart(low, found.coarse):
             effort = name
+            break
+        if found.coarse > _FAR * low:
             break
     row: dict[str, Any] = {}
     if effort == "whole":

@@ -38,14 +38,16 @@ def test_a_crumpled_sheet_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
-    [((0.05,), ""), ((0.2, 0.02), "finer cells"), ((0.2, 0.15), "15 %"), ((0.6,), "60 %")],
-    ids=["settled", "settled by finer cells", "not by these either", "hopeless"],
-)
-def test_finer_cells_are_tried_where_they_may_settle_the_lowest_mode(changes, said):
-    frequency, tried = np.r_[np.zeros(6), 100.0, 200.0], []
+    ("changes", "finer", "said"),
+    [((0.05,), 1, ""), ((0.2, 0.02), 0.8, "finer cells"), ((0.2, 0.15), 0.96, "finer cells"),
+     ((0.2, 0.15), 0.9, "15 %"), ((0.6,), 1, "60 %")],
+    ids=["settled", "settled by finer cells", "both alike", "not by these either", "hopeless"],
+)  # fmt: skip
+def test_finer_cells_are_tried_where_they_may_settle_the_lowest_mode(changes, finer, said):
+    tried = []
 
     def solved(fine):
+        frequency = np.r_[np.zeros(6), 100.0, 200.0] * (finer if fine else 1)
         tried.append(fine)
         change = changes[len(tried) - 1]
         return SimpleNamespace(frequency=frequency, coarse=frequency * (1 + change)), "cells", ("a solid",)
