@@ -474,8 +474,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0; if a roll `id` (default
-        NAME) runs, steers it."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0. If roll `id` (default NAME)
+        is running, it is steered."""
 
     def press(
         self,
@@ -485,7 +485,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[PressKeys],
     ) -> None:
-        """Begin a gesture that presses the striker (a hand, a mute) on the object until stopped."""
+        """Begin a gesture that presses the striker, such as a hand, on the object until stopped."""
 
     def spin(
         self,
@@ -505,8 +505,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker on the object until its speed is 0; if a slide `id` (default NAME)
-        runs, steers it."""
+        """Begin a gesture that drags the striker over the object until the speed is 0. If slide `id` (default NAME)
+        is running, it is steered."""
 
     def rest(
         self,
@@ -516,8 +516,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another or on a support until stopped; touching objects ring for
-        less time."""
+        """Begin a gesture that lays the object on another object or a support until stopped; objects in contact
+        ring for less time."""
 
     def rain(
         self,
@@ -578,8 +578,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShatterKeys],
     ) -> None:
-        """Begin a gesture that breaks the object; its pieces, which `striker` describes, bounce until they lie
-        still."""
+        """Begin a gesture that breaks the object into pieces that bounce until they lie still; `striker` is the
+        preset of a piece."""
 
 class ObjectMethods:
     """Methods on an object: those of its scene on objects, without the name."""
@@ -609,8 +609,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until its speed is 0; if a roll `id` (default
-        NAME) runs, steers it."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0. If roll `id` (default NAME)
+        is running, it is steered."""
 
     def press(
         self,
@@ -619,7 +619,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[PressKeys],
     ) -> None:
-        """Begin a gesture that presses the striker (a hand, a mute) on the object until stopped."""
+        """Begin a gesture that presses the striker, such as a hand, on the object until stopped."""
 
     def spin(
         self,
@@ -637,8 +637,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker on the object until its speed is 0; if a slide `id` (default NAME)
-        runs, steers it."""
+        """Begin a gesture that drags the striker over the object until the speed is 0. If slide `id` (default NAME)
+        is running, it is steered."""
 
     def rest(
         self,
@@ -647,8 +647,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another or on a support until stopped; touching objects ring for
-        less time."""
+        """Begin a gesture that lays the object on another object or a support until stopped; objects in contact
+        ring for less time."""
 
     def rain(
         self,
@@ -703,8 +703,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ShatterKeys],
     ) -> None:
-        """Begin a gesture that breaks the object; its pieces, which `striker` describes, bounce until they lie
-        still."""
+        """Begin a gesture that breaks the object into pieces that bounce until they lie still; `striker` is the
+        preset of a piece."""
 
     def note(
         self,

@@ -113,14 +113,14 @@ BY_POINT = tuple(
 """The same of the object that strikes, or on which it rests: only a rest's is steered."""
 DIRECTION = tuple(
     Parameter(
-        f"direction_{axis}", -1000.0, 1000.0, "", f"{axis} of the direction of the push, in the object's own frame",
+        f"direction_{axis}", -1000.0, 1000.0, "", f"{axis} of the direction of the force, in the object's own frame",
         useful=(-1.0, 1.0),
     )
     for axis in "xyz"
 )  # fmt: skip
 """The direction of a blow's force, or of a slide's friction, at a point of a surface, in place of the normal."""
 BY_DIRECTION = tuple(
-    replace(each, name=f"by_{each.name}", help=f"{each.name[-1]} of the direction of the push on the other object")
+    replace(each, name=f"by_{each.name}", help=f"{each.name[-1]} of the direction of the force on the other object")
     for each in DIRECTION
 )
 """The same of the object that strikes."""
@@ -180,7 +180,7 @@ ROUGHNESS = Parameter("roughness", 0.0, 100.0, "times",
     "factor on the roughness of the surface", default=1.0, useful=(0.0, 10.0), steerable=True,
 )  # fmt: skip
 TRAVEL = Parameter(
-    "travel", 0.0, 1e3, "m", "length of the strike path, on which the striker goes to and fro; 0: it stays in place",
+    "travel", 0.0, 1e3, "m", "length of the strike path, on which the striker goes to and fro; 0: no motion",
     default=0.0, useful=(0.0, 2.0),
 )  # fmt: skip
 
@@ -194,20 +194,18 @@ BOUNCE = Gesture(
         replace(GRAVITY, steered="from its next flight on"),
         IRREGULARITY,
         SEED,
-        Parameter("weight", 0, 1, "", "1: gravity acts in every contact; 0: only in those near rest", default=0.0),
+        Parameter("weight", 0, 1, "", "1: gravity acts in every contact; 0: only in slow contacts", default=0.0),
     ),
     repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
-    "roll", "rolls the striker over the object until its speed is 0; if a roll `id` (default NAME) runs, steers it",
-    SPEED,
+    "roll", "rolls the striker over the object until the speed is 0. "
+    "If roll `id` (default NAME) is running, it is steered", SPEED,
     (
         *_STEERED_LAW,
         RADIUS,
         ROUGHNESS,
-        Parameter(
-            "asymmetry", 0.0, 1.0, "", "offset of the centre of mass, in radii", default=0.0, steerable=True,
-        ),
+        Parameter("asymmetry", 0.0, 1.0, "", "offset of the centre of mass, in radii", default=0.0, steerable=True),
         Parameter(
             "friction", 0.0, 10.0, "", "braking force, as a share of the weight", default=0.0, useful=(0.0, 0.2),
             steerable=True,
@@ -220,7 +218,7 @@ ROLL = Gesture(
     rolls=True,
 )  # fmt: skip
 PRESS = Gesture(
-    "press", "presses the striker (a hand, a mute) on the object until stopped", FORCE, _STEERED_LAW,
+    "press", "presses the striker, such as a hand, on the object until stopped", FORCE, _STEERED_LAW,
     fixed=("gain",), held=True,
 )  # fmt: skip
 DURATION = Parameter(
@@ -247,12 +245,13 @@ SPIN = Gesture(
     repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
-    "slide", "drags the striker on the object until its speed is 0; if a slide `id` (default NAME) runs, steers it",
+    "slide", "drags the striker over the object until the speed is 0. "
+    "If slide `id` (default NAME) is running, it is steered",
     replace(SPEED, help="slip speed of the striker over the surface; 0: the striker stops"),
     (
         replace(FORCE, otherwise="the striker's weight"),
         Parameter(
-            "sweep", -1.0, 100.0, "m/s", "speed of the contact over the object; 0: none, as a bow; -1: the slip speed",
+            "sweep", -1.0, 100.0, "m/s", "speed of the contact over the object; 0: in place (a bow); -1: slip speed",
             useful=(0.0, 5.0), steerable=True, glide=0.02, otherwise=_STRIKERS,
         ),
         Parameter(
@@ -289,7 +288,7 @@ SLIDE = Gesture(
     slips=True,
 )  # fmt: skip
 REST = Gesture(
-    "rest", "lays the object on another or on a support until stopped; touching objects ring for less time",
+    "rest", "lays the object on another object or a support until stopped; objects in contact ring for less time",
     LOAD,
     (
         replace(_STEERED_LAW[0], help="mass that moves at the contact", otherwise="from the load, or the hand's"),
@@ -312,7 +311,7 @@ EXCITATION = Parameter(
     "excitation", 0.0, 0.98, "", "share of the blows that are set off by other blows", default=0.0, steerable=True
 )
 MEMORY = Parameter("memory", 1e-4, 10.0, "s",
-    "mean time from a blow to those that it sets off", default=0.05, useful=(0.001, 0.1), steerable=True,
+    "mean time from a blow to the blows that it sets off", default=0.05, useful=(0.001, 0.1), steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
     "rain", "lets drops fall on the object until stopped", replace(RATE, help="drops per second, on average"),
@@ -322,7 +321,7 @@ RAIN = Gesture(
             default=5e-4, useful=(2e-4, 1e-3), steerable=True,
         ),
         Parameter(
-            "reach", 1.0, 100.0, "", "distance of the farthest, faintest drops, as a multiple of that of the nearest",
+            "reach", 1.0, 100.0, "", "distance of the farthest drops, as a multiple of the nearest drops' distance",
             default=1.0, useful=(1.0, 10.0),
         ),
         SPREAD,
@@ -406,7 +405,7 @@ STEP = Gesture(
 MOST_PIECES = 256
 SHATTER = Gesture(
     "shatter",
-    "breaks the object; its pieces, which `striker` describes, bounce until they lie still",
+    "breaks the object into pieces that bounce until they lie still; `striker` is the preset of a piece",
     replace(VELOCITY, help="speed at which the object hits something and breaks; 0 does nothing"),
     (
         Parameter("pieces", 1, MOST_PIECES, "", "number of pieces", default=60.0, whole=True),
@@ -416,7 +415,7 @@ SHATTER = Gesture(
             useful=None, default=0.0, or_zero=True),
         replace(MASS, name="thick_mass", help="mass of the thick parts, such as foot, bottom and neck; 0: none",
             useful=None, default=0.0, or_zero=True),
-        Parameter("thick_ratio", 0.1, 10.0, "times", "thickness of the thick parts, as a multiple of other pieces'",
+        Parameter("thick_ratio", 0.1, 10.0, "times", "ratio of the thick parts' thickness to that of the other pieces",
             default=2.5),
         Parameter("thick_parts", 1, MOST_PIECES, "", "number of thick parts", default=1.0, whole=True),
         SPREAD,

@@ -18,7 +18,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "--kind",
         type=Path,
         metavar="FOLDER",
-        help="folder of recordings like A; the distances between them are shown beside that from A to B",
+        help="folder of recordings like A, whose distances from each other are shown for comparison",
     )
     parser.add_argument(
         "--plot", type=Path, metavar="OUT.png", help="picture of both spectrograms, third octaves and decays"

@@ -1,4 +1,4 @@
-"""carom completion: print a script with which a shell completes the command line.
+"""carom completion: print a script by which your shell completes commands and options.
 
 shtab writes it from the parser itself, for bash, zsh, fish, tcsh and PowerShell. The script is static, so that a shell
 starts no Python to complete an option; only the names of presets are requested, as they may change.
@@ -51,4 +51,6 @@ def _choose(command: str, action: argparse.Action) -> None:
         action.complete = found  # type: ignore[attr-defined]
 
 
-COMMAND = Command("completion", "SHELL", "print a script that lets a shell complete the command line", _options, _run)
+COMMAND = Command(
+    "completion", "SHELL", "print a script by which your shell completes commands and options", _options, _run
+)

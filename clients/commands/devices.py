@@ -1,4 +1,4 @@
-"""carom devices: list the devices that can play, and MIDI inputs."""
+"""carom devices: list sound outputs and MIDI inputs."""
 
 import argparse
 from contextlib import suppress
@@ -33,4 +33,4 @@ def _midi_inputs() -> list[str]:
     return []
 
 
-COMMAND = Command("devices", "", "list the devices that can play, and MIDI inputs", no_options, _run)
+COMMAND = Command("devices", "", "list sound outputs and MIDI inputs", no_options, _run)

@@ -27,7 +27,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "score",
         metavar="SCORE",
-        help="score, saved table of the page, or name of an object or of one of Carom's scores; -: stdin",
+        help="score, table saved on the page, object, or name of one of Carom's scores; -: stdin",
     )
     text = "folder for the files; it is made if missing (such as demo-web for the score demo)"
     parser.add_argument("folder", metavar="OUT", nargs="?", help=text)

@@ -28,11 +28,14 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "--material",
         action="append",
         metavar="M",
-        help="preset of the material, such as glass; may be repeated for parts, as handle=wood",
+        help="preset of the material, such as glass; may be repeated for parts, such as handle=wood",
     )
     parser.add_argument("--wall", type=number, metavar="M", help="thickness of a sheet or of a hollow body, m (solid)")
     parser.add_argument(
-        "--scale", type=number, metavar="M", help="unit of the mesh, m; 0.001 for mm (1; required if the mesh is huge)"
+        "--scale",
+        type=number,
+        metavar="M",
+        help="length unit of the mesh, m; 0.001 for mm (1; required if the mesh is huge)",
     )
     parser.add_argument("--modes", type=whole, default=60, metavar="N", help="largest number of modes (%(default)s)")
     parser.add_argument(

@@ -1,4 +1,4 @@
-"""carom page: serve the page to play from, and open it in the browser."""
+"""carom page: start a server, and open its page in the browser."""
 
 from __future__ import annotations
 
@@ -37,4 +37,4 @@ def _run(arguments: argparse.Namespace) -> int:
     return serve(arguments, show)
 
 
-COMMAND = Command("page", "", "serve a page to play from, and open it in the browser", _options, _run)
+COMMAND = Command("page", "", "start a server, and open its page in the browser", _options, _run)

@@ -1,4 +1,4 @@
-"""carom play: send a score to a running server, in time."""
+"""carom play: send a score to a running server, each line at its time."""
 
 from __future__ import annotations
 
@@ -46,4 +46,4 @@ def _print_failures(server: Client, seconds: float) -> int:
     return len(failures)
 
 
-COMMAND = Command("play", "SCORE", "send a score to a running server, in time", _options, _run)
+COMMAND = Command("play", "SCORE", "send a score to a running server, each line at its time", _options, _run)

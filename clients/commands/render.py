@@ -44,27 +44,29 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
     parser.add_argument(
-        "--block", type=whole, default=16_384, help="frames per block; the sound is the same (%(default)s)"
+        "--block", type=whole, default=16_384, help="frames per block; has no effect on the sound (%(default)s)"
     )
     parser.add_argument("--format", choices=FORMATS, type=one_of(*FORMATS), help="sample format (WAV: float, FLAC: 24)")
     parser.add_argument("--seconds", type=number, help="length of the sound (until silence)")
     parser.add_argument("--plot", metavar="OUT.png", help="picture of the wave and the spectrogram of each channel")
     parser.add_argument("--stems", metavar="DIR", help="folder for a file of each object")
-    parser.add_argument("--calibrated", action="store_true", help="samples in pascals: floats, without limiter")
+    parser.add_argument(
+        "--calibrated", action="store_true", help="write samples in pascals, as floats, without limiter"
+    )
     parser.add_argument("--channels", type=whole, metavar="N", help="number of channels, 1 to 64 (the score's, else 2)")
     parser.add_argument("--gain", type=number, metavar="DB", help="level of everything, dB (the score's, else 0)")
     parser.add_argument(
         "--limiter", **SWITCH, help="limiter, which keeps the sound within full scale (the score's, else on)"
     )
-    normalize = f"peak of the file, dB of full scale; the limiter is off unless you set it to on ({PEAK:g})"
+    normalize = f"peak of the file, dB of full scale; turns off the limiter, unless you add --limiter on ({PEAK:g})"
     parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)
     add_full_scale(parser, otherwise="the score's, else 4")
     add_bank(parser, None, "the score's, else float64")
-    budget = "bounds on the cost of coupled contacts, as in /budget; 16 8192: as on a server (the score's)"
+    budget = "limits on the cost of coupled contacts, as in /budget; 16 8192: as on a server (the score's)"
     parser.add_argument("--budget", type=number, nargs=2, metavar=("STEPS", "MODES"), help=budget)
     parser.add_argument(
         "--object", action="append", default=[], metavar="[CHANNEL:]PRESET",
-        help="object to play a MIDI file or one of its channels, such as 10:tom; may be given several times",
+        help="object that plays a MIDI file or one of its channels, such as 10:tom; may be repeated",
     )  # fmt: skip
     add_presets(parser)
 

@@ -1,4 +1,4 @@
-"""carom serve: listen for OSC and play."""
+"""carom serve: start a server that plays OSC messages."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trust", action="append", default=[], metavar="NET", help=text)
     parser.add_argument(
         "--device",
-        help="device, by index or part of its name; none: no sound; page: in browsers only (the system's)",
+        help="sound device, by number or part of its name; none: no sound; page: in browsers only (the system's)",
     )
     parser.add_argument(
         "--latency", type=number, help="time from computing a sound to hearing it, s (the device's lowest)"
@@ -56,11 +56,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     _add_files_and_midi(parser)
     parser.add_argument(
         "--page", type=whole, nargs="?", const=PAGE_PORT, metavar="PORT",
-        help=f"port of a page to play on, and of OSCQuery; 0: any free one ({PAGE_PORT})",
+        help=f"serve a page to play on, and OSCQuery, at this port; 0: any free one ({PAGE_PORT})",
     )  # fmt: skip
-    parser.add_argument("--tls", action="store_true", help="page over https, with a new certificate")
+    parser.add_argument("--tls", action="store_true", help="serve the page over https, with a new certificate")
     parser.add_argument(
-        "--certificate", type=Path, metavar="FILE.pem", help="page over https, with this certificate and its key"
+        "--certificate",
+        type=Path,
+        metavar="FILE.pem",
+        help="serve the page over https, with the certificate and key in this file",
     )
     parser.add_argument(
         "--oscquery",
@@ -80,7 +83,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--limiter", default="on", **SWITCH, help="limiter, which keeps the sound within full scale (%(default)s)"
     )
     parser.add_argument(
-        "--headroom", default="on", **SWITCH, help="slow automatic level ahead of the limiter (%(default)s)"
+        "--headroom", default="on", **SWITCH, help="slow automatic gain before the limiter (%(default)s)"
     )
     parser.add_argument(
         "--modes", type=whole, default=131_072, metavar="N", help="largest number of modes, up to 1310720 (%(default)s)"
@@ -97,14 +100,16 @@ def _add_files_and_midi(parser: argparse.ArgumentParser) -> None:
     """Add the options of what is written, and of MIDI."""
     parser.add_argument("--record", type=_file, metavar="OUT.wav", help="file to record the sound to")
     parser.add_argument("--log", type=_file, metavar="OUT.txt", help="file to log all messages to, as a score")
-    parser.add_argument("--recordings", type=Path, metavar="DIR", help="folder for what clients record by /record")
+    parser.add_argument(
+        "--recordings", type=Path, metavar="DIR", help="folder for recordings that clients make by /record"
+    )
     parser.add_argument(
         "--quota", type=size, default="10GB", metavar="SIZE",
-        help="largest size of all files in the folder of --recordings (%(default)s)",
+        help="largest total size of the files in the folder of --recordings (%(default)s)",
     )  # fmt: skip
     parser.add_argument(
         "--midi", action="append", default=[], metavar="PORT",
-        help="MIDI input, by index or part of its name; virtual: an input to connect to; may be given twice",
+        help="MIDI input, by number or part of its name; virtual: an input to connect to; may be repeated",
     )  # fmt: skip
 
 
@@ -185,4 +190,4 @@ def _run(arguments: argparse.Namespace) -> int:
     return serve(arguments, lambda server: None)
 
 
-COMMAND = Command("serve", "", "listen for OSC and play", add_options, _run)
+COMMAND = Command("serve", "", "start a server that plays OSC messages", add_options, _run)

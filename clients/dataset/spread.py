@@ -170,7 +170,7 @@ _KINDS: Mapping[str, Mapping[str, Any]] = {
 
 FORMS = {
     "uniform = [low, high]": "evenly between two numbers; with `steps = N`, one of N values, which include both ends",
-    "log_uniform = [low, high]": "evenly by ratio, from low to high; `steps` as above",
+    "log_uniform = [low, high]": "evenly on a logarithmic scale, from low to high; `steps` as above",
     "normal = [mean, deviation], low = X, high = Y": "from a normal distribution, cut off at two numbers",
     "choice = [...]": "one of the words or numbers; `weights = [...]` sets how often each is drawn",
 }

@@ -47,17 +47,17 @@ from .space_verbs import LISTENING, PLACING
 from .wire import MOST_PORT, Message
 from .world_verbs import WORLD
 
-STRIKER = Word("striker", "preset of the striker", "the object's for this gesture, or else for strikes")
+STRIKER = Word("striker", "preset of the striker", "the object's usual one for this gesture, or else for strikes")
 
 ON_SURFACE = Vector(
     "point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"
 )
 BY_ON_SURFACE = Vector("by_point", BY_POINT, "point on the other object, which strikes or supports")
-_DIRECTED = Vector("direction", DIRECTION, "direction of the push at a point, in place of the normal")
-_SLIPPING = Vector("direction", DIRECTION, "direction of the slip at a point; the push is along the normal")
-_BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "direction of the push on the striking object, at `by_point`")
+_DIRECTED = Vector("direction", DIRECTION, "direction of the force at `point`, in place of the normal")
+_SLIPPING = Vector("direction", DIRECTION, "direction of the slip at `point`; `force` still acts along the normal")
+_BY_DIRECTED = Vector("by_direction", BY_DIRECTION, "direction of the force on the striking object, at `by_point`")
 PLAY = Number(
-    "play", 0, 1, "", "1: make-up, a level that suits players; 0: the level of physics", whole=True,
+    "play", 0, 1, "", "1: with make-up, an automatic gain; 0: at the physical level", whole=True,
     otherwise="the setting of `/play`",
 )  # fmt: skip
 STRIKE: tuple[Number | Word | Vector, ...] = (
@@ -75,10 +75,12 @@ STRIKE: tuple[Number | Word | Vector, ...] = (
 )
 """Keys that every gesture takes."""
 
-_SURFACE = Word("surface", "preset of the surface", "the object's for this gesture, or wood")
-_PRESS = Word("press", "id of a press on the same object; its force becomes the normal force")
+_SURFACE = Word("surface", "preset of the surface", "the object's usual one for this gesture, or else wood")
+_PRESS = Word("press", "id of a press on the same object; the press's force is the normal force")
 _ONTO = Word(
-    "onto", "name of the object on which the pieces fall, or `none`", "`floor`, made of `wooden-floor` if missing"
+    "onto",
+    "name of the object on which the pieces fall, or `none`",
+    "`floor`; if missing, it is made from `wooden-floor`",
 )
 
 
@@ -178,12 +180,12 @@ _RUNNING = (
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
         "/gesture/ID/point",
-        "moves a gesture to its object's point nearest to these coordinates, or along a list of points",
+        "moves a gesture to the surface point nearest to these coordinates, or along a list of points",
         POINT,
     ),
     Move(
         "/gesture/ID/by_point",
-        "moves a rest on the other object, to the surface point nearest to these coordinates",
+        "moves the contact of a rest on the other object to the surface point nearest to these coordinates",
         BY_POINT,
     ),
 )
@@ -197,7 +199,7 @@ _ENGINE = (
     Verb(
         "/quality",
         "sets how much is left out to save time, from 0 (nothing) to 8; under load the server leaves out more",
-        (Number("quality", 0, 8, "", "quality number; each leaves out more than the one before", whole=True),),
+        (Number("quality", 0, 8, "", "quality number; higher numbers leave out more", whole=True),),
     ),
     Verb(
         "/bank",
@@ -206,8 +208,8 @@ _ENGINE = (
     ),
     Verb(
         "/budget",
-        "bounds the cost of contacts that are coupled to modes. A score begins without bounds (0 0), a server with "
-        "16 8192",
+        "bounds the cost of contacts that are coupled to modes. A score begins without bounds (0 0); a server "
+        "begins with 16 8192",
         (STEPS, ROOM),
     ),
     Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
@@ -218,7 +220,7 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns headroom, an automatic level before the limiter, on or off. Scores begin without it, servers with it",
+        "turns headroom, an automatic gain before the limiter, on or off; by default on in servers, off in scores",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
@@ -241,7 +243,7 @@ _ENGINE = (
         "sets a score's pressure of full scale; a server accepts only the pressure it was started with",
         (FULL_SCALE,),
     ),
-    Verb("/end", "ends a score's render at this message's time; servers ignore it"),
+    Verb("/end", "ends a score's render at this message's time; servers ignore this message"),
     Verb("/panic", "ends all gestures; the sound fades, and objects stay"),
 )
 
@@ -273,15 +275,15 @@ _SERVER = (
     ),
     Verb(
         "/record",
-        "begins or ends a recording in the server's folder. The reply is `/done /record FILE FIRST` at the beginning, "
-        "`/done /record FILE FIRST END` at the end; FIRST and END count samples",
+        "begins or ends a recording in the folder of `--recordings`. The reply is `/done /record FILE FIRST` at the "
+        "beginning, and `/done /record FILE FIRST END` at the end; FIRST and END count samples",
         (Number("on", 0, 1, "", "1 begins, 0 ends", whole=True),),
         keys=(Word("name", "name of the new file", "day and time"),),
         scored=False,
     ),
     Verb(
         "/dump",
-        "lets the server print each message, cut at 2,000 characters",
+        "makes the server print each message, up to 2,000 characters",
         (Number("on", 0, 1, "", "1: on, 0: off", whole=True),),
         scored=False,
     ),

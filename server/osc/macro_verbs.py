@@ -9,7 +9,7 @@ from .points import Change
 from .wire import Argument
 
 MACRO, DICE, UNDO, MORPHING = (f"/object/NAME/{name}" for name in ("macro", "dice", "undo", MORPH.name))
-OTHER = Word("preset", "preset of the other object, of the same shape")
+OTHER = Word("preset", "name of a preset of the same shape")
 
 
 @dataclass(frozen=True)

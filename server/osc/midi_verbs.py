@@ -7,8 +7,8 @@ from .wire import Argument
 CHANNEL = Number("channel", 0, 16, "", "channel of MIDI; 0: any", default=0.0, whole=True)
 LOW = Number("low", -1e12, 1e12, "", "value at the controller's lowest position", otherwise="from the usual range")
 HIGH = Number("high", -1e12, 1e12, "", "value at the controller's highest position", otherwise="from the usual range")
-LOWEST = Note("low", "lowest note that it plays")
-HIGHEST = Note("high", "highest note that it plays")
+LOWEST = Note("low", "lowest note that the object plays")
+HIGHEST = Note("high", "highest note that the object plays")
 BEND, PRESSURE = "bend", "pressure"
 
 
@@ -29,7 +29,7 @@ _ADDRESS = Word("address", "address that takes one number")
 MIDI = (
     Verb(
         "/midi/notes",
-        "lets an object play the notes of a channel, or from `low` to `high`; the newest object plays all other notes",
+        "lets an object play a channel's notes, or notes `low` to `high`; the newest object plays all other notes",
         (Word("object", "name of the object"),),
         keys=(CHANNEL, LOWEST, HIGHEST),
         scored=False,

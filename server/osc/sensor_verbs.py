@@ -33,14 +33,14 @@ SENSORS = (
         (PLACE,),
         (
             Word("preset", "kind: ideal, velocity, accelerometer, mems, piezo-20, piezo-27 or piezo-35", "ideal"),
-            Either("quantity", tuple(QUANTITIES), "quantity that it senses", "the preset's"),
+            Either("quantity", tuple(QUANTITIES), "quantity that the sensor measures", "the preset's"),
             RESONANCE,
             DAMPING,
             FULL,
             Vector(
                 "point", POINT, "point in the object's frame, in place of `position`; the nearest surface point counts"
             ),
-            Vector("direction", DIRECTION, "direction in which it senses at a point, in place of the normal"),
+            Vector("direction", DIRECTION, "direction in which the sensor measures at `point`, in place of the normal"),
         ),
     ),
     Verb("/sensor/NAME/free", "removes a sensor; its channel falls silent"),

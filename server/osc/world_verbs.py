@@ -71,7 +71,7 @@ WORLD = (
     ),
     Verb(
         "/world/pair",
-        "sets the contact of two bodies, in place of the one that follows from their materials",
+        "sets the contact of two bodies, in place of the contact that follows from their materials",
         (Word("a", "name of a body"), Word("b", "name of the other body")),
         keys=(
             Word("surface", "preset of the surface"),
@@ -104,7 +104,8 @@ WORLD = (
     ),
     Verb(
         "/world/grains",
-        "declares small bodies as grains, or a striker for `/world/pour`; all blows on a body sound as one shake",
+        "declares small bodies, or a striker for `/world/pour`, as grains; all blows of grains on a body sound as one "
+        "shake",
         (Word("name", "name of the grains"),),
         keys=(Word("bodies", "pattern of the bodies' names, such as stone*"), Word("striker", "preset of a striker")),
     ),

@@ -1,8 +1,8 @@
 """What a game of 200 bodies costs that an exported scene plays: `python -m tests.bench.game`.
 
 Bodies fall, bounce, slide and roll in a pit (game.c): balls, crates and slabs in many sizes, of three materials. Ends
-with exit code 1 where the sound takes more than 15 % of a core, a frame takes more than 4 ms, or the process more than
-64 MB.
+with exit code 1 where the sound takes more than 15 % of a core, a frame takes more than 4 ms, the process more than
+64 MB, or the engine refused a command.
 """
 
 import argparse
@@ -19,7 +19,7 @@ BODIES = """\
 0 /world/body crate box wood 0.12 0.1 0.07 most_modes 48
 0 /world/body slab plate glass 0.12 0.08 0.01 most_modes 48
 """
-MOST = {"share": 0.15, "longest": 4.0, "megabytes": 64.0}
+MOST = {"share": 0.15, "longest": 4.0, "megabytes": 64.0, "refused": 0}
 """Of a core; ms; MB."""
 
 
@@ -48,7 +48,10 @@ def main() -> int:
         ]
         subprocess.run(["cc", *words], check=True)
         played = [str(program), f"{folder}/scene.carom", str(given.bodies), str(given.seconds)]
-        told = json.loads(subprocess.run(played, capture_output=True, text=True, check=True).stdout)
+        done = subprocess.run(played, stdout=subprocess.PIPE, text=True)  # it says what is wrong
+        if done.returncode:
+            return done.returncode
+        told = json.loads(done.stdout)
     for name, value in told.items():
         print(f"{name:>18} {value:g}" + (f"  (at most {MOST[name]:g})" if name in MOST else ""))
     return int(any(told[name] > most for name, most in MOST.items()))

@@ -11,7 +11,7 @@ from carom.server.osc.tables import key_rows, range_of
 from tests.documents.markdown import table
 
 EXAMPLES = {
-    "/object/new": "/object/new bell church-bell pan -0.3 size 0.5",
+    "/object/new": "/object/new bell tubular-bell pan -0.3 size 0.5",
     "/object/NAME/impact": "/object/bell/impact 1.0 0.3 striker wood",
     "/object/NAME/bounce": "/object/plate/bounce 0.2 striker ping-pong id ball",
     "/object/NAME/roll": "/object/pane/roll 0.5 striker glass-marble surface glass travel 0.6 id marble",
@@ -134,18 +134,18 @@ def _blocks(verbs: Iterable[Verb]) -> Iterable[str]:
         if verb in settings[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _said(each)) for each in settings]
             example = "\n".join(f"    {EXAMPLES[each.address]}" for each in settings[:2])
-            yield "### `/object/NAME/SETTING value [over s] [curve c]`\n\nSets a number, at once or over a time."
+            yield "### `/object/NAME/SETTING value [over s] [curve c]`\n\nSets a number, at once or over time."
             yield example
             yield table(("address", "value", "meaning"), rows)
         elif verb in steering[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _steered(each.action)) for each in steering]
-            yield "### `/gesture/ID/KEY value [over s] [curve c]`\n\nSteers a running gesture, at once or over a time."
+            yield "### `/gesture/ID/KEY value [over s] [curve c]`\n\nSteers a running gesture, at once or over time."
             yield f"    {EXAMPLES[verb.address]}"
             yield table(("address", "value", "steers"), rows)
         elif verb in macros[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _said(each)) for each in macros]
             yield "### `/object/NAME/macro/MACRO value [over s] [curve c]`"
-            yield "Turns a [macro](macros.md), at once or over a time."
+            yield "Turns a [macro](macros.md), at once or over time."
             yield f"    {EXAMPLES[verb.address]}"
             yield table(("address", "value", "meaning"), rows)
         elif verb not in (*settings, *steering, *macros):

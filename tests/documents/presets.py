@@ -108,7 +108,9 @@ def shapes() -> str:
     parts = []
     for name, shape in known.SHAPES.items():
         one, other = ([f"`{key}`" for key in shape.fields if key in side] for side in shape.either)
-        note = f"\n\nGive keys of one group only: {', '.join(one)}; or {', '.join(other)}." if one else ""
+        single = len(one) == len(other) == 1
+        rule = "Give either {} or {}." if single else "Give keys from only one of these groups: {}; or {}."
+        note = f"\n\n{rule.format(', '.join(one), ', '.join(other))}" if one else ""
         parts.append(f"## `{name}`\n\n{_keys(name, shape.fields, shape.required)}{note}")
     return "\n\n".join(parts)
 

@@ -33,7 +33,7 @@ def limits() -> str:
         ("contacts, and gestures in progress", state.CONTACTS),
         ("of these, rolls and slides", state.ROLLS),
         ("of these, rain, pours, shakes, crumples, steps and shattering", SWARMS),
-        ("events that wait", state.EVENTS),
+        ("events that wait for their time", state.EVENTS),
         ("length of a contact", f"{LONGEST_CONTACT:g} s"),
         ("length of a bounce", f"{LONGEST_BOUNCE:,.0f} s"),
         ("length of a score", f"{LONGEST_SCORE / 86_400:g} days"),

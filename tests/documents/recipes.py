@@ -7,22 +7,22 @@ from tests.documents.markdown import table
 
 _MEANINGS = {
     "description": "description in one line",
-    "design": "distribution of the items over the factors",
-    "differ": "factors (SECTION.KEY) in which pairs may differ; any if not given",
-    "count": "number of items; of a grid, if not given, the number of its points",
+    "design": "way in which the values of the items are drawn",
+    "differ": "drawn keys (SECTION.KEY) that may differ within a pair; any if not given",
+    "count": "number of items; for a grid, all of its points if not given",
     "seed": "seed of all random numbers",
     "seconds": "length of each clip",
     "rate": "sampling rate",
     "channels": "number of channels; 2: left and right",
     "format": "format of the sound files",
     "samples": "bits of a sample, or floats (WAV only)",
-    "full_scale": "pressure of a sample of 1.0; if not given, each item has a power of two",
+    "full_scale": "pressure of a sample of 1.0; if not given, a power of two for each item",
     "licence": "licence of the clips",
     "split": '`{ by = "geometry", test = 0.2, validation = 0.1 }`: shares of test and validation items',
     "shard": "number of items in a shard",
     "size": "factor of all lengths of the preset; also a key of `[by]`",
     "at": "beginning of the gesture; 0 if not given",
-    "until": "time at which the gesture is stopped; never if not given",
+    "until": "time at which the gesture stops; never if not given",
 }
 
 
@@ -33,7 +33,11 @@ def keys() -> str:
     own = {"object": "`[object]` ", "impact": "any gesture's "}
     rows += [(f"{own[name]}`{key}`", str(domain), _MEANINGS[key]) for name in own for key, domain in OWN[name].items()]
     rows.append(
-        (f"`[{SCORE}]` `file`", "a score in the recipe's folder", "score of each item; `$KEY` stands for a drawn value")
+        (
+            f"`[{SCORE}]` `file`",
+            "a score in the recipe's folder",
+            "score that every item plays; `$KEY` stands for a drawn value",
+        )
     )
     forms = [(f"`{{ {form} }}`", what) for form, what in FORMS.items()]
     return "\n\n".join([table(("key", "value", "meaning"), rows), table(("distribution", "draws"), forms)])
@@ -47,4 +51,6 @@ def _value(key: str, domain: object) -> str:
 def listed() -> str:
     """Return the recipes that there are, and what each draws."""
     found = [read(path) for path in sorted((BUILT_IN / "recipes").glob("*.toml"))]
-    return table(("recipe", "items", "is"), [(f"`{each.name}`", f"{each.count:,}", each.description) for each in found])
+    return table(
+        ("recipe", "items", "description"), [(f"`{each.name}`", f"{each.count:,}", each.description) for each in found]
+    )

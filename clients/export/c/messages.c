@@ -219,6 +219,7 @@ void make(carom *scene, const call *told) {
     const object *of = object_by(scene, like);
     if (!of) refuse_all(scene, "object", like, part(scene, "objects")->first);
     if (object_by(scene, name)) refuse(scene, "%.80s: there is an object of that name", name);
+    if (carom_body(scene, name) >= 0) refuse(scene, "%.80s: there is a silent body of that name", name);
     if (name[strcspn(name, " #*,/?[]{}")] || strlen(name) >= LONGEST_NAME)
         refuse(scene, "name = %.80s: expected no blank, none of #*,/?[]{}, and at most 255 bytes", name);
     object made = *of;

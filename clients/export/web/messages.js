@@ -360,7 +360,8 @@ export class Messages {
   /** Make an object, and its body, in another's image. */
   make({ name, like, size = 1, material, ...settings }, time) {
     const of = under(this.objects, like) ?? refuse(`${like}: no such object; there are ${Object.keys(this.objects).join(", ")}`);
-    if (name in this.objects) refuse(`${name}: there is an object of that name`);
+    if (Object.hasOwn(this.objects, name)) refuse(`${name}: there is an object of that name`);
+    if (this.bodies && Object.hasOwn(this.bodies.silent, name)) refuse(`${name}: there is a silent body of that name`);
     if (/[ #*,/?[\]{}]/.test(name)) refuse(`name = ${name}: expected no blank, and none of #*,/?[]{}`);
     const made = { ...of, tune: 0, change: [...(of.change ?? [0, 0, 0])], material: of.material };
     made.change[0] += Math.log2(size);

@@ -24,6 +24,7 @@ RESTS = 0.004
 
 _CHANGED, _AWAY = 0.05, 0.01  # shares of a speed or a force, and of a strike path, by which it must change to be sent
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
+_TINY = 1e-9  # m/s, m: nobody hears less; a speed or a place decays to 1e-150 in 2 s, which no export takes
 _FASTEST, _HARDEST = 100.0, 1e5  # m/s, N
 _ROUGH, _ROUGH_FLAT = 0.12, 0.02  # sqrt(s/m): of the estimate, for round bodies and for faces
 _LOUDER = 2.0  # times as loud is what takes another's room; half as loud as what begins to be heard, a slide ends
@@ -154,11 +155,13 @@ def motion_of(state: State, pair: Pair, parameter: int) -> float:
     if parameter == 0:
         return min(max(pair.now[0], _LEAST), _FASTEST)
     if parameter == 1:
-        return min(pair.sweep[pair.side], _FASTEST)
+        sweep = pair.sweep[pair.side]  # of 0 it stays, as under a bow
+        return 0.0 if sweep == 0.0 else min(max(sweep, _TINY), _FASTEST)
     if parameter == 2:
         return min(max(pair.now[2], _LEAST), _HARDEST)
     if parameter >= AT:
-        return pair.local[pair.side, parameter - AT]
+        at = pair.local[pair.side, parameter - AT]
+        return at if abs(at) >= _TINY else 0.0
     body = pair.b if pair.side == 1 else pair.a
     return place_on(state.strip[body], state.edges[body], pair.local[pair.side])
 

@@ -1,17 +1,22 @@
-"""The adapters of clients/examples for game engines: Unity's in Mono, three.js and cannon-es in Node."""
+"""The adapters of clients/examples for game engines: Godot's in a fake of it, Unity's in Mono, cannon-es in Node."""
 
 import json
 import math
 import os
+import re
 import subprocess
+from ctypes import c_uint8
 from pathlib import Path
 
 import pytest
 
 from tests import needs
+from tests.clients.export.godot import Godot
+from tests.clients.export.test_game import Contacts, Game
+from tests.server.bridge.test_touching import RATE
 
 EXAMPLES = needs.ROOT / "clients" / "examples"
-UNITY, THREE = EXAMPLES / "unity", EXAMPLES / "threejs"
+UNITY, THREE, GODOT = EXAMPLES / "unity", EXAMPLES / "threejs", EXAMPLES / "godot"
 
 pytestmark = pytest.mark.slow
 
@@ -116,3 +121,80 @@ def test_a_ball_of_cannon_is_reported_as_it_falls(tmp_path: Path) -> None:
     assert numbers["speed"] == pytest.approx(math.sqrt(2 * 9.81 * 0.5), rel=0.03)
     assert frame == pytest.approx(240 * math.sqrt(2 * 0.5 / 9.81), abs=3)
     assert max(each[0] for each in told["moved"]) < 580 and max(each[0] for each in told["touched"]) < 580
+
+
+@pytest.fixture(scope="module")
+def extension(game: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Godot's extension, built by the command of its page, with more warnings."""
+    needs.program("cc")
+    built = tmp_path_factory.mktemp("godot") / "libcarom_godot.so"
+    words = ["cc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-shared", "-fPIC", "-O2"]
+    sources = ["-I", game, GODOT / "carom_godot.c", game / "libcarom.a", "-lm", "-o", built]
+    subprocess.run([*words, *sources], check=True)
+    return built
+
+
+def test_a_body_falls_through_godots_calls(game: Path, extension: Path) -> None:
+    """Copies of a box fall on the ground by typed calls and by variants: the sound is the C library's, bit by bit."""
+    engine, played = Godot(extension, "carom_godot_init"), Game(game)
+    assert {name: parent for name, (parent, _) in engine.classes.items()} == {
+        "CaromStream": "AudioStream", "CaromPlayback": "AudioStreamPlayback",
+    }  # fmt: skip
+    stream = engine.new("CaromStream")
+    assert (engine.call(stream, "send", "/panic"), engine.call(stream, "body", "ball")) == (0, -1)
+    assert engine.call(stream, "open", b"no scene") == 0 and engine.call(stream, "answer")
+    assert engine.call(stream, "open", (game / "scene.carom").read_bytes(), typed=True) == 1
+    assert engine.call(stream, "rate") == RATE
+    assert [engine.call(stream, "govern", share) for share in (2, 1, 0)] == [0, 1, 1]  # ints for floats
+    playback = engine.play(stream)
+    frames = int(RATE / 60)
+    assert engine.mix(playback, frames) == played.process(frames)
+    before = engine.mix(playback, frames)
+    assert before == played.process(frames)
+    for typed in (False, True):
+        name = f"box.{typed}"
+        made = f"/object/new {name} box size 2 material steel"
+        assert engine.call(stream, "send", made, typed=typed) == 1 and not played.send(made)
+        ground, box = engine.call(stream, "body", "ground"), engine.call(stream, "body", name, typed=typed)
+        ears = ((0.0, 1.5, 2.0), (1.0, 0.0, 0.0))
+        assert engine.call(stream, "listen", *ears, typed=typed) == played.listen(*ears) == 1
+        place, turn, velocity, spin = (0.1, 0.06, 0.2), (0.48, 0.0, 0.6, 0.64), (0.1, -2.0, 0.3), (3.0, 4.0, 5.0)
+        assert engine.call(stream, "move", box, place, turn, velocity, spin, typed=typed) == 1
+        played.move(box, place, velocity, spin, (turn[3], *turn[:3]))
+        touch = (ground, box, (0.1, 0.0, 0.2), (0.0, 1.0, 0.0), math.nan, 2.0, 0.4)
+        assert engine.call(stream, "touch", *touch, typed=typed) == played.touch(*touch) == 1
+        assert engine.call(stream, "frame", 1 / 60, typed=typed) == played.frame(1 / 60) == 1
+        sound = engine.mix(playback, frames)
+        assert sound != before and engine.mix(playback, frames) == played.process(frames)
+        counts = engine.call(stream, "report", typed=typed)
+        assert counts == {each: getattr(played.contacts, each) for each, _ in Contacts._fields_}
+        assert (counts["blows"], counts["bodies"]) == (1 + typed, 5)
+        assert engine.call(stream, "move", box, (math.nan, 0.0, 0.0), turn, velocity, spin, typed=typed) == 0
+        assert "carom_move" in engine.call(stream, "answer", typed=typed)
+        gone = f"/object/{name}/free"
+        assert engine.call(stream, "send", gone, typed=typed) == 1 and not played.send(gone)
+    for name, given, told in (("answer", ("x",), (3, 0, 0)), ("body", (), (4, 0, 1)), ("body", (1.0,), (2, 0, 4))):
+        with pytest.raises(TypeError) as refused:  # too many, too few, no String
+            engine.call(stream, name, *given)
+        assert refused.value.args == told
+    engine.free(stream)
+    assert engine.mix(playback, frames) == played.process(frames)  # what plays holds the scene
+    engine.call_virtual(playback, "_stop", c_uint8())
+    assert not any(engine.mix(playback, frames))
+    engine.free(playback)
+    played.c.carom_close(played.scene)
+    assert engine.kept == {}, "strings, arrays, dictionaries that nothing freed"
+    engine.started.end(None, 2)
+    assert engine.classes == {}
+
+
+def test_the_scripts_of_godot_call_what_is_there(extension: Path) -> None:
+    """Each call of a stream has a method with as many arguments; each method is told on the page."""
+    methods = {name: told.count for (_, name), told in Godot(extension, "carom_godot_init").methods.items()}
+    called = {}
+    for script in GODOT.glob("*.gd"):
+        for name, given in re.findall(r"(?:heard\(\)|opened)\.(\w+)\(((?:[^()]|\([^()]*\))*)\)", script.read_text()):
+            called[name] = len(re.sub(r"\[[^]]*\]|\([^()]*\)", "", given).split(",")) if given else 0
+    assert called == {name: methods[name] for name in called} and len(called) == len(methods)
+    page = (GODOT / "README.md").read_text()
+    assert not [name for name in methods if f"`{name}" not in page]

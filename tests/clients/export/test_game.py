@@ -53,6 +53,9 @@ class Game:
         numbers = (ctypes.c_float(each) for each in (impulse, speed, slip))
         return int(self.c.carom_touch(self.scene, a, b, _floats(*point), _floats(*normal), *numbers))
 
+    def listen(self, position: Any, right: Any) -> int:
+        return int(self.c.carom_listen(self.scene, _floats(*position), _floats(*right)))
+
     def frame(self, seconds: float = FRAME) -> int:
         taken = int(self.c.carom_frame(self.scene, ctypes.c_double(seconds)))
         self.process(round(seconds * RATE))
@@ -86,7 +89,7 @@ def test_frames_are_heard_as_a_world_hears_them(played: Game) -> None:
     wanted, time = simulation(), 0.0
     numbers = {name: played.body(name) for name in ("floor", "ball", "box", "ground")}
     assert numbers == {"floor": 0, "ball": 1, "box": 2, "ground": 3}
-    assert played.c.carom_listen(played.scene, _floats(0, 0, 1.5), _floats(1, 0, 0)) == 1
+    assert played.listen((0, 0, 1.5), (1, 0, 0)) == 1
     for touches, poses in frames(2.0):
         time += FRAME
         wanted.step(time, touches, poses)
@@ -110,6 +113,7 @@ def test_what_is_refused_is_said(played: Game) -> None:
     assert played.frame(0.0) == 0 and "1e-6 to 1e6 seconds" in played.why
     for message, words in (
         ("/object/new a nobody", "nobody: no such object"), ("/object/new ball ball", "there is an object"),
+        ("/object/new ground ball", "there is a silent body"),
         ("/object/new a/b ball", "expected no blank"), ("/object/new a ball size 100", "size = 100"),
         ("/object/new a ball material cheese", "cheese: no such material"), ("/object/new a", "like is missing"),
         ("/object/new a bell material steel", ""), ("/object/new b ball material glass size 0.5 pan -1", ""),
@@ -130,6 +134,21 @@ def test_frames_are_refused_whole_while_the_sound_stalls(played: Game) -> None:
     played.process(4_096)
     assert played.move(box, (0, 0, 0.05)) and played.frame(), played.why
     assert played.contacts.slides == 1 and played.contacts.crowded == 0
+
+
+def test_a_slide_begins_long_after_its_contact_wandered(played: Game) -> None:
+    """Once its place on the box has wandered, and then stood for two seconds, the engine still takes the slide."""
+    ground, box, x = played.body("ground"), played.body("box"), 0.0
+    for frame in range(150):
+        moves = 1.0 if frame < 6 or frame > 126 else 0.0
+        at = 0.01 * min(frame, 6)
+        x += moves * FRAME
+        assert played.move(box, (x, 0, 0.05), (moves, 0, 0))
+        assert played.touch(ground, box, (x + at, 0, 0), (0, 0, 1), NAN, NAN, moves)
+        assert played.frame(), played.why
+    report = Report()
+    played.c.carom_report(played.scene, ctypes.byref(report))
+    assert played.contacts.slides == 2 and report.refused == 0
 
 
 def test_objects_are_made_and_freed_for_ever(played: Game) -> None:

@@ -34,6 +34,7 @@ PLAY = """async ([frames, seconds]) => {
   carom.touch("ball", "floor", [0, 0, 0], [0, 0, 2]);
   told.push(await why(carom.frame(0.01)));
   told.push(await why(carom.send("/object/new", "ball", "ball")));
+  told.push(await why(carom.send("/object/new", "ground", "ball")));
   told.push(await why(carom.send("/object/new", "a", "ball", "material", "cheese")));
   const made = [];
   for (let n = 0; n < 600; n++) {
@@ -101,7 +102,14 @@ def test_frames_are_heard_as_a_world_hears_them(page: Any) -> None:
     assert (contacts["blows"], contacts["slides"], contacts["faint"]) == (counts.hits, counts.gestures, counts.faint)
     assert contacts["blows"] >= 3 and contacts["slides"] == 2 and contacts["bodies"] == 4
     assert (found["refused"], found["made"], found["bodies"]) == (0, [], 24)
-    said = "seconds = 0", "nobody: no such body", "touch ball, floor", "ball: there is", "cheese: no such"
+    said = (
+        "seconds = 0",
+        "nobody: no such body",
+        "touch ball, floor",
+        "ball: there is",
+        "ground: there is a silent",
+        "cheese",
+    )
     for told, words in zip(found["told"], said, strict=True):
         assert words in told
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -253,3 +254,21 @@ def test_a_load_above_the_share_ends_the_faintest_slides_and_a_small_one_lets_th
     assert heard[99] == [2, 3] == heard[-1]
     assert [each for n, each in enumerate(heard[100:200]) if each != heard[99 + n]] == [[2], []]
     assert tracker.state["unheard"] >= 2
+
+
+def test_bodies_that_lie_cost_no_command() -> None:
+    """Boxes land on a floor and on each other, and lie there: from then on no frame sends anything."""
+    tracker = Tracker(simulation())
+    row, numbers = body_row(simulation().state[0], 2), [0]
+    numbers += [tracker.make(row, slot=20 + n) for n in range(6)]
+    sent = []
+    for frame in range(120):
+        for n, (below, box) in enumerate(pairwise(numbers)):
+            approach = 1.0 if frame == 0 else GRAVITY * FRAME  # as engines report it that pull first
+            for corner in (-0.1, 0.1):
+                point = (corner, 0.0, 0.1 * n)
+                assert tracker.touch(below, box, Touch(below, box, point, (0.0, 0.0, 1.0), approach=approach)) == 1
+            assert tracker.move(box, Pose((0.0, 0.0, 0.1 * n + 0.05))) == 1
+        sent.append([int(each["kind"]) for each in tracker.frame()])
+    assert sent[0].count(int(Kind.GESTURE)) == 6
+    assert not any(int(Kind.GESTURE) in each for each in sent[1:]) and not any(sent[30:]), sent

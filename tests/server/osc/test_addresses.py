@@ -2,6 +2,7 @@
 
 import pytest
 
+import carom
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, Parameter, gestures_steered_by
 from carom.server.osc.addresses import VERBS, calls
 from carom.server.osc.arguments import Refused, check_number
@@ -34,6 +35,12 @@ def test_the_reference_has_an_example_of_every_address_that_is_no_error():
         assert call.verb is VERBS[address]
         call.verb.parse(line.message.args)
         assert example in text or f"`{address}`" in text
+
+
+def test_the_example_of_a_new_object_makes_one():
+    with carom.Scene() as scene:
+        (line,) = parse(f"0 {EXAMPLES['/object/new']}".encode(), "example")
+        scene.send(line.message.address, *line.message.args)
 
 
 @pytest.mark.parametrize("name", STEERABLE)
