@@ -28,7 +28,7 @@ _LEAST_FILLED = 1e-3  # of a cell
 _AGREED = 0.02  # of the volume, by triangles and by rays: within that the triangles' counts
 _NOWHERE = np.zeros(0, np.int64)
 _SHIFT = 0.02  # of a wave's frequency along the body
-_COARSE = 16  # modes of one degree less: a block
+_COARSE = 10  # modes of one degree less beyond rigid motions, of which each loose part has six
 _LOCKED = 2  # the degree at and below which cells are too stiff to tell anything
 _RIGID = 1e-3  # of the highest frequency: below lie rigid motions
 
@@ -100,7 +100,14 @@ def _with_coarse(
     found = of_points(inside, pieces, materials, degree, count, yielding)
     if degree - 1 <= _LOCKED:
         return found
-    return found._replace(coarse=of_points(inside, pieces, materials, degree - 1, _COARSE, yielding).frequency)
+    rigid = _first_bent(found.frequency)
+    coarse = of_points(inside, pieces, materials, degree - 1, rigid + _COARSE, yielding)
+    return found._replace(coarse=coarse.frequency)
+
+
+def _first_bent(frequency: Array) -> int:
+    """Return the number of the lowest of frequencies (n,) that is no rigid motion's."""
+    return int(np.argmax(frequency > _RIGID * frequency[-1]))
 
 
 def of_points(
@@ -148,7 +155,7 @@ def of_points(
         energy = energies(mesh, shares, vectors, len(materials))
     leaks = max(each.leaks for each in inside)
     frequency, within = np.sqrt(np.maximum(values, 0)) / (2 * np.pi), _within(mesh, points)
-    first = vectors[:, int(np.argmax(frequency > _RIGID * frequency[-1]))].reshape(mesh.size, 3)
+    first = vectors[:, _first_bent(frequency)].reshape(mesh.size, 3)
     each = first[mesh.nodes].reshape(len(mesh.nodes), -1)
     bent = np.einsum("ei,eij,ej->e", each, stiffness, each, optimize=True) / mass.sum(axis=(1, 2))
     weakest = within[int(bent.argmax())] @ TILT

@@ -42,7 +42,7 @@ _PER_POINT = 16  # samples
 _LEAKS = 0.05  # share of rays; with more frequencies were 10 % off those of finer cells, and radiation had no bound
 _MOST_RADIATED = 10.0  # of a piston's: bodies at their loudest reach some 2 to 3
 _MET = 0.05  # of the volume
-_SETTLED = 0.1
+_SETTLED = 0.05
 """Of the lowest frequency: the most that the last step of refinement may change it. That is 1 % at most of bodies as
 people make them (`tests.bench.meshes`), and 20 to 400 % where cells hold parts together that hang on a thread."""
 _ALIKE = 0.05  # of it: finer cells that differ by less settle it, too
