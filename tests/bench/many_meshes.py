@@ -160,7 +160,7 @@ def examined(mesh: Mesh, whole: bool, finer: bool) -> dict[str, Any]:
             break
         low = found.model.frequency[0]
         if not _apart(low, found.coarse):
-            effort = name
+            effort = "whole" if disagreements(mesh, found.model) else name
             break
         if found.coarse > _FAR * low:
             break

@@ -33,21 +33,22 @@ def test_a_body_that_hangs_on_a_thread_is_refused_with_the_thread_s_place(monkey
 def test_a_crumpled_sheet_is_refused():
     ball = forms.ball(0.1, 2)
     noise = 0.01 * np.random.default_rng(3).standard_normal(ball.points.shape)
-    with pytest.raises(MeshError, match=r"its lowest mode changes by \d+ % with the last refinement: expected 5 %"):
+    with pytest.raises(
+        MeshError, match=r"its lowest mode changes by \d+ % with the last refinement: expected (5|10) %"
+    ):
         model_of(ball.points + noise, ball.faces, STEEL, Wanted(3e-4, modes=6, points=60))
 
 
 @pytest.mark.parametrize(
-    ("changes", "finer", "said"),
-    [((0.04,), 1, ""), ((0.2, 0.02), 0.8, "finer cells"), ((0.2, 0.15), 0.96, "finer cells"),
-     ((0.2, 0.15), 0.9, "15 %"), ((0.6,), 1, "60 %")],
-    ids=["settled", "settled by finer cells", "both alike", "not by these either", "hopeless"],
-)  # fmt: skip
-def test_finer_cells_are_tried_where_they_may_settle_the_lowest_mode(changes, finer, said):
+    ("changes", "said"),
+    [((0.04,), ""), ((0.2, 0.08), "finer cells"), ((0.2, 0.15), "15 %"), ((0.6,), "60 %")],
+    ids=["settled", "settled by finer cells", "not by these either", "hopeless"],
+)
+def test_finer_cells_are_tried_where_they_may_settle_the_lowest_mode(changes, said):
     tried = []
 
     def solved(fine):
-        frequency = np.r_[np.zeros(6), 100.0, 200.0] * (finer if fine else 1)
+        frequency = np.r_[np.zeros(6), 100.0, 200.0]
         tried.append(fine)
         change = changes[len(tried) - 1]
         return SimpleNamespace(frequency=frequency, coarse=frequency * (1 + change)), "cells", ("a solid",)
