@@ -116,8 +116,10 @@ def _matrix(document: Document, node: Mapping[str, Any]) -> Array:
         raise document.error(f"a node's place: expected numbers ({error})") from None
 
 
-def _primitive(document: Document, primitive: Mapping[str, Any]) -> tuple[Numbers, Indices] | None:
+def _primitive(document: Document, primitive: Any) -> tuple[Numbers, Indices] | None:
     """Return the points (n, 3) of a primitive, and the corners (m,) of its triangles; None if it has none."""
+    if not isinstance(primitive, Mapping):
+        raise document.error(f"a primitive {str(primitive)[:40]!r}: expected an object in an array")
     mode = primitive.get("mode", _TRIANGLES)
     attributes = primitive.get("attributes", {})
     if mode not in (_TRIANGLES, _STRIP, _FAN) or "POSITION" not in attributes:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..dsp.mesh.parts import Division
 
 FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
-EDITION = "23"
+EDITION = "24"
 """Edition of the computation: tables of another one are made anew."""
 
 _POINTER = b"version https://git-lfs"
@@ -102,7 +102,8 @@ def _read(path: Path, scale: float | None) -> Triangles:
     except MeshError:
         raise
     except (ValueError, TypeError, KeyError, AttributeError, IndexError, OverflowError, MemoryError) as error:
-        why = f"{type(error).__name__}: {error}"
+        wrong = isinstance(error, TypeError | KeyError | AttributeError | IndexError)
+        why = "a value is missing or of another type" if wrong else f"{type(error).__name__}: {error}"
         raise MeshError(f"{path}: not a mesh that can be read: expected a whole {suffix} file ({why})") from None
     if not len(found.faces):
         raise MeshError(f"{path}: no triangles: expected a surface")

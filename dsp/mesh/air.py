@@ -187,7 +187,7 @@ def radiation(layer: Layer, motion: Array, frequency: Array) -> Radiation:
     Above some 2.5 points a wavelength each area radiates for itself, and between the two the powers are blended.
     """
     static = _static(layer)
-    resistance, mass = np.empty(len(frequency)), np.zeros(len(frequency))
+    resistance, mass = np.zeros((2, len(frequency)))
     sides = 1 if layer.closed else 2
     flat = IMPEDANCE * sides * (layer.areas @ motion**2)
     limit = SPEED / (_WAVE * float(np.sqrt(np.median(layer.areas))))
@@ -195,7 +195,7 @@ def radiation(layer: Layer, motion: Array, frequency: Array) -> Radiation:
     while begin < len(frequency):
         end = int(np.searchsorted(frequency, frequency[begin] * (1 + _GROUP), side="right"))
         middle = float(np.sqrt(frequency[begin] * frequency[end - 1]))
-        if middle < limit:
+        if frequency[begin] < limit:
             group = slice(begin, end)
             resistance[group], mass[group] = _solved(layer, static, motion[:, group], middle, frequency[group])
         begin = end

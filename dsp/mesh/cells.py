@@ -28,6 +28,9 @@ _LEAST_FILLED = 1e-3  # of a cell
 _AGREED = 0.02  # of the volume, by triangles and by rays: within that the triangles' counts
 _NOWHERE = np.zeros(0, np.int64)
 _SHIFT = 0.02  # of a wave's frequency along the body
+_COARSE = 10  # modes of one degree less beyond rigid motions, of which each loose part has six
+_LOCKED = 2  # the degree at and below which cells are too stiff to tell anything
+_RIGID = 1e-3  # of the highest frequency: below lie rigid motions
 
 
 def solve(parts: Parts, size: Sizes, degree: int, count: int) -> Solution:
@@ -38,13 +41,15 @@ def solve(parts: Parts, size: Sizes, degree: int, count: int) -> Solution:
     if not size.told or len(grids) == 1:
         pieces, inside = _in_pieces(turned, grids[-1], _inside(turned, grids[-1], degree))
         where = _NOWHERE if size.told else hollow(whole, grids[-1]) if size.edges else None
-        return of_points(inside, pieces, parts.materials, degree, count, where)
+        return _with_coarse(inside, pieces, parts.materials, degree, count, where)
     coarse = _inside(turned, grids[-2], degree)
     fine = _inside(turned, grids[-1], degree, coarse)
     found = []
     for grid, met in ((grids[-2], coarse), (grids[-1], fine)):
         pieces, inside = _in_pieces(turned, grid, met)
-        if grid is grids[-1] or not pieces.gaps:  # how far a gap goes in the cell that it ends in is chance
+        if grid is grids[-1]:
+            found.append(_with_coarse(inside, pieces, parts.materials, degree, count, _NOWHERE))
+        elif not pieces.gaps:  # how far a gap goes in the cell that it ends in is chance
             found.append(of_points(inside, pieces, parts.materials, degree, count, _NOWHERE))
     if len(found) == 1:
         return found[0]
@@ -80,7 +85,29 @@ def solve_sheet(parts: Parts, wall: float, size: Sizes, degree: int, count: int)
     turned = [Surface(each.points @ TILT.T, each.faces) for each in parts.surfaces]
     grid = grid_about(together(*turned), size.side, size.rays, wall)
     inside = [of_sheet(each, wall, grid, degree) for each in turned]
-    return of_points(inside, undivided(grid), parts.materials, degree, count)
+    return _with_coarse(inside, undivided(grid), parts.materials, degree, count)
+
+
+def _with_coarse(
+    inside: list[Quadrature],
+    pieces: Pieces,
+    materials: tuple[Material, ...],
+    degree: int,
+    count: int,
+    yielding: Indices | None = None,
+) -> Solution:
+    """Return the modes that `of_points` does, with the lowest frequencies by polynomials of one degree less."""
+    found = of_points(inside, pieces, materials, degree, count, yielding)
+    if degree - 1 <= _LOCKED:
+        return found
+    rigid = _first_bent(found.frequency)
+    coarse = of_points(inside, pieces, materials, degree - 1, rigid + _COARSE, yielding)
+    return found._replace(coarse=coarse.frequency)
+
+
+def _first_bent(frequency: Array) -> int:
+    """Return the number of the lowest of frequencies (n,) that is no rigid motion's."""
+    return int(np.argmax(frequency > _RIGID * frequency[-1]))
 
 
 def of_points(
@@ -113,7 +140,7 @@ def of_points(
         at_edges = np.isin(grid.number(mesh.corners + mesh.sides[:, None] / 2), yielding)
         laws = [AT_EDGES if each else None for each in at_edges]
     stiffness, mass, shares = matrices(mesh, points, [each.full for each in inside], materials, laws)
-    elements = Elements(mesh.nodes, mesh.corners + mesh.sides[:, None] / 2, 3, mesh.size)
+    elements = Elements(mesh.nodes, mesh.corners + mesh.sides[:, None] / 2, 3, mesh.size, TILT)
     length = float(((mesh.corners + mesh.sides[:, None]).max(axis=0) - mesh.corners.min(axis=0)).max())
     speed = max(np.sqrt(each.youngs_modulus / each.density) for each in materials)
     shift = (2 * np.pi * _SHIFT * speed / length) ** 2
@@ -128,7 +155,12 @@ def of_points(
         energy = energies(mesh, shares, vectors, len(materials))
     leaks = max(each.leaks for each in inside)
     frequency, within = np.sqrt(np.maximum(values, 0)) / (2 * np.pi), _within(mesh, points)
-    return Solution(frequency, displacement, mesh, total, float(volume.sum()), leaks, energy, mass, within)
+    first = vectors[:, _first_bent(frequency)].reshape(mesh.size, 3)
+    each = first[mesh.nodes].reshape(len(mesh.nodes), -1)
+    bent = np.einsum("ei,eij,ej->e", each, stiffness, each, optimize=True) / mass.sum(axis=(1, 2))
+    weakest = within[int(bent.argmax())] @ TILT
+    met = float(volume.sum())
+    return Solution(frequency, displacement, mesh, total, met, leaks, energy, mass, within, weakest=weakest)
 
 
 def _within(mesh: Mesh, points: Points) -> Array:

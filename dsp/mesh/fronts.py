@@ -22,12 +22,14 @@ _ASIDE = 0.1  # of the elements: how far from the middle a cut may lie
 
 
 class Elements(NamedTuple):
-    """Finite elements: nodes (e, a) of each, their middles (e, 3), unknowns for each node, and nodes in all."""
+    """Finite elements: nodes (e, a) of each, their middles (e, 3), unknowns for each node, and nodes in all. frame (3,
+    3): middles times it are places of the body."""
 
     nodes: Indices
     middles: Array
     unknowns: int
     size: int
+    frame: Array = np.eye(3)
 
 
 class Front(NamedTuple):
@@ -163,7 +165,8 @@ class Factor:
         own, matrix = count * unknowns, whole.matrix
         diagonal, info = dpotrf(matrix[:own, :own], lower=1, clean=0)
         if info:
-            x, y, z = self._elements.middles.mean(axis=0)
+            at_node = self._place[self._elements.nodes] == part.begin + (info - 1) // unknowns
+            x, y, z = self._elements.middles[at_node.any(axis=1)].mean(axis=0) @ self._elements.frame
             place = f"a part about ({x:.3g}, {y:.3g}, {z:.3g}) m"
             raise MeshError(f"{place} is too thin for its cells: give its wall (m); or it is loose: join it")
         begin, end, rest = part.begin * unknowns, part.end * unknowns, whole.nodes[count:]

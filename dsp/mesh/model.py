@@ -15,7 +15,7 @@ from .forms import together
 from .grids import TILT
 from .parts import Division, Parts, exposed, joined, outside
 from .points import curvature, sampled
-from .refining import refined
+from .refining import SLIVER, refined
 from .rounding import quartered
 from .skin import Skin, skin_of
 from .surface import Indices, MeshError, Surface, faces_of, size_of, volume_of
@@ -42,6 +42,12 @@ _PER_POINT = 16  # samples
 _LEAKS = 0.05  # share of rays; with more frequencies were 10 % off those of finer cells, and radiation had no bound
 _MOST_RADIATED = 10.0  # of a piston's: bodies at their loudest reach some 2 to 3
 _MET = 0.05  # of the volume
+_SETTLED, _SETTLED_FINE = 0.05, 0.1
+"""Of the lowest frequency: the most that the last step of refinement may change it, and of finer cells. That is 1 % at
+most of bodies as people make them (`tests.bench.meshes`), and 20 to 400 % where cells hold parts together that hang on
+a thread."""
+_HOPELESS = 0.5  # of it: more is not settled by finer cells either
+_SLIVERS = 0.05  # of a shell's area: its mass would be as far off
 _PLACES = 20_000  # in the box about a body
 _DIGITS = 12  # to which proportions are alike
 _MOST_UNITS = 16
@@ -192,8 +198,8 @@ Solved = Callable[[bool], tuple[Solution, str, tuple[str, ...]]]
 def _made(body: _Body, wanted: Wanted, say: Say, notes: tuple[str, ...], solved: Solved) -> Model:
     """Return the model of a body whose modes are solved so."""
     say("modes", 0.1)
-    solution, method, told = solved(wanted.fine)
     least = _least(body)
+    (solution, method, told), wanted = _settled(solved, wanted, least, say)
     keep = _elastic(solution.frequency, wanted.modes, least)
     frequency = solution.frequency[keep]
     error = _errors(solved, wanted, frequency, least, say)
@@ -214,6 +220,41 @@ def _made(body: _Body, wanted: Wanted, say: Say, notes: tuple[str, ...], solved:
         notes=(*notes, *told),
         energy=solution.energy[:, keep][:, order],
     )
+
+
+def _settled(
+    solved: Solved, wanted: Wanted, least: float, say: Say
+) -> tuple[tuple[Solution, str, tuple[str, ...]], Wanted]:
+    """Return the modes of a body, and what was wanted, of finer cells if the lowest mode asks for them; MeshError if it
+    changes with these, too. least (Hz): no mode is lower."""
+    found = solved(wanted.fine)
+    change = _change(found[0], wanted, least)
+    most = _SETTLED_FINE if wanted.fine else _SETTLED
+    if change <= most:
+        return found, wanted
+    if not wanted.fine and change <= _HOPELESS:
+        say("modes by finer cells", 0.2)
+        before, found, wanted, most = change, solved(True), wanted._replace(fine=True), _SETTLED_FINE
+        change = _change(found[0], wanted, least)
+        if change <= most:
+            said = f"finer cells, as its lowest mode changes by {100 * before:.0f} % with the last refinement of others"
+            return (found[0], found[1], (said, *found[2])), wanted
+    weakest = getattr(found[0], "weakest", None)
+    place = "" if weakest is None else "; look at ({:.3g}, {:.3g}, {:.3g}) m".format(*weakest)
+    raise MeshError(
+        f"its lowest mode changes by {100 * change:,.0f} % with the last refinement: expected {100 * most:g} % at "
+        f"most, of a body that does not hang on a thread or a fold{place}"
+    )
+
+
+def _change(solution: Solution, wanted: Wanted, least: float) -> float:
+    """Return by how much of it the last refinement changed the lowest frequency; 0 where that is not known."""
+    if isinstance(solution, blocks.Solution):
+        return 0.0
+    number = int(_elastic(solution.frequency, wanted.modes, least)[0])
+    if number >= len(solution.coarse):
+        return 0.0
+    return abs(float(solution.coarse[number] / solution.frequency[number]) - 1)
 
 
 def _body(points: Array, faces: Indices, made_of: Material | Division, wanted: Wanted) -> tuple[_Body, tuple[str, ...]]:
@@ -282,6 +323,12 @@ def _solution(body: _Body, wanted: Wanted, fine: bool) -> tuple[Solution, str, t
     if len(parts.materials) > 1:
         raise MeshError(f"wall = {wanted.wall:g}: expected one material in so thin walls, or solids")
     fit, twice = _triangles(surface, fine)
+    lost = 1 - float(faces_of(fit).areas.sum() / faces_of(surface).areas.sum())
+    if lost > _SLIVERS:
+        raise MeshError(
+            f"{100 * lost:.2g} % of its surface is slivers: expected triangles at least {SLIVER:g} of their side wide;"
+            " mesh it anew"
+        )
     made = (shells.solve_twice if twice else shells.solve)(fit, wanted.wall, parts.materials[0], count)
     text = f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(made.surface.faces)} triangles"
     return made, "shells", (text, *_loose(made.surface.faces))

@@ -10,8 +10,9 @@ from .cleaning import edges_of
 from .rounding import middles_of
 from .surface import Indices, Surface, faces_of
 
+SLIVER = 1e-3
+"""Of a side squared: a triangle of less area is a sliver."""
 _MOST_SPLIT = 4  # times the triangles wanted: long thin ones are not split beyond
-_SLIVER = 1e-3  # of a side squared: a triangle's area
 _ROUNDS = 24
 
 
@@ -23,7 +24,7 @@ def refined(surface: Surface, count: int, most: int | None = None) -> Surface:
     points, faces = divided(surface, longest, bound if most is None else min(bound, most), middles_of)
     corners = points[faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    faces = faces[area > _SLIVER * ((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=2).max(axis=1)]
+    faces = faces[area > SLIVER * ((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=2).max(axis=1)]
     used = np.unique(faces)
     return Surface(points[used], np.searchsorted(used, faces))
 

@@ -30,13 +30,15 @@ _SHIFT = 0.1  # of a wave's frequency along the body, times the wall over its le
 
 class Solution(NamedTuple):
     """Modes of a shell: frequencies (n,) in Hz, displacements (points, 3, n) in kg^-1/2 at the corners, mass in kg.
-    sheared (n,): by how much of them they are too high at most, for want of shear."""
+    sheared (n,): by how much of them they are too high at most, for want of shear. coarse (k,): the lowest frequencies
+    by triangles of twice the side, if they are known."""
 
     frequency: Array
     displacement: Array
     surface: Surface
     mass: float
     sheared: Array
+    coarse: Array = np.zeros(0)
 
     @property
     def energy(self) -> Array:
@@ -96,7 +98,8 @@ def solve_twice(surface: Surface, wall: float, material: Material, count: int) -
     masses = material.density * wall * np.bincount(surface.faces.ravel(), areas, len(surface.points))
     there = fine.displacement[: len(masses)]
     shares = np.tensordot(masses[:, None, None] * coarse.displacement, there, ((0, 1), (0, 1))) ** 2
-    return fine._replace(frequency=fine.frequency - changes(coarse.frequency, fine.frequency, shares) / 3)
+    frequency = fine.frequency - changes(coarse.frequency, fine.frequency, shares) / 3
+    return fine._replace(frequency=frequency, coarse=coarse.frequency)
 
 
 def _between(surface: Surface, vectors: Array) -> Array:

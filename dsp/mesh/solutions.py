@@ -13,7 +13,9 @@ from .polynomials import cube_of, lobatto, products
 class Solution(NamedTuple):
     """Modes on cells: frequencies (n,) in Hz and displacements (nodes, 3, n) of unit modal mass, the cells, the body's
     mass (kg) and volume (m^3), the share of rays that met a gap, the share (materials, n) of each material in the
-    energy that bends the body, and the cells' masses (e, m, m). inside (e, 3): a place of the body in each."""
+    energy that bends the body, and the cells' masses (e, m, m). inside (e, 3): a place of the body in each. coarse
+    (k,): the lowest frequencies by polynomials of one degree less, if they are known; weakest (3,): the place of the
+    body that the lowest mode bends most."""
 
     frequency: Array
     displacement: Array
@@ -24,6 +26,8 @@ class Solution(NamedTuple):
     energy: Array
     masses: Array
     inside: Array
+    coarse: Array = np.zeros(0)
+    weakest: Array | None = None
 
     def at(self, points: Array) -> Array:
         """Return the shapes (points, 3, n) in kg^-1/2 at points of the body (points, 3)."""

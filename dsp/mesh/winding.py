@@ -12,9 +12,10 @@ from ..bodies.material import Array
 from .points import sampled
 from .surface import Flags, Indices, Surface, faces_of, size_of
 
-_TOGETHER = 32  # triangles that may count as one
-_FAR = 2.5  # of their radius: beyond, they do
-_CHUNK = 500_000  # pairs of triangles and places at a time
+_TOGETHER = 8  # triangles, about, that are not parted
+_FAR = 2.5  # of their radius: beyond, triangles count as one
+_AT_ONCE = 600  # places
+_CHUNK = 16_000  # pairs of triangles and places at a time, near the processor
 _STEP = 1e-5  # of the size: how far from a face its sides are looked at
 _OFF = 0.2  # of the radius of a triangle's inner circle: no farther than that
 _FLAT = 1e-10  # of the size squared: a face of less area has no distinct sides
@@ -22,69 +23,82 @@ _FEW = 6_000  # faces that are all looked at; of more, samples show first whethe
 _SAMPLES = 4_000
 
 
+class _Halves(NamedTuple):
+    """Triangles that lie together, n times as many as a level above: where the run of each in the tree's order begins
+    and how long it is, its middle and dipole (n, 3), and the radius of the ball that holds it."""
+
+    begin: Indices
+    size: Indices
+    middle: Array
+    dipole: Array
+    radius: Array
+
+
 def windings(surface: Surface, places: Array) -> Array:
     """Return how often a surface goes round each place (n, 3): 1 inside a closed body, 0 outside of it."""
-    groups = _groups(surface)
-    faces = faces_of(surface)
-    corners = surface.points[surface.faces]
-    size = np.array([len(each) for each in groups])
-    begin = np.cumsum(size) - size
-    order = np.concatenate(groups)
-    middle = np.add.reduceat(corners.mean(axis=1)[order], begin) / size[:, None]
-    dipole = np.add.reduceat((faces.normals * faces.areas[:, None])[order], begin)
-    own = np.repeat(np.arange(len(groups)), size)
-    radius = np.maximum.reduceat(np.linalg.norm(corners[order] - middle[own, None], axis=2).max(axis=1), begin)
-    corners = corners[order]
+    order, levels = _tree(surface)
+    corners = surface.points[surface.faces][order]
     found = np.empty(len(places))
-    step = max(1, _CHUNK // len(groups))
-    for first in range(0, len(places), step):
-        here = places[first : first + step]
-        away = middle[None] - here[:, None]
-        distance = np.linalg.norm(away, axis=2)
-        far = distance > _FAR * radius
-        each = np.einsum("ngk,gk->ng", away, dipole) / np.maximum(distance, 1e-300) ** 3
-        total = np.where(far, each, 0.0).sum(axis=1)
-        row, group = np.nonzero(~far)
-        total += _exact(corners, here, row, begin[group], size[group])
-        found[first : first + step] = total / (4 * np.pi)
+    for first in range(0, len(places), _AT_ONCE):
+        here = places[first : first + _AT_ONCE]
+        total, row, node = np.zeros(len(here)), np.arange(len(here)), np.zeros(len(here), np.int64)
+        for number, level in enumerate(levels):
+            away = level.middle[node] - here[row]
+            distance = np.sqrt(np.einsum("ij,ij->i", away, away))
+            far = distance > _FAR * level.radius[node]
+            each = np.einsum("ij,ij->i", away[far], level.dipole[node[far]]) / distance[far] ** 3
+            total += np.bincount(row[far], each, len(here))
+            row, node = row[~far], node[~far]
+            if number < len(levels) - 1:
+                row, node = np.repeat(row, 2), np.repeat(2 * node, 2)
+                node[1::2] += 1
+        total += _exact(corners, here, row, levels[-1].begin[node], levels[-1].size[node])
+        found[first : first + _AT_ONCE] = total / (4 * np.pi)
     return found
 
 
 def _exact(corners: Array, places: Array, row: Indices, begin: Indices, size: Indices) -> Array:
     """Return the solid angles (n,) of triangles at places (n, 3): of runs of triangles at each of some rows."""
-    total = np.zeros(len(places))
-    ends = np.cumsum(size)
-    at = 0
+    total, ends, at = np.zeros(len(places)), np.cumsum(size), 0
+    flat, where = np.ascontiguousarray(corners.reshape(-1, 9).T), np.ascontiguousarray(places.T)
     while at < len(row):
         until = max(at + 1, int(np.searchsorted(ends, (ends[at - 1] if at else 0) + _CHUNK, side="right")))
         count = size[at:until]
         rows = np.repeat(row[at:until], count)
         number = np.arange(len(rows)) + np.repeat(begin[at:until] - (np.cumsum(count) - count), count)
-        a, b, c = (corners[number] - places[rows, None]).transpose(1, 0, 2)
-        x, y, z = (np.sqrt(np.einsum("ij,ij->i", each, each)) for each in (a, b, c))
-        over = np.einsum("ij,ij->i", a, np.cross(b, c))
-        under = x * y * z
-        for one, other, length in ((a, b, z), (b, c, x), (c, a, y)):
-            under += np.einsum("ij,ij->i", one, other) * length
+        px, py, pz = (each[rows] for each in where)
+        ax, ay, az, bx, by, bz, cx, cy, cz = (
+            each[number] - place for each, place in zip(flat, (px, py, pz) * 3, strict=True)
+        )
+        x, y, z = (np.sqrt(u * u + v * v + w * w) for u, v, w in ((ax, ay, az), (bx, by, bz), (cx, cy, cz)))
+        over = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+        under = x * y * z + (ax * bx + ay * by + az * bz) * z
+        under += (bx * cx + by * cy + bz * cz) * x + (cx * ax + cy * ay + cz * az) * y
         total += np.bincount(rows, 2 * np.arctan2(over, under), len(places))
         at = until
     return total
 
 
-def _groups(surface: Surface) -> list[Indices]:
-    """Return the numbers of faces that lie together, a few in each group."""
-    middle = surface.points[surface.faces].mean(axis=1)
-    left, found = [np.arange(len(middle))], []
-    while left:
-        some = left.pop()
-        if len(some) <= _TOGETHER:
-            found.append(some)
-            continue
-        axis = int(np.argmax(np.ptp(middle[some], axis=0)))
-        half = len(some) // 2
-        parted = some[np.argpartition(middle[some, axis], half)]
-        left += [parted[:half], parted[half:]]
-    return found
+def _tree(surface: Surface) -> tuple[Indices, list[_Halves]]:
+    """Return an order of a surface's faces in which those that lie together are runs, and these runs: all faces, halves
+    of them, halves of these, and so on."""
+    faces, corners = faces_of(surface), surface.points[surface.faces]
+    middles, order = corners.mean(axis=1), np.arange(len(corners))
+    begin, levels = np.zeros(1, np.int64), []
+    while True:
+        size = np.diff(np.r_[begin, len(order)])
+        areas = np.add.reduceat(faces.areas[order], begin)[:, None]
+        middle = np.add.reduceat((faces.areas[:, None] * middles)[order], begin) / np.maximum(areas, 1e-300)
+        dipole = np.add.reduceat((faces.normals * faces.areas[:, None])[order], begin)
+        apart = np.linalg.norm(corners[order] - np.repeat(middle, size, axis=0)[:, None], axis=2).max(axis=1)
+        levels.append(_Halves(begin, size, middle, dipole, np.maximum.reduceat(apart, begin)))
+        if size.min() < 2 * _TOGETHER:
+            return order, levels
+        for first, count in zip(begin.tolist(), size.tolist(), strict=True):
+            some = order[first : first + count]
+            axis = int(np.argmax(np.ptp(middles[some], axis=0)))
+            order[first : first + count] = some[np.argpartition(middles[some, axis], count // 2)]
+        begin = np.stack([begin, begin + size // 2], axis=1).ravel()
 
 
 class Sides(NamedTuple):

@@ -28,7 +28,8 @@ from carom.dsp.errors import CaromError
 from carom.dsp.mesh.surface import MeshError
 from carom.presets.meshes import FORMATS
 from carom.server.osc.wire import parse
-from tests.bench.meshes import of_folder, read_scaled
+from tests.bench import many_meshes
+from tests.bench.meshes import read_scaled
 
 PACKAGES = {
     "gymnasium-robotics": "source", "mutagen": "source", "soundfile": "source", "oscpy": "source",
@@ -37,6 +38,7 @@ PACKAGES = {
 """Packages and the form of them that has the files; scipy, trimesh and scikit-fem are among what tests need."""
 RECORDINGS = (".wav", ".flac", ".ogg", ".oga", ".mp3", ".m4a", ".aif", ".aiff", ".aifc", ".opus", ".au", ".caf", ".wma")
 _LONGEST = 60  # s for a file
+_MODELS = 300  # of a folder, by chance
 _SHORTEST = 4  # bytes of a packet
 
 
@@ -106,7 +108,7 @@ def study(folders: list[Path], models: bool) -> bool:
                 for packet in packets(file):
                     outcome(lambda packet=packet: parse(packet), kinds["packets of OSC"], f"{name}: {packet!r:.60}")
         if models:
-            of_folder(folder, 0)
+            many_meshes.main(["--folder", str(folder), "--count", str(_MODELS)])
     for kind, tally in kinds.items():
         print(f"{kind}: " + ", ".join(f"{count} {found}" for found, count in sorted(tally.items())))
     return not any(tally["A FAULT"] for tally in kinds.values())

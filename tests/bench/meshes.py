@@ -2,20 +2,16 @@
 
     python -m tests.bench.meshes                    # both
     python -m tests.bench.meshes --only accuracy --json tests/measured/meshes.json
-    python -m tests.bench.meshes --only broken --count 200
-    python -m tests.bench.meshes --folder site-packages/gymnasium_robotics
+    python -m tests.bench.meshes --only broken --count 200      # as tests.bench.many_meshes does
 
 Accuracy: the 20 lowest frequencies beside those of an independent solution, and how much the last refinement changed
 it: of boxes and bodies of revolution by polynomials of high degree (`elastic`), of a lump, a mug and a wrench by
 hexahedra of degree 4 that fill them, curved with them and short at inner edges; quadratic tetrahedra (scikit-fem) tell
-the lump's, too. Broken: meshes with faces that are missing, flipped, doubled, moved, cut, mirrored or not finite;
-each model is held against second routes: the places that its surface goes round, finer cells, a piston. Of a folder,
-all files of meshes in it and below, in m or mm.
+the lump's, too. Broken: meshes with faces that are missing, flipped, doubled, moved, cut, mirrored or not finite.
 """
 
 import argparse
 import json
-import resource
 import time
 from collections.abc import Callable
 from datetime import date
@@ -26,29 +22,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from carom.dsp.bodies.air import IMPEDANCE
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms
-from carom.dsp.mesh.cleaning import cleaned
 from carom.dsp.mesh.lanczos import lowest
-from carom.dsp.mesh.model import Model, Wanted, model_of
-from carom.dsp.mesh.surface import MeshError, Surface, faces_of
-from carom.dsp.mesh.winding import windings
+from carom.dsp.mesh.model import Wanted, model_of
+from carom.dsp.mesh.surface import MeshError, Surface
 from carom.dsp.numerics.blas import on_one_thread
-from carom.presets.meshes import FORMATS, read_mesh
+from carom.presets.meshes import read_mesh
 from tests.bench import elastic, hexahedra
 from tests.bench.machine import machine
 
 METAL = Material("metal", 7.85e7, 2e15, 0.29, 1.0, 0.0)
 """Steel that is 10,000 times as heavy and stiff: the air's mass does not count."""
 COUNT = 20
-_TOLD = 10  # meshes between two lines
-_LONG = 20.0  # s: what took so long is told
-_PLACES = 40_000  # in the box about a body
-_SAME = 0.05  # of the mass
-_ROUNDED = 0.1  # of the area of a shell
-_PISTON = 12.0  # times what areas radiate for themselves; the skin's are a few
-_LOWEST = 0.08  # of the lowest frequency
 Map = Callable[[np.ndarray], np.ndarray]
 
 
@@ -336,114 +322,6 @@ def broken(rng: np.random.Generator) -> tuple[Surface, float | None]:
     return Surface(points, faces), None if rng.random() < 0.6 else 10 ** rng.uniform(-4, -2)
 
 
-class Tally:
-    """A count of meshes: how many became models, how many sentences, and of how many the second routes disagree."""
-
-    def __init__(self, finer: int) -> None:
-        """finer: of so many models one is made of finer cells, too."""
-        self.tried, self.models, self.slowest, self.apart, self.finer, self.checked = 0, 0, 0.0, 0, finer, 0
-
-    def add(self, points: np.ndarray, faces: np.ndarray, wall: float | None) -> str:
-        """Make a model of a mesh; return the sentence that says why there is none, or nothing. What is neither ends
-        the program."""
-        begun, said = time.process_time(), ""
-        try:
-            model = model_of(points, faces, METAL, Wanted(wall, modes=10, points=60))
-            assert np.isfinite(model.frequency).all() and np.isfinite(model.shapes).all()
-            assert np.isfinite(model.resistance).all() and (model.resistance >= 0).all() and model.mass > 0
-            self.models += 1
-        except MeshError as error:
-            said = str(error)
-        self.tried += 1
-        self.slowest = max(self.slowest, time.process_time() - begun)
-        if not said:
-            found = disagreements(points, faces, wall, model)
-            if self.finer and self.models % self.finer == 0:
-                self.checked += 1
-                found += _finer(points, faces, wall, model)
-            self.apart += bool(found)
-            for each in found:
-                print(f"mesh {self.tried}, {len(faces):,} triangles, wall {wall}: {each}; {model.notes}", flush=True)
-        return said
-
-    def tell(self, of: str) -> None:
-        """Print it."""
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-        print(
-            f"{self.tried} {of} meshes: {self.models} models, {self.tried - self.models} sentences; {self.apart} "
-            f"models that a second route contradicts ({self.checked} by finer cells); {self.slowest:.1f} s at most; "
-            f"{memory:.2f} GB",
-            flush=True,
-        )
-
-
-def disagreements(points: np.ndarray, faces: np.ndarray, wall: float | None, model: Model) -> list[str]:
-    """Return how a model contradicts second routes: its mass the places that its surface goes round, or its wall and
-    area; what it radiates a piston's."""
-    surface, _ = cleaned(points, faces, wall is not None)
-    if wall is None:
-        low, high = surface.points.min(axis=0), surface.points.max(axis=0)
-        places = low + np.random.default_rng(1).random((_PLACES, 3)) * (high - low)
-        inside = float((windings(surface, places) > 0.5).mean())
-        volume = inside * float(np.prod(high - low))
-        within = 4 * float(np.sqrt(max(inside, 1 / _PLACES) / _PLACES)) * float(np.prod(high - low))
-    else:
-        area = float(faces_of(surface).areas.sum())
-        volume, within = wall * area, _ROUNDED * wall * area  # a shell lies on what is round
-    mass, found = METAL.density * volume, []
-    if abs(model.mass - mass) > _SAME * mass + METAL.density * within:
-        found.append(f"{model.mass:.4g} kg: expected {mass:.4g}")
-    along = np.einsum("pkn,pk->pn", model.shapes, model.normals)
-    most = _PISTON * IMPEDANCE * (model.areas @ along**2 + model.shapes.max() ** 2 * 1e-6 * model.areas.sum())
-    if (model.resistance > most).any():
-        found.append(f"radiates {float((model.resistance / most).max()) * _PISTON:.3g} times a piston's")
-    return found
-
-
-def _finer(points: np.ndarray, faces: np.ndarray, wall: float | None, model: Model) -> list[str]:
-    """Return how the lowest modes contradict those of finer cells: by more than a twelfth, and 1 %."""
-    try:
-        fine = model_of(points, faces, METAL, Wanted(wall, modes=10, fine=True, points=60))
-    except MeshError as error:
-        return [f"of finer cells: {error}"]
-    apart = abs(model.frequency[0] / fine.frequency[0] - 1)
-    return [f"{model.frequency[0]:.4g} Hz: of finer cells {fine.frequency[0]:.4g}"] if apart > _LOWEST else []
-
-
-def survive(count: int, seed: int, finer: int) -> None:
-    """Print what becomes of broken meshes, as it does; stop at one that is neither a model nor a sentence."""
-    rng, tally = np.random.default_rng(seed), Tally(finer)
-    for tried in range(1, count + 1):
-        surface, wall = broken(rng)
-        tally.add(*surface, wall)
-        if tried % _TOLD == 0 or tried == count:
-            tally.tell("broken")
-
-
-def of_folder(folder: Path, finer: int) -> None:
-    """Print what becomes of all meshes of a folder: as solids, else as sheets of 2 % of their size."""
-    tally, unread = Tally(finer), 0
-    for file in sorted(each for each in folder.rglob("*") if each.suffix.lower() in FORMATS):
-        begun = time.process_time()
-        try:
-            points, faces = read_scaled(file)
-        except MeshError as error:
-            unread += 1
-            print(f"{file.name}: {error}", flush=True)
-            continue
-        said = tally.add(points, faces, None)
-        if said:
-            wall = 0.02 * float(np.ptp(points[np.unique(faces)], axis=0).max())
-            again = tally.add(points, faces, wall)
-            print(f"{file.name}, {len(faces):,} triangles: {said}; as a sheet: {again or 'a model'}", flush=True)
-        if time.process_time() - begun > _LONG:
-            print(f"{file.name}, {len(faces):,} triangles: {time.process_time() - begun:.1f} s", flush=True)
-        if tally.tried % _TOLD == 0:
-            tally.tell("other people's")
-    tally.tell("other people's")
-    print(f"{unread} files that were not read, each with a sentence", flush=True)
-
-
 def read_scaled(file: Path) -> tuple[np.ndarray, np.ndarray]:
     """Return points (n, 3) in m and faces (m, 3) of a file in m, or in mm where that can't be."""
     try:
@@ -455,28 +333,23 @@ def read_scaled(file: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def main() -> None:
+    from tests.bench import many_meshes
+
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", choices=("accuracy", "broken"))
     parser.add_argument("--count", type=int, default=500, help="broken meshes (%(default)s)")
     parser.add_argument("--seed", type=int, default=7, help="of what is broken in them (%(default)s)")
-    parser.add_argument(
-        "--finer", type=int, default=8, help="of so many models one is made of finer cells, too; 0: none"
-    )
-    parser.add_argument("--folder", type=Path, help="a folder of meshes, of which alone is told")
     parser.add_argument("--body", default="", help="a part of the bodies' names")
     parser.add_argument("--fine", action="store_true", help="the finer models")
     parser.add_argument("--json", type=Path, metavar="FILE", help="keep how accurate models are")
     options = parser.parse_args()
     with on_one_thread():
-        if options.folder:
-            of_folder(options.folder, options.finer)
-            return
         if options.only != "broken":
             rows = accuracy(options.fine, options.body)
             if options.json:
                 keep(options.json, options.fine, rows)
-        if options.only != "accuracy":
-            survive(options.count, options.seed, options.finer)
+    if options.only != "accuracy":
+        many_meshes.main(["--broken", str(options.count), "--seed", str(options.seed)])
 
 
 if __name__ == "__main__":

@@ -271,6 +271,8 @@ def test_a_strip_and_a_node_that_mirrors_keep_faces_outward(tmp_path):
             {"nodes": [{"mesh": 0, "rotation": [0, 0, 0, 0]}]},
             "expected numbers .rotation = .* turns nothing",
         ),
+        ({"meshes": [{"primitives": {"mode": 4}}]}, "a primitive 'mode': expected an object in an array"),
+        ({"scenes": "first"}, r"scenes\[0\] = f: expected an object"),
         ({"buffers": [{"uri": "../a.bin"}]}, "a buffer in '../a.bin': expected a file in its folder"),
         ({"buffers": [{"uri": "b.bin"}]}, "its buffer b.bin: No such file"),
     ],

@@ -38,6 +38,16 @@ def test_a_spheres_modes_radiate_as_they_do_at_resonances_of_the_inside_too():
     assert np.abs(decibels(found, known)).max() < 0.6
 
 
+def test_a_mode_radiates_alike_beside_one_that_is_too_high_to_be_solved_for():
+    """Modes are solved for in groups, whose middle may lie above 2.5 points a wavelength, and the lowest below."""
+    layer, _ = layer_of(forms.ball(0.1, 3), "solid", 100)
+    limit = SPEED / (2.5 * np.sqrt(np.median(layer.areas)))
+    motion = np.stack([layer.normals[:, 2], layer.normals[:, 0]], axis=1)
+    alone = radiation(layer, motion[:, :1], np.array([0.985 * limit])).resistance
+    pair = radiation(layer, motion, np.array([0.985, 1.03]) * limit).resistance
+    assert pair[0] == pytest.approx(alone[0], rel=0.01)
+
+
 def test_a_disc_moves_its_air():
     """A thin disc that moves along its axis: a mass of 8/3 rho a^3, and the power of the dipole that this is."""
     radius = 0.1
