@@ -208,8 +208,8 @@ _ENGINE = (
     ),
     Verb(
         "/budget",
-        "bounds the cost of contacts that are coupled to modes. A score begins without bounds (0 0); a server "
-        "begins with 16 8192",
+        "bounds the cost of contacts that are coupled to modes. Default: no bounds (`0 0`) in scores, `16 8192` in "
+        "servers",
         (STEPS, ROOM),
     ),
     Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
@@ -220,7 +220,7 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns headroom, an automatic gain before the limiter, on or off; by default on in servers, off in scores",
+        "turns on or off headroom, an automatic gain before the limiter. Default: on in servers, off in scores",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(

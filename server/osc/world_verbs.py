@@ -44,8 +44,8 @@ TOUCHED = (
 WORLD = (
     Verb(
         BODY,
-        "makes a body of a simulation, and the object that rings for it. A box or plate takes three lengths, a sphere "
-        "a radius, a cylinder or capsule a radius and a length along z",
+        "makes a body of a simulation, and the object that rings for it. A box or plate takes three lengths; a sphere "
+        "takes a radius; a cylinder or capsule takes a radius and a length along z",
         (
             Word("name", "name of the body"),
             Either("shape", tuple(SIZES), "shape of the body"),
