@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..dsp.runtime.engine import Engine
 
-_FREE = 0.5
+_FREE = 0.1
 """s of a processor, beyond its own length, that a sound may take before anybody is warned: its first block may."""
 
 

@@ -27,8 +27,7 @@ MOST_CPU = 1.0
 the processor. The checked build takes more of all."""
 MOST_TOLD = 4.0
 """The same of a sound that says what it took: many blows a second on a plate that swells take 2."""
-_WARM = 0.1  # s of a processor that any sound may take
-_LONG = 2.0  # s of a sound that is played again, as it took much: what takes little longer than it lasts is not told
+_WARM = 0.1  # s of a processor that any sound may take: what takes more is told (server/costs.py)
 _MAKING = 30  # s of a processor for all that is made
 _PRESETS = Presets()
 
@@ -64,9 +63,6 @@ def tried(child: Child, messages: Sequence[Message], seconds: float) -> Tried:
     """Play messages in a process; a fault names the fewest of them that lead to it."""
     try:
         played = child.run(play, messages, seconds, cpu=_MAKING)
-        if _fault(played, seconds):
-            seconds = _LONG
-            played = child.run(play, messages, seconds, cpu=_MAKING)
     except Died as died:
         return Tried(faults=(_told(child, messages, seconds, str(died)),))
     fault = _fault(played, seconds)

@@ -55,5 +55,5 @@ def test_a_scene_that_takes_long_says_so_each_time(takes):
 
 
 def test_a_sound_that_takes_little_longer_than_it_lasts_is_not_told_of(takes):
-    takes(0.1)
+    takes(0.02)
     assert carom.render(SCORE, seconds=0.1).report.warnings == ()
