@@ -17,9 +17,9 @@ from ..native.typed import View
 from ..swarm.making import make_values
 from .admission import answer, judge_command
 from .copies import copy_modes
-from .signature import C_LONG, OUTPUT_UNDERFLOW, SIGNATURE
+from .signature import C_LONG, OUTPUT_UNDERFLOW, PACED, SIGNATURE
 
-_NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
+_DUE, _NOW, _HEARD = 0, 1, 2  # times, s: by PACED alone; then PortAudio's, of the callback and of its sound
 _LATELY = 0.1  # s
 _HOLE, _HOLE_UNTOLD = 50e6, 1e9
 """ns by which a callback comes late after a hole in the sound: where the device says that it ran dry, and where it does
@@ -38,10 +38,11 @@ def callback(_input: int, output: int, frames: int, times: int, flags: int, user
     underflow = flags & OUTPUT_UNDERFLOW != 0
     state.stats.underflows += underflow
     first = state.position - QUANTUM + state.output.consumed
-    if lock(state.clock, state.rate, entered, first, frames, underflow):
+    told: View[float] = carray(times, (3,), np.float64)
+    due = int(1e9 * told[_DUE]) if flags & PACED != 0 else entered
+    if lock(state.clock, state.rate, due, first, frames, underflow):
         look_again(state.queue, state.position)
         _count_hole(state, first, underflow)
-    told: View[float] = carray(times, (3,), np.float64)
     channels = state.output.channels + state.output.sensors
     process(state, carray(output, (frames, channels), np.float32), frames)
     restore_denormals(mode)

@@ -13,7 +13,7 @@ from ..native.atomics import load_acquire
 from ..native.jit import c_function, carray
 from ..native.system import call_back, monotonic_ns, pause_ns
 from ..native.typed import View, View2D
-from .signature import OUTPUT_UNDERFLOW
+from .signature import OUTPUT_UNDERFLOW, PACED
 
 _LONGEST_PAUSE = 20_000_000  # ns: the loop looks at least this often whether to stop
 _SLEPT = 1_000_000_000  # ns behind after which the machine is thought to have slept: no rush to catch up
@@ -25,8 +25,8 @@ def pace(
 ) -> None:
     """Compute blocks of so many frames as their time comes, while the int64 at `running` is not 0.
 
-    callback, state: addresses. rate: Hz. out: of float32 (frames, channels). times: of float64 (3,), in which the
-    callback reads them as PortAudio's.
+    callback, state: addresses. rate: Hz. out: of float32 (frames, channels). times: of float64 (3,), which the
+    callback reads.
     """
     goes_on: View[int] = carray(running, (1,), np.int64)
     clock: View[float] = carray(times, (3,), np.float64)
@@ -39,12 +39,13 @@ def pace(
         if due > now:
             pause_ns(min(due - now, _LONGEST_PAUSE))
             continue
-        flags = 0
+        flags = PACED
         if now - due > _SLEPT:
             started += now - due
-            flags = OUTPUT_UNDERFLOW
+            due = now
+            flags |= OUTPUT_UNDERFLOW
         done += frames
-        clock[1] = 1e-9 * now
+        clock[0], clock[1] = 1e-9 * due, 1e-9 * now
         clock[2] = 1e-9 * max(now, started + int(done * 1e9 / rate))  # a late block is heard at once, not in the past
         call_back(callback, block, frames, clock, flags, state)
 

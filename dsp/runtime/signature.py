@@ -10,3 +10,6 @@ C_LONG = 0xFFFFFFFF
 
 OUTPUT_UNDERFLOW = 4
 """The status flag that says that sound was missing before a block."""
+
+PACED = 1 << 16
+"""Our own status flag: the first of the times is the one of CLOCK_MONOTONIC (s) at which the block was due."""

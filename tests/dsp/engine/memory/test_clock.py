@@ -1,5 +1,6 @@
 """The clock: a steady time out of unsteady callbacks, and events at the sample that it says."""
 
+import ctypes
 from time import sleep
 
 import numpy as np
@@ -12,6 +13,7 @@ from carom.dsp.engine.memory.commands import Command, Handle, Kind
 from carom.dsp.engine.memory.state import QUANTUM, End
 from carom.dsp.native.system import clock_ns
 from carom.dsp.runtime.engine import NOW, Engine, Stamp
+from carom.dsp.runtime.signature import PACED, SIGNATURE
 from tests.dsp.engine.support import HARD, RATE, bell, gesture, panic, setting
 
 START = 10**15  # ns
@@ -60,6 +62,24 @@ def test_the_clock_begins_anew_after_a_gap_and_when_it_is_wrong():
     assert enter(clock[0], START + 170_000_000, 1440, False)  # too late to be believed
     assert enter(clock[0], START + 180_000_000, 1920, True)
     assert clock["time"][0] == 0 and clock["origin"][0] == START + 180_000_000 and clock["turn"][0, 0] % 2 == 0
+
+
+def test_a_block_that_was_held_up_does_not_move_a_clock_that_knows_when_it_was_due():
+    """As without a device: blocks of 10 ms that come in bursts, and up to a second late."""
+    engine = Engine(RATE)
+    frames, begin = 480, clock_ns() - 10**9
+    out, times = np.zeros((frames, 2), np.float32), np.zeros(3)
+    call = ctypes.CFUNCTYPE(*SIGNATURE)(engine.address)
+    for block in range(100):
+        times[0] = 1e-9 * begin + block * frames / RATE
+        if block % 10 == 0:
+            sleep(0.004)
+        call(None, out.ctypes.data, frames, times.ctypes.data, PACED, engine.pointer)
+    first = engine.stamp(begin)
+    for ahead in (0.3, 1.0, 1.7):
+        assert engine.stamp(begin + int(1e9 * ahead)) - first == pytest.approx(ahead * RATE, abs=0.01)
+    assert engine.measured_rate == pytest.approx(RATE, rel=1e-7)
+    assert engine.state["clock"][0]["begun"] == 1
 
 
 def nothing(when):
