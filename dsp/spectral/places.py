@@ -65,6 +65,20 @@ def give_place(spectral: Spectral, phase: Phase, b: int, mode: int, slots: View[
     phase.used[b] -= 1
     phase.modes -= 1
     spectral.modes -= 1
+    if phase.used[b] == 0:
+        # What comes next finds an empty bin as it was at first: the order of places is the order of a sum.
+        phase.count[b] = phase.free[b] = 0
+    if phase.modes == 0:
+        _begin_anew(phase)
+
+
+@kernel
+def _begin_anew(phase: Phase) -> None:
+    """Take the room back from all bins of a phase without modes."""
+    for b in range(BINS):
+        phase.count[b] = phase.room[b] = phase.used[b] = phase.free[b] = 0
+    phase.modes = phase.moved = 0
+    phase.top = phase.region
 
 
 @kernel
@@ -129,6 +143,8 @@ def _move(spectral: Spectral, phase: Phase, b: int, room: int, slots: View[int])
 @kernel
 def put_in_order(spectral: Spectral, budget: int, slots: View[int]) -> None:
     """Bring what has come out of order back into it, bin by bin: about `budget` modes at a time, in one phase."""
+    if spectral.moving > 0 and spectral.phases[spectral.moving - 1].modes == 0:
+        spectral.moving = 0
     if spectral.moving == 0:
         # Begin with the first phase that needs it: from now on it takes its room from the spare region.
         for p in range(len(spectral.phases)):
@@ -164,10 +180,8 @@ def empty_phase(spectral: Spectral, phase: Phase, slots: View[int]) -> None:
             mode = spectral.owner[place] - 1
             if mode >= 0:
                 slots[mode] = 0
-        phase.count[b] = phase.room[b] = phase.used[b] = phase.free[b] = 0
     spectral.modes -= phase.modes
-    phase.modes = phase.moved = 0
-    phase.top = phase.region
+    _begin_anew(phase)
     phase.sounds = 0
 
 

@@ -195,6 +195,8 @@ def _forget_ringer(state: State, obj: Object) -> None:
 def look(state: State) -> None:
     """Put modes in the bank to rest that nobody hears any more, object by object in turn."""
     looked = 0
+    if state.ringer_count == 0:
+        state.looked_at = state.to_look_at = 0
     state.to_look_at = min(state.to_look_at + _LOOKED, _LOOKED)
     while state.to_look_at > 0 and looked < state.ringer_count:
         state.looked_at = (state.looked_at + 1) % state.ringer_count

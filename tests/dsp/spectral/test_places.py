@@ -109,6 +109,32 @@ def test_a_phase_that_was_put_in_order_lies_so(spectral):
     check(spectral, np.zeros(MODES, int), bins, slots)
 
 
+@pytest.mark.slow
+def test_modes_lie_in_an_emptied_phase_as_in_a_new_one(spectral):
+    """The order of places is the order of a sum, and so of its rounding: it does not depend on what rang before."""
+    random = np.random.default_rng(3)
+    bins, phase, slots = random.integers(0, 40, 3_000), spectral["phases"][0], np.zeros(MODES, np.int32)
+
+    def lie(modes):
+        for mode in modes:
+            put(spectral, 0, bins[mode], mode, slots)
+        return [slots[mode] - phase["region"] * CHUNK for mode in modes], phase["top"] - phase["region"]
+
+    def leave(modes):
+        for mode in modes:
+            give_place(spectral, phase, bins[mode], mode, slots)
+
+    few = random.permutation(400)
+    new = lie(few)
+    for order in (few, few[::-1], random.permutation(few)):
+        leave(order)
+        lie(range(500, 3_000))
+        put_in_order(spectral, 500, slots)
+        leave(random.permutation(np.arange(500, 3_000)))
+        put_in_order(spectral, 500, slots)
+        assert lie(few) == new and spectral["moving"] == 0
+
+
 def test_a_phase_says_when_it_is_full(spectral):
     assert has_room(spectral["phases"][0], 4_096)
     spectral["phases"][0]["top"] += REGION // 2
