@@ -54,5 +54,5 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 COMMAND = Command(
-    "compare", "A.wav B.wav", "measure how far apart two sounds are, and draw it (needs carom[fit])", _options, _run
+    "compare", "A.wav B.wav", "measure how much two sounds differ, and picture both (needs carom[fit])", _options, _run
 )

@@ -65,4 +65,4 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("dataset", "RECIPE OUT", "render a data set with its ground truth from a recipe", _options, _run)
+COMMAND = Command("dataset", "RECIPE OUT", "from a recipe, render a data set with its ground truth", _options, _run)

@@ -104,7 +104,7 @@ def _told(given: str | None, question: str) -> str | None:
 COMMAND = Command(
     "fit",
     "RECORDING [RECORDING ...] OUT",
-    "make an object from recordings, and a page that compares the two (needs carom[fit])",
+    "make an object from recordings, and compare both on a page (needs carom[fit])",
     _options,
     _run,
 )

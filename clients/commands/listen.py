@@ -60,4 +60,4 @@ def _notified(server: Client, seconds: float) -> Iterator[Message]:
         server.send("/notify", 1)
 
 
-COMMAND = Command("listen", "", "print a running server's warnings, and the ends of gestures", _options, _run)
+COMMAND = Command("listen", "", "print a running server's warnings, and which gestures end", _options, _run)

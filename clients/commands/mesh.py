@@ -135,7 +135,7 @@ def _make(arguments: argparse.Namespace, material: str) -> int:
 COMMAND = Command(
     "mesh",
     "FILE [FOLDER]",
-    "make an object from a mesh and a material, and a page that shows its modes (needs carom[mesh])",
+    "make an object from a mesh and a material, and show its modes on a page (needs carom[mesh])",
     _options,
     _run,
 )

@@ -54,4 +54,4 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("strike", "PRESET [OUT]", "strike an object, and hear it or write it to a file", _options, _run)
+COMMAND = Command("strike", "PRESET [OUT]", "strike an object, and play the sound or write a file", _options, _run)

@@ -28,7 +28,7 @@ class Object(Protocol):
         """kg."""
 
 
-class Scene(Protocol):
+class Asked(Protocol):
     """The part of a session that questions read."""
 
     presets: Presets
@@ -43,7 +43,7 @@ class Scene(Protocol):
         """Return the ids of gestures that run, with the addresses that began them."""
 
 
-Answer = Callable[[Scene, Values], Iterable[Message]]
+Answer = Callable[[Asked, Values], Iterable[Message]]
 
 QUESTIONS: dict[str, tuple[Verb, Answer]] = {}
 """Each question about the scene with the function that answers it, by address."""
@@ -67,7 +67,7 @@ def _question(
     "`modes` adds `/object/NAME/get.modes`: first index, total, then each mode's frequency (Hz) and T60 (s)",
     optional=(Number("modes", 0, 4096, "", "number of modes to list", default=0, whole=True),),
 )
-def _object(scene: Scene, values: Values) -> Iterator[Message]:
+def _object(scene: Asked, values: Values) -> Iterator[Message]:
     target = values.words["NAME"]
     found = scene.objects_at(target)
     if not found:
@@ -96,13 +96,13 @@ def _object(scene: Scene, values: Values) -> Iterator[Message]:
 
 
 @_question("/objects", "answers with `/objects.reply FIRST TOTAL`, then pairs of name and preset")
-def _objects(scene: Scene, values: Values) -> Iterator[Message]:
+def _objects(scene: Asked, values: Values) -> Iterator[Message]:
     there = [(name, obj.preset.name) for name, obj in scene.objects_there().items()]
     yield from in_parts("/objects.reply", (), there)
 
 
 @_question("/gestures", "answers with `/gestures.reply FIRST TOTAL`, then pairs of id and address")
-def _gestures(scene: Scene, values: Values) -> Iterator[Message]:
+def _gestures(scene: Asked, values: Values) -> Iterator[Message]:
     yield from in_parts("/gestures.reply", (), scene.running())
 
 
@@ -111,7 +111,7 @@ def _gestures(scene: Scene, values: Values) -> Iterator[Message]:
     "answers with `/presets.reply KIND FIRST TOTAL`, then names",
     (Either("kind", ("objects", "strikers", "surfaces", "materials"), "kind of presets"),),
 )
-def _presets(scene: Scene, values: Values) -> Iterator[Message]:
+def _presets(scene: Asked, values: Values) -> Iterator[Message]:
     kind = values.words["kind"]
     yield from in_parts("/presets.reply", (kind,), [(name,) for name in scene.presets.names(kind)])
 

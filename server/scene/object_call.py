@@ -1,17 +1,18 @@
 """A message to one object: the object, what strikes it, and the id of the gesture that it starts."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain, islice
 
 from ...dsp.bodies.material import CONTACT_RADIUS
 from ...dsp.engine.memory.commands import Handle
-from ...dsp.schema import BY_RADIUS
+from ...dsp.schema import BY_RADIUS, GESTURES, VELOCITY
 from ...dsp.wording import MOST_COMPARED, there_are
+from ...presets import ObjectPreset
 from ...presets.kinds import STAND_IN
 from ..osc.addresses import Call
-from ..osc.arguments import Refused, Values, require_name, shown
+from ..osc.arguments import Refused, Values, Verb, require_name, shown
 from ..osc.patterns import is_pattern
 from ..osc.wire import Argument, Message
 from .gesture_ids import Begin
@@ -171,3 +172,31 @@ class ObjectCall:
         if "seed" not in self.values.numbers:
             self.chosen_keys["seed"] = number
         return self.values.numbers.get("seed", number)
+
+
+def completed(values: Values, verb: Verb | None, preset: ObjectPreset) -> Values:
+    """Return the values of a message; of a gesture's with those that the preset has for what it leaves out.
+
+    A message that says what strikes takes none of the preset's striker; the surface is the object's all the same.
+    Refused if neither says the gesture's first argument.
+    """
+    if verb is None or verb.action not in GESTURES or GESTURES[verb.action].what:
+        return values
+    usual, gesture = preset.gestures.get(verb.action), GESTURES[verb.action]
+    argument, words, defaults = gesture.argument.name, values.words, values.defaults
+    instead = values.numbers.get(gesture.instead)
+    if instead is not None and argument in values.numbers:
+        both = f"{argument} = {values.numbers[argument]:g}, {gesture.instead} = {instead:g}"
+        raise Refused(f"{both}: expected one of the two")
+    if not usual and argument == VELOCITY.name:
+        defaults = {**defaults, argument: preset.velocity}
+    if usual:
+        strikes = {"striker", "by"} & words.keys() or {"mass", "stiffness"} <= values.numbers.keys()
+        named = {"surface": usual.surface} if usual.surface else {}
+        words = {**named, **({} if strikes else {"striker": usual.striker}), **words}
+        defaults = {**defaults, **({argument: usual.numbers[argument]} if strikes else usual.numbers)}
+    if instead is not None:
+        defaults = {**defaults, argument: 0.0}
+    elif argument not in values.numbers and argument not in defaults:
+        raise Refused(f"{argument} is missing, and {preset.name} has none: expected {verb.usage()}")
+    return replace(values, words=words, defaults=defaults)

@@ -52,7 +52,7 @@ from .limits import (
 from .macros import MACRO_HANDLERS, as_turned, begin, heard_as, keep, messages_of, pressed
 from .makeup import Played, argument_of, mixed, places_of, velocity_of
 from .notes import copy_of, speed_of, tuned
-from .object_call import ObjectCall
+from .object_call import ObjectCall, completed
 from .objects import RETUNED, PlayedObject, Turn
 from .placing import SPACE_HANDLERS, place_object
 from .resting import cover, rest, stand
@@ -62,7 +62,6 @@ from .steering import CHANGE_WORK, steer
 from .touching import gathered, given_of, place_values
 from .transaction import Sent, Transaction, is_off_path
 from .turned import recall, time_of
-from .usual import completed
 from .world_messages import world_handlers
 
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
