@@ -454,7 +454,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[ImpactKeys],
     ) -> None:
-        """Begin a gesture that strikes the object once; with `by`, another object strikes, and both ring."""
+        """Begin a gesture that strikes the object once; the key `by` lets another object strike, and both ring."""
 
     def bounce(
         self,
@@ -464,7 +464,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[BounceKeys],
     ) -> None:
-        """Begin a gesture that drops or throws the striker on the object, where it bounces until it lies still."""
+        """Begin a gesture that drops or throws the striker onto the object; it bounces until it lies still."""
 
     def roll(
         self,
@@ -474,8 +474,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0. If roll `id` (default NAME)
-        is running, it is steered."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0. A message whose `id`
+        (default: NAME) is a running roll steers that."""
 
     def press(
         self,
@@ -485,7 +485,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[PressKeys],
     ) -> None:
-        """Begin a gesture that presses the striker, such as a hand, on the object until stopped."""
+        """Begin a gesture that presses the striker, such as a hand, against the object until `/stop`."""
 
     def spin(
         self,
@@ -495,7 +495,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SpinKeys],
     ) -> None:
-        """Begin a gesture that lets a coin, a lid or a ring spin down on the object, ever faster and fainter."""
+        """Begin a gesture that lets a coin, a lid or a ring spin down on the object, rattling ever faster and
+        fainter."""
 
     def slide(
         self,
@@ -505,8 +506,8 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until the speed is 0. If slide `id` (default NAME)
-        is running, it is steered."""
+        """Begin a gesture that drags the striker over the object until the speed is 0. A message whose `id`
+        (default: NAME) is a running slide steers that."""
 
     def rest(
         self,
@@ -516,7 +517,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another object or a support until stopped; objects in contact
+        """Begin a gesture that lays the object on another object or a support until `/stop`; objects in contact
         ring for less time."""
 
     def rain(
@@ -527,7 +528,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[RainKeys],
     ) -> None:
-        """Begin a gesture that lets drops fall on the object until stopped."""
+        """Begin a gesture that lets drops fall on the object until `/stop`."""
 
     def shake(
         self,
@@ -538,7 +539,7 @@ class Gestures:
         **keys: Unpack[ShakeKeys],
     ) -> None:
         """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times until
-        stopped."""
+        `/stop`."""
 
     def crumple(
         self,
@@ -548,7 +549,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[CrumpleKeys],
     ) -> None:
-        """Begin a gesture that crushes the object until stopped; each crackle is a blow of the striker."""
+        """Begin a gesture that crushes the object, which crackles by blows of the striker, until `/stop`."""
 
     def pour(
         self,
@@ -558,7 +559,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[PourKeys],
     ) -> None:
-        """Begin a gesture that pours many copies of the striker, such as rice, on the object until stopped."""
+        """Begin a gesture that pours many copies of the striker, such as rice, onto the object until `/stop`."""
 
     def step(
         self,
@@ -568,7 +569,7 @@ class Gestures:
         at: SupportsFloat | None = None,
         **keys: Unpack[StepKeys],
     ) -> None:
-        """Begin a gesture that treads on the object once, from heel to toe; each crackle is a blow of the striker."""
+        """Begin a gesture that treads on the object once, from heel to toe; it crackles by blows of the striker."""
 
     def shatter(
         self,
@@ -591,7 +592,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[ImpactKeys],
     ) -> None:
-        """Begin a gesture that strikes the object once; with `by`, another object strikes, and both ring."""
+        """Begin a gesture that strikes the object once; the key `by` lets another object strike, and both ring."""
 
     def bounce(
         self,
@@ -600,7 +601,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[BounceKeys],
     ) -> None:
-        """Begin a gesture that drops or throws the striker on the object, where it bounces until it lies still."""
+        """Begin a gesture that drops or throws the striker onto the object; it bounces until it lies still."""
 
     def roll(
         self,
@@ -609,8 +610,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RollKeys],
     ) -> None:
-        """Begin a gesture that rolls the striker over the object until the speed is 0. If roll `id` (default NAME)
-        is running, it is steered."""
+        """Begin a gesture that rolls the striker over the object until the speed is 0. A message whose `id`
+        (default: NAME) is a running roll steers that."""
 
     def press(
         self,
@@ -619,7 +620,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[PressKeys],
     ) -> None:
-        """Begin a gesture that presses the striker, such as a hand, on the object until stopped."""
+        """Begin a gesture that presses the striker, such as a hand, against the object until `/stop`."""
 
     def spin(
         self,
@@ -628,7 +629,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SpinKeys],
     ) -> None:
-        """Begin a gesture that lets a coin, a lid or a ring spin down on the object, ever faster and fainter."""
+        """Begin a gesture that lets a coin, a lid or a ring spin down on the object, rattling ever faster and
+        fainter."""
 
     def slide(
         self,
@@ -637,8 +639,8 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[SlideKeys],
     ) -> None:
-        """Begin a gesture that drags the striker over the object until the speed is 0. If slide `id` (default NAME)
-        is running, it is steered."""
+        """Begin a gesture that drags the striker over the object until the speed is 0. A message whose `id`
+        (default: NAME) is a running slide steers that."""
 
     def rest(
         self,
@@ -647,7 +649,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RestKeys],
     ) -> None:
-        """Begin a gesture that lays the object on another object or a support until stopped; objects in contact
+        """Begin a gesture that lays the object on another object or a support until `/stop`; objects in contact
         ring for less time."""
 
     def rain(
@@ -657,7 +659,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[RainKeys],
     ) -> None:
-        """Begin a gesture that lets drops fall on the object until stopped."""
+        """Begin a gesture that lets drops fall on the object until `/stop`."""
 
     def shake(
         self,
@@ -667,7 +669,7 @@ class ObjectMethods:
         **keys: Unpack[ShakeKeys],
     ) -> None:
         """Begin a gesture that lets many copies of the striker, such as dice, hit the object at random times until
-        stopped."""
+        `/stop`."""
 
     def crumple(
         self,
@@ -676,7 +678,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[CrumpleKeys],
     ) -> None:
-        """Begin a gesture that crushes the object until stopped; each crackle is a blow of the striker."""
+        """Begin a gesture that crushes the object, which crackles by blows of the striker, until `/stop`."""
 
     def pour(
         self,
@@ -685,7 +687,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[PourKeys],
     ) -> None:
-        """Begin a gesture that pours many copies of the striker, such as rice, on the object until stopped."""
+        """Begin a gesture that pours many copies of the striker, such as rice, onto the object until `/stop`."""
 
     def step(
         self,
@@ -694,7 +696,7 @@ class ObjectMethods:
         at: SupportsFloat | None = None,
         **keys: Unpack[StepKeys],
     ) -> None:
-        """Begin a gesture that treads on the object once, from heel to toe; each crackle is a blow of the striker."""
+        """Begin a gesture that treads on the object once, from heel to toe; it crackles by blows of the striker."""
 
     def shatter(
         self,

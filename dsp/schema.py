@@ -185,10 +185,10 @@ TRAVEL = Parameter(
 )  # fmt: skip
 
 IMPACT = Gesture(
-    "impact", "strikes the object once; with `by`, another object strikes, and both ring", VELOCITY, (IMPULSE,),
+    "impact", "strikes the object once; the key `by` lets another object strike, and both ring", VELOCITY, (IMPULSE,),
     instead="impulse")  # fmt: skip
 BOUNCE = Gesture(
-    "bounce", "drops or throws the striker on the object, where it bounces until it lies still", HEIGHT,
+    "bounce", "drops or throws the striker onto the object; it bounces until it lies still", HEIGHT,
     (
         THROW,
         replace(GRAVITY, steered="from its next flight on"),
@@ -200,7 +200,7 @@ BOUNCE = Gesture(
 )  # fmt: skip
 ROLL = Gesture(
     "roll", "rolls the striker over the object until the speed is 0. "
-    "If roll `id` (default NAME) is running, it is steered", SPEED,
+    "A message whose `id` (default: NAME) is a running roll steers that", SPEED,
     (
         *_STEERED_LAW,
         RADIUS,
@@ -218,14 +218,14 @@ ROLL = Gesture(
     rolls=True,
 )  # fmt: skip
 PRESS = Gesture(
-    "press", "presses the striker, such as a hand, on the object until stopped", FORCE, _STEERED_LAW,
+    "press", "presses the striker, such as a hand, against the object until `/stop`", FORCE, _STEERED_LAW,
     fixed=("gain",), held=True,
 )  # fmt: skip
 DURATION = Parameter(
     "duration", 0.0, 3600.0, "s", "time until the disc is still; 0 does nothing", useful=(0.1, 10.0), otherwise=_OBJECTS
 )
 SPIN = Gesture(
-    "spin", "lets a coin, a lid or a ring spin down on the object, ever faster and fainter",
+    "spin", "lets a coin, a lid or a ring spin down on the object, rattling ever faster and fainter",
     DURATION,
     (
         Parameter("angle", 0.1, 80.0, "degrees", "tilt at the beginning", default=20.0, useful=(1.0, 40.0)),
@@ -246,7 +246,7 @@ SPIN = Gesture(
 )  # fmt: skip
 SLIDE = Gesture(
     "slide", "drags the striker over the object until the speed is 0. "
-    "If slide `id` (default NAME) is running, it is steered",
+    "A message whose `id` (default: NAME) is a running slide steers that",
     replace(SPEED, help="slip speed of the striker over the surface; 0: the striker stops"),
     (
         replace(FORCE, otherwise="the striker's weight"),
@@ -288,7 +288,7 @@ SLIDE = Gesture(
     slips=True,
 )  # fmt: skip
 REST = Gesture(
-    "rest", "lays the object on another object or a support until stopped; objects in contact ring for less time",
+    "rest", "lays the object on another object or a support until `/stop`; objects in contact ring for less time",
     LOAD,
     (
         replace(_STEERED_LAW[0], help="mass that moves at the contact", otherwise="from the load, or the hand's"),
@@ -314,7 +314,7 @@ MEMORY = Parameter("memory", 1e-4, 10.0, "s",
     "mean time from a blow to the blows that it sets off", default=0.05, useful=(0.001, 0.1), steerable=True,
 )  # fmt: skip
 RAIN = Gesture(
-    "rain", "lets drops fall on the object until stopped", replace(RATE, help="drops per second, on average"),
+    "rain", "lets drops fall on the object until `/stop`", replace(RATE, help="drops per second, on average"),
     (
         Parameter(
             "size", 5e-5, 2e-3, "m", "scale of the drops' diameters; 0.0004 in moderate rain",
@@ -330,7 +330,7 @@ RAIN = Gesture(
     swarms=DROPS,
 )  # fmt: skip
 SHAKE = Gesture(
-    "shake", "lets many copies of the striker, such as dice, hit the object at random times until stopped",
+    "shake", "lets many copies of the striker, such as dice, hit the object at random times until `/stop`",
     RATE,
     (
         Parameter(
@@ -351,7 +351,7 @@ SHAKE = Gesture(
     swarms=SPEEDS,
 )  # fmt: skip
 CRUMPLE = Gesture(
-    "crumple", "crushes the object until stopped; each crackle is a blow of the striker",
+    "crumple", "crushes the object, which crackles by blows of the striker, until `/stop`",
     replace(SPEED, help="speed of crushing; 0 pauses"),
     (
         Parameter(
@@ -375,7 +375,7 @@ CRUMPLE = Gesture(
     swarms=ENERGIES,
 )  # fmt: skip
 POUR = Gesture(
-    "pour", "pours many copies of the striker, such as rice, on the object until stopped",
+    "pour", "pours many copies of the striker, such as rice, onto the object until `/stop`",
     replace(RATE, help="grains per second, on average"),
     (
         replace(HEIGHT, help="height of the fall", default=0.2, useful=(0.02, 2.0), steerable=True),
@@ -387,7 +387,7 @@ POUR = Gesture(
 )  # fmt: skip
 STEP = Gesture(
     "step",
-    "treads on the object once, from heel to toe; each crackle is a blow of the striker",
+    "treads on the object once, from heel to toe; it crackles by blows of the striker",
     replace(FORCE, help="weight of the person who walks", useful=(100.0, 1500.0)),
     (
         Parameter(

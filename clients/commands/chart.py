@@ -32,4 +32,6 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("chart", "FOLDER", "measure and draw Carom's speed against its accuracy on this machine", _options, _run)
+COMMAND = Command(
+    "chart", "FOLDER", "measure and draw Carom's speed against its accuracy on this machine", _options, _run
+)

@@ -144,7 +144,7 @@ VELOCITY = Number("velocity", 0, 127, "", "MIDI velocity", useful=(1, 127))
 _OBJECTS = (
     Verb(
         "/object/new",
-        "makes an object from a preset; keys such as `length`, `material` or `size` change the preset's values",
+        "makes an object from a preset; the preset's own keys, such as `length` or `material`, change its values",
         (Word("name", "name of the new object"), Word("preset", "name of its preset")),
         keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER, NOTE, PITCH),
         open_keys=True,
@@ -160,14 +160,14 @@ _OBJECTS = (
     PLACING,
     Verb(
         "/object/NAME/note",
-        "strikes NAME.NOTE, a copy of the object that is tuned to the note; MIDI velocities 1 to 127 are 0.05 to 5 m/s",
+        "strikes NAME.NOTE, a copy of the object tuned to the note; MIDI velocities 1 to 127 become 0.05 to 5 m/s",
         (NOTE, VELOCITY),
         (POSITION,),
         (STRIKER, PLAY),
     ),
     Verb(
         "/object/NAME/free",
-        "removes the object and the copies for its notes once they are silent; its name can be used again immediately",
+        "removes the object and its `note` copies once silent; its name can be used again immediately",
         optional=(Number("at_once", 0, 1, "", "1: removes it immediately, with a short fade", default=0, whole=True),),
     ),
 )
@@ -180,12 +180,12 @@ _RUNNING = (
     *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
     Move(
         "/gesture/ID/point",
-        "moves a gesture to the surface point nearest to these coordinates, or along a list of points",
+        "moves a gesture to the surface point nearest to x y z, or along `[x y z x y z ...]`",
         POINT,
     ),
     Move(
         "/gesture/ID/by_point",
-        "moves the contact of a rest on the other object to the surface point nearest to these coordinates",
+        "in a rest, moves the contact to the other object's surface point nearest to by_x by_y by_z",
         BY_POINT,
     ),
 )
@@ -198,18 +198,18 @@ _ENGINE = (
     ),
     Verb(
         "/quality",
-        "sets how much is left out to save time, from 0 (nothing) to 8; under load the server leaves out more",
+        "sets how much of the sound is left out to save time, from 0 (nothing) to 8; a loaded server leaves out more",
         (Number("quality", 0, 8, "", "quality number; higher numbers leave out more", whole=True),),
     ),
     Verb(
         "/bank",
-        "sets the number format of freely ringing modes",
+        "sets the number format in which the modes of untouched objects are computed",
         (Either("bank", FORMS, "number format: float64, or float32 for speed", "float64"),),
     ),
     Verb(
         "/budget",
-        "bounds the cost of contacts that are coupled to modes. Default: no bounds (`0 0`) in scores, `16 8192` in "
-        "servers",
+        "bounds the computing time of coupled contacts, in which the object gives way. Default: no bounds (`0 0`) in "
+        "scores, `16 8192` in servers",
         (STEPS, ROOM),
     ),
     Change("/gain", "sets the level of everything", (MAIN_GAIN,)),
@@ -220,12 +220,12 @@ _ENGINE = (
     ),
     Verb(
         "/headroom",
-        "turns on or off headroom, an automatic gain before the limiter. Default: on in servers, off in scores",
+        "turns headroom, an automatic gain before the limiter, on or off. Default: on in servers, off in scores",
         (Either("headroom", ("on", "off", "1", "0"), "on or off", "on"),),
     ),
     Verb(
         "/play",
-        "turns make-up on or off for later gestures; make-up makes every striker audible on every object",
+        "turns make-up on or off for later gestures: an automatic gain that makes every striker audible",
         (Either("play", ("on", "off", "1", "0"), "on or off", "off"),),
     ),
     Verb(
@@ -235,12 +235,12 @@ _ENGINE = (
     ),
     Verb(
         "/sensors",
-        "sets a score's number of channels for sensors; a server accepts only the number it was started with",
+        "sets how many channels a score has for sensors; a server accepts only the number it was started with",
         (SENSED,),
     ),
     Verb(
         "/full_scale",
-        "sets a score's pressure of full scale; a server accepts only the pressure it was started with",
+        "sets which pressure is full scale in a score; a server accepts only the pressure it was started with",
         (FULL_SCALE,),
     ),
     Verb("/end", "ends a score's render at this message's time; servers ignore this message"),
@@ -275,15 +275,15 @@ _SERVER = (
     ),
     Verb(
         "/record",
-        "begins or ends a recording in the folder of `--recordings`. The reply is `/done /record FILE FIRST` at the "
-        "beginning, and `/done /record FILE FIRST END` at the end; FIRST and END count samples",
+        "begins or ends a recording in the server's `--recordings` folder. The reply is `/done /record FILE BEGIN` at "
+        "the beginning, and `/done /record FILE BEGIN END` at the end; BEGIN and END count samples",
         (Number("on", 0, 1, "", "1 begins, 0 ends", whole=True),),
         keys=(Word("name", "name of the new file", "day and time"),),
         scored=False,
     ),
     Verb(
         "/dump",
-        "makes the server print each message, up to 2,000 characters",
+        "makes the server print the first 2,000 characters of each message",
         (Number("on", 0, 1, "", "1: on, 0: off", whole=True),),
         scored=False,
     ),

@@ -39,9 +39,9 @@ MACRO_VERBS = (
     ),
     Verb(
         DICE,
-        "sets all macros at random, in ranges that sound good; the answer is `/object/NAME/macros` with their values",
+        "sets all macros at random, in ranges that sound good; `/object/NAME/macros` answers with the macros' values",
         optional=(SEED,),
     ),
-    Verb(UNDO, "restores the macros from before the last `dice`"),
-    Morph(MORPHING, "moves the object part of the way to another preset of the same shape", (OTHER, MORPH)),
+    Verb(UNDO, "restores the macros' values from before the last `dice`"),
+    Morph(MORPHING, "changes the object's sound part of the way to another preset of the same shape", (OTHER, MORPH)),
 )  # fmt: skip

@@ -29,7 +29,7 @@ _ADDRESS = Word("address", "address that takes one number")
 MIDI = (
     Verb(
         "/midi/notes",
-        "lets an object play a channel's notes, or notes `low` to `high`; the newest object plays all other notes",
+        "lets an object play a `channel`, notes `low` to `high`, or both; the object made last plays all other notes",
         (Word("object", "name of the object"),),
         keys=(CHANNEL, LOWEST, HIGHEST),
         scored=False,
@@ -52,7 +52,7 @@ MIDI = (
     Verb("/midi/forget", "unbinds the controllers of an address, or all controllers", keys=(_ADDRESS,), scored=False),
     Verb(
         "/midi/controls",
-        "answers with `/midi/controls.reply FIRST TOTAL`, then controller, channel, address, low and high of each",
+        "answers with `/midi/controls.reply FIRST TOTAL`, then each one's controller, channel, address, low and high",
         scored=False,
     ),
 )

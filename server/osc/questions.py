@@ -64,7 +64,7 @@ def _question(
 @_question(
     "/object/NAME/get",
     "answers with `/object/NAME/get.reply` and pairs of key and value: preset, shape, mass (kg), modes, settings. "
-    "`modes` adds `/object/NAME/get.modes`: first index, total, then each mode's frequency (Hz) and T60 (s)",
+    "The argument `modes` adds `/object/NAME/get.modes FIRST TOTAL`, then each mode's frequency (Hz) and T60 (s)",
     optional=(Number("modes", 0, 4096, "", "number of modes to list", default=0, whole=True),),
 )
 def _object(scene: Asked, values: Values) -> Iterator[Message]:

@@ -28,7 +28,7 @@ FULL = Parameter(
 SENSORS = (
     Verb(
         SENSOR,
-        "mounts a sensor on an object; the sensor's channel, in SI units, comes after the sound channels",
+        "mounts a sensor on an object; its signal, in SI units, gets a channel after the sound's",
         (Word("name", "name of the sensor"), Word("object", "name of the object")),
         (PLACE,),
         (

@@ -44,13 +44,13 @@ LISTENING = (
     ),
     Verb(
         FLOOR,
-        "lays a floor that reflects; without arguments, removes floor and room",
+        "lays a reflecting floor, in place of any room; without arguments, removes either",
         optional=(_metres("z", "height of the floor"),),
         keys=(Parameter("absorption", 0.0, 1.0, "", "share of the energy that the floor absorbs", default=0.1),),
     ),
     Verb(
         ROOM,
-        "puts the listener and all placed objects into a box that reflects and reverberates",
+        "puts the listener and all objects that have a `place` into a box that reflects and reverberates",
         tuple(
             _metres(name, f"{name} of the room, along {axis}", low=0.5)
             for name, axis in (("length", "x"), ("width", "y"), ("height", "z"))
@@ -67,7 +67,7 @@ LISTENING = (
 
 PLACING = Verb(
     PLACE,
-    "puts the object at a place in space; without arguments, restores its pan",
+    "gives the object a place in space, instead of its pan; without arguments, restores that",
     optional=XYZ,
     keys=(OVER,),
 )

@@ -44,8 +44,8 @@ TOUCHED = (
 WORLD = (
     Verb(
         BODY,
-        "makes a body of a simulation, and the object that rings for it. A box or plate takes three lengths; a sphere "
-        "takes a radius; a cylinder or capsule takes a radius and a length along z",
+        "makes a body of a simulation, and the object that sounds when the body is hit. A box or plate takes three "
+        "lengths, a sphere a radius, a cylinder or capsule a radius and a length along z",
         (
             Word("name", "name of the body"),
             Either("shape", tuple(SIZES), "shape of the body"),
@@ -71,7 +71,7 @@ WORLD = (
     ),
     Verb(
         "/world/pair",
-        "sets the contact of two bodies, in place of the contact that follows from their materials",
+        "sets contact properties of two bodies, in place of those that follow from their materials",
         (Word("a", "name of a body"), Word("b", "name of the other body")),
         keys=(
             Word("surface", "preset of the surface"),
@@ -126,7 +126,7 @@ WORLD = (
     ),
     Verb(
         "/world/step",
-        "ends a step of the simulation; whatever was reported since the last step happens at this time",
+        "ends a step of the simulation; whatever was reported since the last step happens at `time`",
         (_number("time", "time of the simulation", "s", 0.0, 1e9),),
     ),
     Verb("/world/end", "ends the simulation; its objects fall silent"),

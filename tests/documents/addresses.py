@@ -114,6 +114,16 @@ _FAMILIES = {
 """The first words of the addresses of each part; an address belongs to the first part that has it."""
 
 
+_OVER_TIME = "[over time](gestures.md#changes-over-time)"
+_MORE = {
+    "/object/new": " [Keys of presets](../presets/object-keys.md).",
+    "/quality": " [Levels](accuracy.md#quality).",
+    "/budget": " [Budget](accuracy.md#budget).",
+    "/status": " [Values](replies.md#status).",
+}
+"""Where a reader finds more about an address."""
+
+
 def addresses() -> str:
     """Return a section for each family of addresses."""
     left, parts = list(VERBS.values()), []
@@ -134,18 +144,20 @@ def _blocks(verbs: Iterable[Verb]) -> Iterable[str]:
         if verb in settings[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _said(each)) for each in settings]
             example = "\n".join(f"    {EXAMPLES[each.address]}" for each in settings[:2])
-            yield "### `/object/NAME/SETTING value [over s] [curve c]`\n\nSets a number, at once or over time."
+            yield "### `/object/NAME/SETTING value [over s] [curve c]`"
+            yield f"Sets a number of the object, at once or {_OVER_TIME}."
             yield example
             yield table(("address", "value", "meaning"), rows)
         elif verb in steering[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _steered(each.action)) for each in steering]
-            yield "### `/gesture/ID/KEY value [over s] [curve c]`\n\nSteers a running gesture, at once or over time."
+            yield "### `/gesture/ID/KEY value [over s] [curve c]`"
+            yield f"Steers a running gesture, at once or {_OVER_TIME}."
             yield f"    {EXAMPLES[verb.address]}"
             yield table(("address", "value", "steers"), rows)
         elif verb in macros[:1]:
             rows = [(f"`{each.address}`", range_of(each.required[0]), _said(each)) for each in macros]
             yield "### `/object/NAME/macro/MACRO value [over s] [curve c]`"
-            yield "Turns a [macro](macros.md), at once or over time."
+            yield f"Turns a [macro](macros.md), at once or {_OVER_TIME}."
             yield f"    {EXAMPLES[verb.address]}"
             yield table(("address", "value", "meaning"), rows)
         elif verb not in (*settings, *steering, *macros):
@@ -155,7 +167,7 @@ def _blocks(verbs: Iterable[Verb]) -> Iterable[str]:
 def _block(verb: Verb) -> Iterable[str]:
     yield f"### `{verb.usage()}`"
     gesture = GESTURES.get(verb.action) if verb.address.startswith("/object/NAME/") else None
-    link = f" [Keys](gestures/{verb.action}.md)." if gesture else ""
+    link = f" [Keys](gestures/{verb.action}.md)." if gesture else _MORE.get(verb.address, "")
     yield f"{_said(verb)}{link}"
     yield f"    {EXAMPLES[verb.address]}"
     arguments: list[Key] = [*verb.required, *verb.optional, *([verb.many] if verb.many else [])]
