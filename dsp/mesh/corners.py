@@ -6,11 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bodies.material import Array, Material
-from .polynomials import products
+from .polynomials import integrals, moments
 from .rays import Points
 
 _BENT = 0.01  # of a cell's volume, with normals over 45 degrees from the first direction: where sheets meet
-_AT_ONCE = 256  # points of a cell
 
 
 class Law(NamedTuple):
@@ -40,22 +39,27 @@ def held_across(own: Points, side: float, degree: int, material: Material) -> Ar
     along their normals (n, 3), which is none in a thin sheet.
 
     Where it is left, sheets that meet don't bend near their edge: the curvature of each would stretch the other across.
+    That stress is sum_ij a_ij d u_j / d x_i with a_ij = lame (i = j) + 2 mu n_i n_j; its square takes the moments of
+    all products of two of the six a_ij.
     """
-    from scipy.linalg.blas import dsyrk
-
     nu = material.poisson_ratio
     mu = material.youngs_modulus / (2 * (1 + nu))
     lame = 2 * mu * nu / (1 - 2 * nu)
-    half = np.zeros((3 * (degree + 1) ** 3,) * 2, order="F")
-    for begin in range(0, len(own.weights), _AT_ONCE):
-        some = own.part(begin, begin + _AT_ONCE)
-        share = np.sqrt(some.weights / (lame + 2 * mu)) / side
-        slopes = products(some.places, degree)[1]
-        across = np.einsum("inm,ni->nm", slopes, 2 * mu * share[:, None] * some.normals)
-        scaled = np.empty((*across.shape, 3))
-        for axis in range(3):
-            scaled[:, :, axis] = across * some.normals[:, axis, None]
-            scaled[:, :, axis] += slopes[axis] * (lame * share)[:, None]
-        half = dsyrk(1.0, scaled.reshape(len(share), -1).T, beta=1.0, c=half, overwrite_c=1)
-    held: Array = half + np.triu(half, 1).T
-    return held
+    first, second = np.triu_indices(3)
+    stress = 2 * mu * own.normals[:, first] * own.normals[:, second] + lame * (first == second)
+    one, other = np.triu_indices(len(first))
+    share = own.weights[:, None] / ((lame + 2 * mu) * side**2)
+    of = moments(own.places, share * stress[:, one] * stress[:, other], degree)
+    number = np.zeros((3, 3), np.int64)
+    number[first, second] = number[second, first] = np.arange(len(first))
+    product = np.zeros((len(first),) * 2, np.int64)
+    product[one, other] = product[other, one] = np.arange(len(one))
+    count = (degree + 1) ** 3
+    held = np.zeros((count, 3, count, 3))
+    for j in range(3):
+        for m in range(j, 3):
+            for i in range(3):
+                for k in range(3):
+                    held[:, j, :, m] += integrals(of[product[number[i, j], number[k, m]]], degree, (i, k))
+            held[:, m, :, j] = held[:, j, :, m].T
+    return held.reshape(3 * count, 3 * count)

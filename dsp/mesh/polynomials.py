@@ -5,11 +5,14 @@ part of a cell follow from the part's moments, by Legendre's polynomials in each
 however many points the part is met by.
 """
 
+import math
 from functools import lru_cache
 
 import numpy as np
 
 from ..bodies.material import Array
+
+_AT_ONCE = 4_096  # places of which moments are taken
 
 
 @lru_cache(maxsize=16)
@@ -42,28 +45,24 @@ def lagrange(x: Array, degree: int) -> tuple[Array, Array]:
     return monomials @ powers, slopes @ powers
 
 
-def products(at: Array, degree: int) -> tuple[Array, Array]:
-    """Return values (n, m) and gradients (3, n, m) at places (n, 3) of a cell of all products of three, m = (degree +
-    1)^3."""
-    values, slopes = zip(*(lagrange(at[:, axis], degree) for axis in range(3)), strict=True)
-
-    def product(x: Array, y: Array, z: Array) -> Array:
-        return np.asarray(
-            (x[:, :, None, None] * y[:, None, :, None] * z[:, None, None, :]).reshape(len(at), (degree + 1) ** 3)
-        )
-
-    gradients = [product(*(slopes[k] if k == axis else values[k] for k in range(3))) for axis in range(3)]
-    return product(*values), np.stack(gradients)
+def products(at: Array, degree: int) -> Array:
+    """Return values (n, m) at places (n, 3) of a cell of all products of three, m = (degree + 1)^3."""
+    x, y, z = (lagrange(at[:, axis], degree)[0] for axis in range(3))
+    return np.asarray((x[:, :, None, None] * y[:, None, :, None] * z[:, None, None, :]).reshape(len(at), -1))
 
 
 def moments(at: Array, weights: Array, degree: int) -> Array:
-    """Return the integrals (k, k, k) of Legendre's polynomials in x, y and z, k = 2 degree + 1, by places (n, 3) of a
-    cell and their weights (n,)."""
-    x, y, z = (np.polynomial.legendre.legvander(2 * at[:, axis] - 1, 2 * degree) for axis in range(3))
-    count = x.shape[1]
-    both = ((x * weights[:, None])[:, :, None] * y[:, None]).reshape(len(at), count**2)
-    found: Array = (both.T @ z).reshape(count, count, count)
-    return found
+    """Return the integrals (..., k, k, k) of Legendre's polynomials in x, y and z, k = 2 degree + 1, by places (n, 3)
+    of a cell and their weights (n, ...)."""
+    count, many = 2 * degree + 1, weights.shape[1:]
+    found = np.zeros((count**2, count * math.prod(many)))
+    for begin in range(0, len(at), _AT_ONCE):
+        some = at[begin : begin + _AT_ONCE]
+        x, y, z = (np.polynomial.legendre.legvander(2 * some[:, axis] - 1, 2 * degree) for axis in range(3))
+        both = (x[:, :, None] * y[:, None]).reshape(len(some), count**2)
+        weighed = weights[begin : begin + _AT_ONCE].reshape(len(some), -1, 1) * z[:, None]
+        found += both.T @ weighed.reshape(len(some), -1)
+    return np.ascontiguousarray(np.moveaxis(found.reshape(count, count, *many, count), (0, 1), (-3, -2)))
 
 
 @lru_cache(maxsize=16)

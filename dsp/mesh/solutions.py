@@ -41,7 +41,7 @@ class Solution(NamedTuple):
         if outside.any():
             middles = mesh.corners + mesh.sides[:, None] / 2
             element[outside] = cKDTree(middles).query(places[outside])[1]
-        values = products((places - mesh.corners[element]) / mesh.sides[element, None], mesh.degree)[0]
+        values = products((places - mesh.corners[element]) / mesh.sides[element, None], mesh.degree)
         by_nodes = np.zeros((len(points), mesh.nodes.shape[1])) if mesh.ties else values
         for number, tie in mesh.ties.items():
             by_nodes[element == number] = values[element == number] @ tie
@@ -72,7 +72,7 @@ def _moved(one: Solution, other: Solution) -> Array:
         if of < 0:
             continue
         places = (mesh.corners[row] + mesh.sides[row] * local - coarse.corners[of]) / coarse.sides[of]
-        values = products(places, mesh.degree)[0]
+        values = products(places, mesh.degree)
         shapes = np.tensordot(values @ coarse.ties.get(of, np.eye(len(local))), one.displacement[coarse.nodes[of]], 1)
         tie = mesh.ties.get(row, np.eye(len(local)))
         own, node = np.nonzero((tie == 1) & (np.count_nonzero(tie, axis=1) == 1)[:, None])

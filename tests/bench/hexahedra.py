@@ -15,7 +15,7 @@ import numpy as np
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh.fronts import Elements, Factor
 from carom.dsp.mesh.lanczos import lowest
-from carom.dsp.mesh.polynomials import gauss, lobatto, products
+from carom.dsp.mesh.polynomials import gauss, lagrange, lobatto, products
 from carom.dsp.mesh.surface import Surface
 from tests.bench.elastic import moduli
 
@@ -92,11 +92,22 @@ def _nodes(block: Block, local: np.ndarray) -> np.ndarray:
     return block.place(((low + local) / block.counts).reshape(-1, 3).T).T.reshape(len(low), -1, 3)
 
 
+def gradients(at: np.ndarray, degree: int) -> np.ndarray:
+    """Return the gradients (3, n, m) at places (n, 3) of a cell of all products of three of its polynomials."""
+    along = [lagrange(at[:, axis], degree) for axis in range(3)]
+    found = []
+    for axis in range(3):
+        each = (along[k][int(k == axis)] for k in range(3))
+        found.append(np.einsum("pa,pb,pc->pabc", *each).reshape(len(at), -1))
+    return np.stack(found)
+
+
 def _of_cells(places: np.ndarray, nodes: np.ndarray, material: Material, degree: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the stiffness (cells, 3 m, 3 m) and the mass (cells, m, m) of cells. Nodes that coincide in a cell count
     with the last of them."""
     at, weights = gauss(degree + 2)
-    values, slopes = products(np.stack(np.meshgrid(at, at, at, indexing="ij"), axis=-1).reshape(-1, 3), degree)
+    cube = np.stack(np.meshgrid(at, at, at, indexing="ij"), axis=-1).reshape(-1, 3)
+    values, slopes = products(cube, degree), gradients(cube, degree)
     shares = (weights[:, None, None] * weights[:, None] * weights).ravel()
     count = places.shape[1]
     lame, shear = moduli(material)

@@ -12,6 +12,7 @@ from carom.dsp.mesh.lanczos import lowest
 from carom.dsp.mesh.parts import Parts
 from carom.dsp.mesh.rays import quadrature
 from carom.dsp.mesh.surface import Surface, volume_of
+from tests.bench.hexahedra import gradients
 
 STEEL = Material("steel", 7850.0, 200e9, 0.29, 1.0, 0.0)
 
@@ -53,10 +54,29 @@ def test_moments_give_the_integrals_of_products():
     rng = np.random.default_rng(3)
     places, weights = rng.random((40, 3)), rng.random(40)
     of = moments(places, weights, 2)
-    values, slopes = products(places, 2)
+    values, slopes = products(places, 2), gradients(places, 2)
     assert np.allclose(integrals(of, 2), (values * weights[:, None]).T @ values, atol=1e-12)
     for i, j in ((0, 0), (0, 1), (2, 1)):
         assert np.allclose(integrals(of, 2, (i, j)), (slopes[i] * weights[:, None]).T @ slopes[j], atol=1e-10)
+
+
+def test_stress_across_sheets_is_that_of_its_square_point_by_point():
+    """By the strain of a random motion at each place, and the stress along the normal there."""
+    from carom.dsp.mesh.corners import held_across
+    from carom.dsp.mesh.rays import Points
+
+    rng, side, degree = np.random.default_rng(4), 0.02, 3
+    places, weights, normals = rng.random((50, 3)), rng.random(50), rng.standard_normal((50, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    zeros = np.zeros(50, np.int64)
+    held = held_across(Points(places, weights, zeros, zeros, normals, np.ones(50)), side, degree, STEEL)
+    motion = rng.standard_normal(((degree + 1) ** 3, 3))
+    gradient = np.einsum("ipm,mj->ipj", gradients(places, degree), motion) / side
+    mu = STEEL.youngs_modulus / (2 * (1 + STEEL.poisson_ratio))
+    lame = 2 * mu * STEEL.poisson_ratio / (1 - 2 * STEEL.poisson_ratio)
+    stress = lame * np.einsum("ipi->p", gradient) + 2 * mu * np.einsum("ipj,pi,pj->p", gradient, normals, normals)
+    energy = (weights * stress**2).sum() / (lame + 2 * mu)
+    assert motion.ravel() @ held @ motion.ravel() == pytest.approx(energy, rel=1e-12)
 
 
 @pytest.mark.slow
