@@ -225,7 +225,7 @@ _ENGINE = (
     ),
     Verb(
         "/play",
-        "turns make-up on or off for later gestures: an automatic gain that makes every striker audible",
+        "turns make-up, an automatic gain that makes all strikers audible, on or off for later gestures",
         (Either("play", ("on", "off", "1", "0"), "on or off", "off"),),
     ),
     Verb(
