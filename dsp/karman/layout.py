@@ -90,8 +90,8 @@ class Sheet(Record):
     mixed: int  # samples since the last exchange
     drawn: np.uint64  # state of its random numbers
     owed: float  # J: that losses took of modes at rest where stretching holds them, and which they are still to get
-    looked: int  # times that the grid was looked at since it was coupled, up to 2
-    gradient: Annotated[View2D[float], 3, MOST_COUPLED]  # of psi by displacements: now, as last looked at, before
+    looked: int  # times that the grid was looked at since it was coupled, up to 3
+    gradient: Annotated[View2D[float], 4, MOST_COUPLED]  # of psi by displacements: now, as last looked at, and before
     seen: Annotated[View2D[float], 2, MOST_SCATTERED]  # a mode's velocity by its last two samples
     pushed: Annotated[View[float], MOST_SCATTERED]  # change of its last but one by a change of velocity
     moved: Annotated[View[float], MOST_SCATTERED]  # displacement by its last

@@ -91,12 +91,13 @@ def take(sheet: Sheet, energy: float, answer: View[f32]) -> None:
     """Take the stretching energy V (J) and its gradient (2, functions), both of the plate of the tables, as looked at
     now."""
     n, plain = sheet.functions, sheet.plain
-    now, last, before = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2]
+    now, last, before, earlier = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2], sheet.gradient[3]
     tension = sheet.tension * sheet.share
     square = 2.0 * tension * energy + sheet.c0
     sheet.truth = math.sqrt(max(square, _FLOOR * sheet.c0, _LEAST))
     scale = tension * sheet.strained / sheet.truth
     for i in range(2 * n - plain):
+        earlier[i] = before[i]
         before[i] = last[i]
     for i in range(n):
         last[i] = scale * answer[i]
@@ -104,16 +105,18 @@ def take(sheet: Sheet, energy: float, answer: View[f32]) -> None:
         last[n - plain + i] = scale * answer[n + i]
     for i in range(2 * n - plain):
         now[i] = last[i]
-    sheet.looked = min(sheet.looked + 1, 2)
+    sheet.looked = min(sheet.looked + 1, 3)
 
 
 @simd_kernel
 def extrapolate(sheet: Sheet, ahead: float) -> None:
-    """Continue the gradient as a line, by so many looks after the last."""
-    now, last, before = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2]
-    share = ahead if sheet.looked == 2 else 0.0
+    """Continue the gradient as a parabola, by so many looks after the last."""
+    now, last, before, earlier = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2], sheet.gradient[3]
+    share = ahead if sheet.looked >= 2 else 0.0
+    bend = 0.5 * ahead * (ahead + 1.0) if sheet.looked >= 3 else 0.0
     for i in range(2 * sheet.functions - sheet.plain):
-        now[i] = last[i] + share * (last[i] - before[i])
+        change = last[i] - before[i]
+        now[i] = last[i] + share * change + bend * (change - (before[i] - earlier[i]))
 
 
 @simd_kernel
@@ -308,7 +311,7 @@ def fade(sheet: Sheet, samples: int) -> None:
 def set_constant(sheet: Sheet, c0: float) -> None:
     """Change c0, which changes no energy, and no force: gradients are of psi."""
     n = 2 * sheet.functions - sheet.plain
-    now, last, before = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2]
+    now, last, before, earlier = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2], sheet.gradient[3]
     old, more = sheet.truth, c0 - sheet.c0
     sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + more, 0.0))
     sheet.truth = math.sqrt(max(old * old + more, _FLOOR * c0, _LEAST))
@@ -317,3 +320,4 @@ def set_constant(sheet: Sheet, c0: float) -> None:
         now[i] *= old / sheet.truth
         last[i] *= old / sheet.truth
         before[i] *= old / sheet.truth
+        earlier[i] *= old / sheet.truth

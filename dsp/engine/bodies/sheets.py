@@ -212,7 +212,8 @@ def kick_modes(state: State, obj: Object) -> None:
     sheet, bank, space, first = state.sheets[obj.sheet], state.bank, state.space, obj.first
     last = first + sheet.modes
     y1, y2 = bank.y1[first:last], bank.y2[first:last]
-    every = looks_every(state, sheet.every)
+    # A hand bends it so far that it would roar on with fewer looks.
+    every = looks_every(state, max(sheet.every // 2, 1) if obj.deflection > 0.0 else sheet.every)
     h = 1.0 / state.rate
     if sheet.leaves == 1:
         fade(sheet, _fading(state))
