@@ -289,7 +289,7 @@ def _with_slivers(grid: Grid, levels: list[tuple[_Level, list[Segments]]], cells
     at = np.minimum(np.searchsorted(keys, key), max(len(keys) - 1, 0))
     inner = cells[marks.of] == marks.cells
     there = inner | (keys[at] == key if len(keys) else False)
-    marks = marks._replace(of=np.where(inner, marks.of, of[at])).some(there)
+    marks = marks._replace(of=np.where(inner, marks.of, of[at] if len(of) else -1)).some(there)
     none = np.zeros(0)
     every, volumes = np.r_[cells, half[new, 0]], np.r_[volumes, np.zeros(new.sum())]
     return _Found(every, volumes, pairs, marks, none.reshape(0, 3), none, np.zeros((0, 2), np.int64))

@@ -89,7 +89,7 @@ def tried(mesh: Mesh, fine: bool = False) -> Tried:
             less[:] = [solve(inside, pieces, materials, degree - 1, 16, *more[1:]).frequency]
         return found
 
-    wanted = Wanted(mesh.wall, modes=10, fine=fine, points=60)
+    wanted = Wanted(mesh.wall, modes=10, fine=fine, points=modelling.POINTS)
     with patch.object(cells, "of_points", of_points):
         try:
             model = model_of(mesh.points, mesh.faces, METAL, wanted)

@@ -6,12 +6,12 @@ import pytest
 from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import cells, forms, sizing
 from carom.dsp.mesh.grids import grid_about
-from carom.dsp.mesh.model import _held_gap
+from carom.dsp.mesh.model import Wanted, _held_gap, model_of
 from carom.dsp.mesh.numbering import mesh_of
 from carom.dsp.mesh.parts import Parts
 from carom.dsp.mesh.pieces import divided
 from carom.dsp.mesh.rays import quadrature
-from carom.dsp.mesh.surface import Surface, rotation
+from carom.dsp.mesh.surface import MeshError, Surface, rotation
 from tests.bench import hexahedra
 
 STEEL = Material("steel", 7850.0, 200e9, 0.29, 1.0, 0.0)
@@ -80,3 +80,10 @@ def test_a_fork_of_narrow_tines_rings_as_hexahedra_do():
     size = sizing.graded_sizes(turned, 80, fine=False)
     found = cells.solve(Parts((turned,), (STEEL,)), size, 4, 18)
     assert np.sort(found.frequency)[6:14] == pytest.approx(FORK, rel=0.03)
+
+
+@pytest.mark.parametrize("thickness", [1e-4, 3e-5, 1e-6])
+def test_a_body_too_thin_for_any_voxel_is_refused(thickness):
+    leaf = forms.box(0.2, 0.2, thickness)
+    with pytest.raises(MeshError, match=r"expected (thicker ones|a body with a thickness), or"):
+        model_of(leaf.points, leaf.faces, STEEL, Wanted(modes=5, points=60))
