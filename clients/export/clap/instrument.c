@@ -205,7 +205,7 @@ void instrument_express(instrument *of, address key, int expression, double valu
 void instrument_set(instrument *of, int macro, double value) {
     of->values[macro] = value;
     if (!of->scene || macro == POSITION || macro == STRIKER) return; /* of the next blow */
-    turn(of);
+    if (of->body_count) turn(of); /* else the first blow does */
     for (int n = 0; n < of->body_count; n++) settle(of, &of->bodies[n]);
 }
 
