@@ -59,19 +59,22 @@ def axes_of(wanted: Wanted) -> Axes:
     whole = none = sized(modes, None, NEUTRAL)
     if other is not None:
         whole = morphed(modes, preset.position, other.modes(top), other.position)
-    by_law["material"] = tuple(_of_material(preset, modes, top)) if is_of_material else (none,) * len(places())
+    by_law["material"] = tuple(_of_material(preset, modes, top, none)) if is_of_material else (none,) * len(places())
     by_law[MORPH.name] = tuple(share_of(whole, value) for value in places())
     axes = tuple(by_law[each.name] for each in SHAPING)
     _kept.put(wanted.key, (modes, preset, axes))
     return axes
 
 
-def _of_material(preset: ObjectPreset, modes: Modes, top: float) -> list[Change]:
-    """Return the changes to the materials at all places: the object's own in the middle."""
+def _of_material(preset: ObjectPreset, modes: Modes, top: float, none: Change) -> list[Change]:
+    """Return the changes to the materials at all places: `none` in the middle, where the object's own is."""
     own, found = material_at(preset, NEUTRAL), []
     for value in places():
         other = material_at(preset, value)
-        anew = _anew(preset, top, other) if other is not own else None
+        if other is own:
+            found.append(none)
+            continue
+        anew = _anew(preset, top, other)
         found.append(of_material(modes, own, other, anew, preset.shape == "membrane"))
     return found
 

@@ -9,17 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...dsp.bodies.striker import StrikerSound
+from ...dsp.engine.bodies.reshaping import HEAD, ROWS
 from ...dsp.engine.memory.capacity import MODES, MOST_CHANNELS, OBJECTS
 from ...dsp.engine.memory.commands import Kind
 from ...dsp.engine.memory.state import RING, STATE, new_state
+from ...dsp.runtime.arena import EngineFull
 from ...dsp.runtime.engine import Engine
 from ...presets import Presets
+from ...presets.reshaping import Axes, Wanted, axes_of
 from ...server.osc.score import Line, ScoreError
 from ...server.osc.wire import Message
 from ...server.render import Options, blocks, sensors_of
@@ -32,6 +35,8 @@ PULSES: int = STATE.fields["pulses"][1]  # type: ignore[index]
 """The place of the tables of pulses in the engine's memory, in bytes."""
 PULSE_TABLES: int = STATE["pulses"].fields["left"][1]  # type: ignore[index]
 """Bytes of these tables without their values, and what an engine counts of them."""
+SHAPES: int = STATE.fields["bank"][1] + STATE["bank"].fields["shape"][1]  # type: ignore[index]
+"""The place of the mode shapes."""
 PULSE_VALUES: int = PULSES + STATE["pulses"].fields["values"][1]  # type: ignore[index]
 """The place of their values."""
 
@@ -53,6 +58,13 @@ class Batch:
     commands: NDArray[np.void]
 
 
+class MacroTable(NamedTuple):
+    """The table of an object's macros: its first value among the mode shapes, and the changes by setting and place."""
+
+    first: int
+    axes: Axes
+
+
 @dataclass
 class Baked:
     """A baked score: what its memory has besides a fresh one's as it begins, its batches, its objects by name with the
@@ -64,6 +76,8 @@ class Baked:
     batches: list[Batch]
     sound: NDArray[np.float32]
     objects: dict[str, PlayedObject] = field(default_factory=dict)
+    tables: dict[str, MacroTable] = field(default_factory=dict)
+    """By object, where its body's macros can be turned live."""
 
 
 class _Kept(Engine):
@@ -164,6 +178,34 @@ def _patches(words: Words, changed: NDArray[np.bool_]) -> list[Patch]:
     cuts = np.flatnonzero(np.diff(places) > 1) + 1
     runs = [(int(run[0]), int(run[-1]) + 1) for run in np.split(places, cuts)]
     return [Patch(first, words[first:end].copy()) for first, end in runs]
+
+
+def lay_out_macros(baked: Baked, *, all_objects: bool) -> None:
+    """Lay out the tables of the macros of all objects, else of those that the score shapes, or of the only one.
+
+    A table is there from when its object is made. An object gets none where there is no room, or where another one's
+    shapes have lain.
+    """
+    engine, scale = baked.engine, baked.session.scale
+    written = [patch for batch in baked.batches for patch in batch.patches] + baked.start
+    for name, obj in baked.objects.items():
+        wanted = all_objects or len(baked.objects) == 1 or obj.shaped is not None
+        if name in baked.tables or not wanted or not obj.modes.frequency.size:
+            continue
+        axes = axes_of(Wanted(obj.preset, obj.modes, engine.top_frequency, of_material=True))
+        try:
+            first = engine.lay_out_macros(obj.handle, obj.modes, scale.object(obj.preset), axes)
+        except EngineFull:
+            continue
+        number, place = maker_of(baked, obj)
+        size = int(baked.batches[number].commands[place]["layout"]["size"])
+        begin, end = (SHAPES + 4 * value for value in (first, first + HEAD + ROWS * size))
+        begin, end = begin // _WORD, -(-end // _WORD)
+        if any(each.first < end and begin < each.first + len(each.words) for each in written):
+            continue
+        words = np.frombuffer(engine.state, np.uint64, end - begin, begin * _WORD).copy()
+        baked.batches[number].patches.append(Patch(begin, words))
+        baked.tables[name] = MacroTable(first, axes)
 
 
 MAKES = int(Kind.NEW)

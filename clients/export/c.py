@@ -14,6 +14,7 @@ from ...dsp.native.targets import Target
 from ...dsp.native.whole import Whole
 from ...dsp.runtime import callback
 from ...server.bridge import touching
+from .baking import lay_out_macros
 from .machines import Machine
 from .mapping import rules
 from .scene import Scene
@@ -36,6 +37,7 @@ def write_library(scene: Scene, folder: Path, machine: Machine) -> None:
     """
     shutil.copyfile(_FILES / "carom.h", folder / "carom.h")
     shutil.copyfile(_FILES / "example.c", folder / "example.c")
+    lay_out_macros(scene.baked, all_objects=False)
     (folder / "scene.carom").write_bytes(scene.file())
     with _compiled(machine) as objects:
         machine.archive(folder / "libcarom.a", objects)

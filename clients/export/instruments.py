@@ -3,6 +3,9 @@
 import math
 from typing import NamedTuple
 
+from ...dsp.macros import MACROS as OF_OBJECTS
+from ...dsp.macros import NEUTRAL
+
 
 class Macro(NamedTuple):
     """A parameter of an instrument. usual: NaN if it is the object's own; high: of STRIKER the last one's place."""
@@ -23,6 +26,7 @@ MACROS = (
     Macro("Release damp", "", 0.0, 1.0, 0.0),
     Macro("Gain", "dB", -40.0, 12.0, 0.0),
     Macro("Pan", "", -1.0, 1.0, 0.0),
+    *(Macro(name.capitalize(), "", each.number.low, each.number.high, NEUTRAL) for name, each in OF_OBJECTS.items()),
 )
 """In the order of the enum in `clap/instrument.h`: hosts know them by their places."""
 

@@ -21,26 +21,31 @@ from ...dsp.engine.memory import commands
 from ...dsp.engine.memory.capacity import MOST_CHANNELS, SHAPE_VALUES
 from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
 from ...dsp.engine.memory.state import ENDED, EVENTS, QUANTUM, RING, ROLLS, STATE, End
+from ...dsp.macros import ENGINE_SETTINGS, GLIDE, MACROS
 from ...dsp.runtime.copies import CHANGES
 from ...dsp.runtime.engine import Engine
 from ...dsp.schema import DROPS, FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NAMES, VELOCITY, Parameter
 from ...dsp.swarm.record import PULSES as MOST_PULSES
 from ...presets import Presets
 from ...presets.kinds import DRY, ObjectPreset
+from ...presets.reshaping import material_at
 from ...server.bridge.touching import BODY_ROW, TOUCHING
 from ...server.osc.addresses import VERBS
 from ...server.osc.arguments import Either, Note, Numbers, Vector, Verb, Word
+from ...server.osc.macro_verbs import MACRO
 from ...server.osc.points import Change
 from ...server.render import HIGHEST_RATE, LOWEST_RATE
 from ...server.scene.limits import ContactLaws, least_radius
+from ...server.scene.macros import FINE, LAWS, Law, number_of
 from ...server.scene.objects import PlayedObject
-from .baking import PULSE_VALUES, PULSES, Baked
+from .baking import PULSE_VALUES, PULSES, Baked, MacroTable
 from .bodies import LIKE, materials_of, said_of_bodies, said_of_materials
 
 _BEGUN = [name for name, gesture in GESTURES.items() if not gesture.what and not gesture.breaks]
 """Gestures that a page can begin; those that name what an object lies on, or break it, are the score's alone."""
 _PLAYED = ("note", "free", "stop", *_BEGUN, *SETTINGS, *STEERABLE)
 _OF_ENGINE = ("/accuracy", "/quality", "/bank", "/gain", "/limiter", "/panic")
+_ANY = 1e300
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
 
 
@@ -65,6 +70,7 @@ class Strikers:
                 "radius": self._laws.radius_of(name),
                 "sliding": dict(self._laws.sliding_of(name)),
                 "laws": [tuple(self._laws.of(name, each.material)) for each in presets],
+                "modulus": self._laws.modulus_of(name),
                 "sound": self._place(baked, name, False),
                 "held": self._place(baked, name, True),
             }
@@ -107,7 +113,9 @@ def scene_map(baked: Baked, strikers: Strikers, put: Callable[[bytes], int] = la
         "size": _size(engine),
         "pulses": sorted(engine.pulses.numbers.items()),
         "presets": [_preset(each, presets) for each in presets],
-        "objects": {name: _object(obj, presets) for name, obj in baked.objects.items()},
+        "objects": {
+            name: _object(obj, presets) | _macros(obj, baked.tables.get(name)) for name, obj in baked.objects.items()
+        },
         "strikers": strikers.said(baked, presets),
         "surfaces": strikers.said_of_surfaces(),
     }
@@ -128,6 +136,8 @@ def rules() -> dict[str, Any]:
         "steerable": {name: place for place, name in enumerate(STEERABLE)},
         "settings": {name: place for place, name in enumerate(SETTINGS)},
         "joined": int(End.JOINED),
+        "macros": {name: (list(ENGINE_SETTINGS).index(name), each.of_body) for name, each in MACROS.items()},
+        "glide": GLIDE,
         "levels": ACCURACIES,
         "forms": FORMS,
         "dry": DRY,
@@ -152,6 +162,8 @@ def _laid(name: str, kind: np.dtype[Any]) -> Iterator[str]:
 
 def _is_played(verb: Verb) -> bool:
     parts = verb.address.count("/")
+    if verb.address.startswith(f"{MACRO}/"):
+        return True
     return verb.address in _OF_ENGINE or (verb.target != "" and parts == 3 and verb.action in _PLAYED and verb.scored)
 
 
@@ -217,6 +229,7 @@ def _gesture(name: str) -> dict[str, Any]:
         "argument": gesture.argument.name,
         "instead": gesture.instead,
         "most": VELOCITY.high,
+        "laws": {value: _law(name, value, law) for value, law in LAWS[name].items()},
         "own": [key.name for key in gesture.keys if key.name not in _SHARED],
         "steerable": gesture.steerable,
         "values": commands.DEFAULTS[name],
@@ -224,6 +237,13 @@ def _gesture(name: str) -> dict[str, Any]:
         "drops": gesture.swarms == DROPS,
         "seeded": any(key.name == "seed" for key in gesture.keys),
     }
+
+
+def _law(gesture: str, value: str, law: Law) -> tuple[str, float, float, float, float]:
+    """Return how a macro changes a value of a gesture, and the range that it stays in."""
+    number = number_of(gesture, value)
+    low, high = (number.low, number.high) if number else (-_ANY, _ANY)
+    return (*law, max(low, -_ANY), min(high, _ANY))
 
 
 def _verb(verb: Verb) -> dict[str, Any]:
@@ -273,3 +293,17 @@ def _object(obj: PlayedObject, presets: list[ObjectPreset]) -> dict[str, Any]:
         "mass": obj.mass,
         "pitch": obj.modes.pitch,
     }
+
+
+def _macros(obj: PlayedObject, table: MacroTable | None) -> dict[str, Any]:
+    """Return what the macros of an object's body go by: its table, the octaves of its shapes by setting and place, and
+    how it yields where it is touched (1/Pa) by place of `material`."""
+    if table is None:
+        return {}
+    touched = [1.0 / material_at(obj.preset, place / FINE).dented_modulus for place in range(FINE + 1)]
+    said = {
+        "table": table.first,
+        "amplitudes": [[each.amplitude for each in axis] for axis in table.axes],
+        "touched": touched,
+    }
+    return {"macros": said}

@@ -17,7 +17,7 @@ from uuid import NAMESPACE_URL, uuid5
 from ...dsp.engine.memory.state import QUANTUM
 from ...dsp.native.targets import system
 from . import c
-from .baking import maker_of
+from .baking import lay_out_macros, maker_of
 from .instruments import MACROS, Instrument
 from .machines import Machine
 from .scene import ExportError, Scene
@@ -59,6 +59,8 @@ def write_plugin(scenes: Sequence[Scene], folder: Path, machine: Machine, form: 
     where no object has a mode that is heard.
     """
     instruments = _instruments(scenes[0])
+    for scene in scenes:
+        lay_out_macros(scene.baked, all_objects=True)
     described = _described(scenes, instruments)
     c.write_static(folder, machine)
     for scene in scenes:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...dsp.engine.memory.state import STATE
 from ...dsp.runtime.series import LEAST_ROWS, coefficients_of, multiples_of, scale_of, sum_of, values_of
-from .baking import MAKES, Baked, Patch
+from .baking import MAKES, SHAPES, Baked, Patch
 from .coding import Coder, Numbers
 
 SUM, STEPS, BITS = range(3)
@@ -24,7 +24,6 @@ KIND_BITS, EXPONENT_BITS = 2, 11
 _LEAST_EXPONENT = 1023
 
 Table = NDArray[np.float32]
-_SHAPES: int = STATE.fields["bank"][1] + STATE["bank"].fields["shape"][1]  # type: ignore[index]
 
 
 class Laid(NamedTuple):
@@ -59,7 +58,7 @@ def taken_out(baked: Baked) -> tuple[list[Laid], list[list[Patch]]]:
 def _tables(commands: NDArray[np.void]) -> Iterator[tuple[int, int, int]]:
     """Yield first word, rows and columns of each table that commands name, where it has many rows and no faces."""
     for layout in commands[commands["kind"] == MAKES]["layout"]:
-        first = _SHAPES + 4 * int(layout["table"])
+        first = SHAPES + 4 * int(layout["table"])
         if layout["rows"] >= LEAST_ROWS and layout["faces"] == 0 and layout["block"] == 0 and first % 8 == 0:
             yield first // 8, int(layout["rows"]), int(layout["size"])
 

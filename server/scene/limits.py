@@ -86,6 +86,11 @@ class ContactLaws:
         radius, preset = self.radius_of(striker), self._presets.striker(striker)
         return radius if preset.stiffness is None else None
 
+    def modulus_of(self, striker: str) -> float:
+        """Return the modulus (Pa) of a striker whose stiffness follows from the material that it meets; else 0."""
+        preset = self._presets.striker(striker)
+        return preset.material.dented_modulus if preset.material is not None and preset.radius is not None else 0.0
+
     def sliding_of(self, striker: str) -> dict[str, float]:
         """Return a striker's parameters of sliding; raise PresetError if there is no such striker."""
         if striker not in self._sliding:

@@ -5,10 +5,9 @@ import random
 from bisect import insort
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from itertools import chain
 from operator import attrgetter, itemgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...dsp.bodies.macros import changed, retuned
 from ...dsp.bodies.material import Material
@@ -18,7 +17,7 @@ from ...dsp.macros import GLIDE, MACROS, MORPH, NEUTRAL, SHAPING
 from ...dsp.numerics.constants import MACRO_NODES as NODES
 from ...dsp.numerics.quantities import Parameter
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import GESTURES, ROUGHNESS, Gesture
+from ...dsp.schema import GESTURES, ROUGHNESS, STRIKE, Gesture
 from ...presets.reshaping import material_at, require_family
 from ..osc.addresses import Call, calls
 from ..osc.arguments import Refused, Values
@@ -55,7 +54,7 @@ _GRID = 2 * (NODES - 1)
 _A_THIRD = 3.0
 """Steps an octave of tune and decay for make-up."""
 _AS_MADE = (1.0, 1.0, 0.0)
-_FINE = 64.0
+FINE = 64
 """Steps of the macro `material` for contacts, of which each has a law."""
 _MOST_THROWS = 64
 """Throws of the dice that can be taken back."""
@@ -70,12 +69,13 @@ def harder(law: Contact, obj: PlayedObject) -> Contact:
     value = obj.macros[_HARDNESS]
     if value == NEUTRAL:
         return law
-    return law._replace(stiffness=law.stiffness * _times(_HARDER, value), mass=law.mass * _times(_HEAVIER, value))
+    stiffness, mass = (LAWS["impact"][name].at(getattr(law, name), value) for name in ("stiffness", "mass"))
+    return law._replace(stiffness=_fitted("impact", "stiffness", stiffness), mass=_fitted("impact", "mass", mass))
 
 
 def touched(obj: PlayedObject) -> Material | None:
     """Return the material of an object where it is struck, as its macro has it."""
-    value = round(_FINE * obj.macros["material"]) / _FINE
+    value = round(FINE * obj.macros["material"]) / FINE
     return obj.preset.material if value == NEUTRAL else material_at(obj.preset, value)
 
 
@@ -84,28 +84,36 @@ def _placed(position: float, value: float) -> float:
     return position * value / NEUTRAL if value < NEUTRAL else position + (1.0 - position) * (value / NEUTRAL - 1.0)
 
 
-def _stronger(power: float, base: float, value: float) -> float:
-    return float(base * _times(_STRONGER, value) ** power)
+class Law(NamedTuple):
+    """How a macro changes a value of a gesture: by a factor, `most` at its end to a power; most 0: it moves a place."""
+
+    macro: str
+    most: float
+    power: float = 1.0
+
+    def at(self, base: float, value: float) -> float:
+        """Return a value at a place of the macro; base: in the middle."""
+        return float(base * _times(self.most, value) ** self.power) if self.most else _placed(base, value)
 
 
-def _laws(gesture: Gesture) -> dict[str, tuple[str, Callable[[float, float], float]]]:
-    """Return what macros change of a gesture: by the name of a value the macro, and the value at a place of it."""
-    found: dict[str, tuple[str, Callable[[float, float], float]]] = {}
+def _laws(gesture: Gesture) -> dict[str, Law]:
+    """Return what macros change of a gesture, by the name of a value."""
+    found: dict[str, Law] = {}
     if not gesture.what:
-        found["stiffness"] = _HARDNESS, lambda base, value: base * _times(_HARDER, value)
-        found["mass"] = _HARDNESS, lambda base, value: base * _times(_HEAVIER, value)
+        found["stiffness"], found["mass"] = Law(_HARDNESS, _HARDER), Law(_HARDNESS, _HEAVIER)
     for name, power in _FORCES.get(gesture.name, {}).items():
-        found[name] = "force", partial(_stronger, power)
+        found[name] = Law("force", _STRONGER, power)
     if not gesture.what:
-        found["position"] = "place", _placed
+        found["position"] = Law("place", 0.0)
     if ROUGHNESS in gesture.keys:
-        found[ROUGHNESS.name] = "roughness", lambda base, value: base * _times(_ROUGHER, value)
+        found[ROUGHNESS.name] = Law("roughness", _ROUGHER)
     return found
 
 
-_LAWS = {gesture.name: _laws(gesture) for gesture in GESTURES.values()}
+LAWS = {gesture.name: _laws(gesture) for gesture in GESTURES.values()}
 _NUMBERS = {
-    gesture.name: {each.name: each for each in (*gesture.keys, gesture.argument)} for gesture in GESTURES.values()
+    gesture.name: {each.name: each for each in (*STRIKE, *gesture.keys, gesture.argument)}
+    for gesture in GESTURES.values()
 }
 
 
@@ -114,19 +122,19 @@ def as_turned(values: Values, kind: str, obj: PlayedObject) -> Values:
     `harder` has."""
     moved = {
         name: obj.macros[macro]
-        for name, (macro, _) in _LAWS.get(kind, {}).items()
+        for name, (macro, *_) in LAWS.get(kind, {}).items()
         if macro != _HARDNESS and obj.macros[macro] != NEUTRAL
     }
     if not moved:
         return values
     numbers, defaults = dict(values.numbers), dict(values.defaults)
     for name, value in moved.items():
-        law = _LAWS[kind][name][1]
+        law = LAWS[kind][name]
         if name == "position":
             defaults.setdefault(name, obj.preset.position)
         for given in (numbers, defaults):
             if name in given and not (name == "position" and "point" in values.vectors):
-                given[name] = _fitted(kind, name, law(given[name], value))
+                given[name] = _fitted(kind, name, law.at(given[name], value))
     return replace(values, numbers=numbers, defaults=defaults)
 
 
@@ -287,10 +295,10 @@ def _following(id: GestureId, obj: PlayedObject, turn: Turn) -> list[Command]:
         return []
     found = []
     for name, base in begun.values.items():
-        of, law = _LAWS[begun.kind][name]
-        if of == turn.name and name in GESTURES[begun.kind].steerable:
+        law = LAWS[begun.kind][name]
+        if law.macro == turn.name and name in GESTURES[begun.kind].steerable:
             points = tuple(
-                each._replace(value=_fitted(begun.kind, name, law(base, each.value)), over=each.over or GLIDE)
+                each._replace(value=_fitted(begun.kind, name, law.at(base, each.value)), over=each.over or GLIDE)
                 for each in turn.points
             )
             found += followed_by(id, turn.time, name, points)
@@ -336,15 +344,20 @@ def _begun_as(kind: str, values: Values, obj: PlayedObject, base: Contact | None
     of two objects."""
     given = {**values.defaults, **values.numbers}
     given.setdefault("position", obj.preset.position)
-    known = {name: given[name] for name in _LAWS[kind] if name in given}
+    known = {name: given[name] for name in LAWS[kind] if name in given}
     if "point" in values.vectors:
         known.pop("position", None)
-    known = {name: value for name, value in known.items() if _LAWS[kind][name][0] != _HARDNESS}
+    known = {name: value for name, value in known.items() if LAWS[kind][name].macro != _HARDNESS}
     return Begun(kind, obj, known | ({"stiffness": base.stiffness, "mass": base.mass} if base else {}))
 
 
+def number_of(kind: str, name: str) -> Parameter | None:
+    """Return the declaration of a value that a gesture's message can have."""
+    return _NUMBERS[kind].get(name)
+
+
 def _fitted(kind: str, name: str, value: float) -> float:
-    number = _NUMBERS[kind].get(name)
+    number = number_of(kind, name)
     return _within(number, value) if number else value
 
 

@@ -14,7 +14,8 @@ typedef struct {
     table given, defaults;
     const value *gesture, *preset, *surface, *striker;
     const object *of, *by;
-    double mass, stiffness, dissipation, exponent, restitution;
+    double mass, stiffness, dissipation, exponent, restitution, position;
+    double base_mass, base_stiffness; /* in the middle of the macro `hardness` */
     table motion;
 } begun;
 
@@ -72,7 +73,8 @@ static void find_law(carom *scene, begun *to, double radius) {
     double *parts[] = {&to->mass, &to->stiffness, &to->dissipation, &to->exponent, &to->restitution};
     static const char *const names[] = {"mass", "stiffness", "dissipation", "exponent", "restitution"};
     for (int n = 0; n < 5; n++) *parts[n] = item_at(law, n)->number;
-    if (to->by) to->mass = number_of(to->by->said, "mass");
+    to->stiffness = stiffness_of(scene, to->of, to->striker, to->stiffness);
+    if (to->by) to->mass = number_of(to->by->said, "mass") * heavier(scene, to->by);
     if (radius > 0.0) {
         const value *touching =
             item_at(item(item_at(presets, own), "touching"), (long)number_of(to->by->said, "preset"));
@@ -91,6 +93,47 @@ static void find_law(carom *scene, begun *to, double radius) {
     if (is_given(to, "dissipation")) to->restitution = 0.0;
     for (int n = 0; n < 5; n++)
         if (is_given(to, names[n])) *parts[n] = entry(&to->given, names[n])->number;
+    to->base_mass = to->mass, to->base_stiffness = to->stiffness;
+    for (int n = 0; n < 2 && !to->by; n++) {
+        const value *of = item(item(to->gesture, "laws"), names[n]);
+        double place = macro_of(scene, to->of, of);
+        if (place != NEUTRAL) *parts[n] = fitted(of, lawful(of, *parts[n], place));
+    }
+}
+
+/* A number that a table has, to be changed; NULL: it has none of that name. */
+static double *number_in(table *from, const char *name) {
+    const named *found = entry(from, name);
+    return found ? &from->entries[found - from->entries].number : NULL;
+}
+
+/* Change the values of a gesture as the object's macros have them, but the contact law. */
+static void turn_values(carom *scene, begun *to, table *bases) {
+    to->position = is_given(to, "position") ? given_or(to, "position", 0.0) : number_of(to->preset, "position");
+    put(scene, bases, "position", to->position);
+    for (const value *law = item(to->gesture, "laws")->first; law; law = law->next) {
+        if (!strcmp(law->key, "stiffness") || !strcmp(law->key, "mass")) continue;
+        double place = macro_of(scene, to->of, law);
+        double *numbers[] = {number_in(&to->given, law->key), number_in(&to->defaults, law->key)};
+        if (strcmp(law->key, "position") && (numbers[0] || numbers[1]))
+            put(scene, bases, law->key, numbers[0] ? *numbers[0] : *numbers[1]);
+        for (int n = 0; n < 2; n++)
+            if (numbers[n] && place != NEUTRAL) *numbers[n] = fitted(law, lawful(law, *numbers[n], place));
+        if (!strcmp(law->key, "position") && place != NEUTRAL) to->position = fitted(law, lawful(law, to->position, place));
+    }
+}
+
+/* Remember what macros change of a gesture that goes on. */
+static void follow(const begun *to, running *as, const table *bases) {
+    for (const value *name = item(to->gesture, "steerable")->first; name; name = name->next) {
+        const value *law = item(item(to->gesture, "laws"), name->text);
+        const named *base = entry(bases, name->text);
+        int is_law = !strcmp(name->text, "stiffness") || !strcmp(name->text, "mass");
+        if (law->kind != LIST || as->followed_count == MOST_FOLLOWED || (is_law ? to->by != NULL : !base)) continue;
+        as->followed[as->followed_count].law = law;
+        as->followed[as->followed_count++].base =
+            base ? base->number : strcmp(name->text, "mass") ? to->base_stiffness : to->base_mass;
+    }
 }
 
 /* Of a striker that falls: the velocity at which it meets the object, and when. */
@@ -101,13 +144,16 @@ static void fall(carom *scene, begun *to) {
     put(scene, &to->motion, "delay", thrown > 0.0 ? 2.0 * height / (velocity + thrown) : (velocity - thrown) / gravity);
 }
 
-static void slip(carom *scene, begun *to, const call *told, double radius) {
+static void slip(carom *scene, begun *to, const call *told, double radius, table *bases) {
     const value *sliding = radius > 0.0 ? part(scene, "dry") : item(to->striker, "sliding");
     for (const value *each = sliding->first; each; each = each->next) {
         double own = radius > 0.0 && !strcmp(each->key, "radius") ? radius : each->number;
         put(scene, &to->motion, each->key, given_or(to, each->key, own));
     }
-    put(scene, &to->motion, "force", given_or(to, "force", to->mass * GRAVITY));
+    const value *law = item(item(to->gesture, "laws"), "force");
+    double weight = to->mass * GRAVITY, place = macro_of(scene, to->of, law);
+    if (!entry(bases, "force")) put(scene, bases, "force", weight);
+    put(scene, &to->motion, "force", given_or(to, "force", place == NEUTRAL ? weight : lawful(law, weight, place)));
     const named *most = entry(&to->motion, "static"), *moving = entry(&to->motion, "dynamic");
     if (most && moving && moving->number > most->number)
         refuse(scene, "dynamic = %g: expected at most static = %g", moving->number, most->number);
@@ -129,7 +175,7 @@ static void find_motion(carom *scene, begun *to) {
 }
 
 /* Find the radius of what rolls, and the least that a surface takes. */
-static void find_radius(carom *scene, begun *to, double radius, int moves, int continued) {
+static void find_radius(carom *scene, begun *to, double radius, int moves, int continued, const table *bases) {
     const named *told = entry(&to->given, "radius") ? entry(&to->given, "radius") : entry(&to->defaults, "radius");
     if (is_true(to->gesture, "rolls")) {
         double found = told ? told->number : radius > 0.0 ? radius : number_of(to->striker, "radius");
@@ -138,10 +184,12 @@ static void find_radius(carom *scene, begun *to, double radius, int moves, int c
         put(scene, &to->motion, "radius", found > 0.0 ? found : ANY_RADIUS);
     }
     if (to->surface && moves && !continued) {
-        const named *own = entry(&to->motion, "radius"), *rough = entry(&to->motion, "roughness");
-        double least = number_of(to->surface, "least") * (rough ? rough->number : NAN);
+        const named *own = entry(&to->motion, "radius"), *rough = entry(bases, "roughness");
+        double once = number_of(to->surface, "least"), least = once * (rough ? rough->number : NAN);
+        double *felt = number_in(&to->motion, "roughness");
         if (own && own->number < least)
             refuse(scene, "radius = %g: expected at least %g m on this surface", own->number, least);
+        if (own && felt && once > 0.0) *felt = fmin(*felt, own->number / once);
     }
 }
 
@@ -164,7 +212,7 @@ static void write_values(carom *scene, command *made, const begun *to) {
         {"dissipation", to->dissipation},
         {"exponent", to->exponent},
         {"restitution", to->restitution},
-        {"position", is_given(to, "position") ? given_or(to, "position", 0.0) : number_of(to->preset, "position")},
+        {"position", to->position},
         {"gain", in_engine(&gain, given_or(to, "gain", 0.0))},
         {"by_position", is_given(to, "by_position") ? given_or(to, "by_position", 0.0) : by_position},
     };
@@ -208,6 +256,8 @@ void gesture(carom *scene, const call *told, const object *of) {
     int along = is_true(to.gesture, "along");
     collect(scene);
     complete(scene, told, &to);
+    table bases = {.count = 0};
+    turn_values(scene, &to, &bases);
     to.by = striking(scene, &to);
     const named *name = entry(&to.given, "striker");
     to.striker = named_part(scene, "striker", "strikers", name ? name->text : text_of(to.preset, "striker"));
@@ -230,9 +280,10 @@ void gesture(carom *scene, const call *told, const object *of) {
     if (!given && !along && !is_true(to.gesture, "single"))
         snprintf(own, sizeof own, "%.200s-%lld", told->target, (long long)++scene->made);
     int continued = along && goes_on(scene, id, told->target, told->action);
-    if (is_true(to.gesture, "slips")) slip(scene, &to, told, touching);
-    find_radius(scene, &to, touching, moves, continued);
+    if (is_true(to.gesture, "slips")) slip(scene, &to, told, touching, &bases);
+    find_radius(scene, &to, touching, moves, continued, &bases);
     int64_t number = *id ? start(scene, id, told->target, told->action) : 0;
+    if (number) follow(&to, &scene->gestures[scene->gesture_count - 1], &bases);
     if (is_true(to.gesture, "seeded"))
         put(scene, &to.motion, "seed", is_given(&to, "seed") ? entry(&to.given, "seed")->number : (double)number);
 

@@ -58,7 +58,7 @@ typedef struct {
     int whole;
 } field;
 
-enum { LONGEST_NAME = 256 };
+enum { LONGEST_NAME = 256, MOST_MACROS = 8, MOST_FOLLOWED = 8 };
 
 typedef struct {
     char name[LONGEST_NAME];
@@ -71,6 +71,8 @@ typedef struct {
     double change[3];     /* octaves: size, wave speed, density, beside the object of the score */
     const value *material;
     int body; /* number of its body, -1: it has none */
+    double macros[MOST_MACROS]; /* in the order of the rules */
+    int reshaped; /* the engine has the table of its macros */
 } object;
 
 /* The place of an object that was made live and freed. */
@@ -84,6 +86,11 @@ typedef struct {
     char id[LONGEST_NAME], target[LONGEST_NAME];
     const char *action; /* in the map */
     int64_t number;
+    struct {
+        const value *law;
+        double base; /* in the middle of its macro */
+    } followed[MOST_FOLLOWED];
+    int followed_count;
 } running;
 
 typedef struct {

@@ -34,8 +34,8 @@ void send_command(carom *scene, const command *made) {
         refuse(scene, "no capacity for another command: %lld wait", (long long)scene->ring);
 }
 
-/* Send a command for each point, or none where there is no room for all. */
-static void send_points(carom *scene, command *made, const call *told) {
+/* Send a command for each point, or none where there is no room for all; the last value. */
+double send_points(carom *scene, command *made, const call *told) {
     point found[MOST_POINTS];
     int count = points(scene, told->verb, told->from, told->words, told->count, found, MOST_POINTS);
     if (room(scene) < count) refuse(scene, "no capacity for %d more commands", count);
@@ -46,6 +46,7 @@ static void send_points(carom *scene, command *made, const call *told) {
         set(scene, made, "ramp.curve", found[n].curve);
         send_command(scene, made);
     }
+    return found[count - 1].value;
 }
 
 static void name_into(carom *scene, char *into, const char *text) {
@@ -101,6 +102,7 @@ int64_t start(carom *scene, const char *id, const char *target, const char *acti
     name_into(scene, begun->target, target);
     begun->action = item(part(scene, "gestures"), action)->key;
     begun->number = known ? known->number : ++scene->gesture_number;
+    begun->followed_count = 0;
     scene->gesture_count++;
     return begun->number;
 }
@@ -180,7 +182,7 @@ static void copy(carom *scene, const object *of, object *made, const char *name,
     if (!scene->live && (int64_t)number_of(of->said, "batch") >= next)
         refuse(scene, "%.80s: its object is not there yet", name);
     if (scene->object_count == scene->object_room) refuse(scene, "no capacity for another object");
-    if (room(scene) < 1) refuse(scene, "no capacity for another command: %lld wait", (long long)scene->ring);
+    if (room(scene) < MOST_MACROS + 2) refuse(scene, "no capacity for another command: %lld wait", (long long)scene->ring);
     command sent;
     memcpy(sent.bytes, scene->data + (int64_t)number_of(of->said, "made"), (size_t)scene->command_size);
     find_place(scene, made, laid(scene, of, "layout.size"));
@@ -206,8 +208,9 @@ static void copy(carom *scene, const object *of, object *made, const char *name,
     if (!copied) refuse(scene, "%.80s: no object can be so", name);
     if (made->pitch > 0.0) set(scene, &sent, "settings.tune", made->pitch);
     send_command(scene, &sent);
-    add_object(scene, *made, name);
     scene->serial++;
+    turn_like(scene, made, time);
+    add_object(scene, *made, name);
 }
 
 /* Make an object, and its body, in another's image. */
@@ -224,6 +227,7 @@ void make(carom *scene, const call *told) {
         refuse(scene, "name = %.80s: expected no blank, none of #*,/?[]{}, and at most 255 bytes", name);
     object made = *of;
     made.pitch = 0.0;
+    for (int n = 0; n < MOST_MACROS; n++) made.macros[n] = NEUTRAL;
     if (size) made.change[0] += log2(size->number);
     if (!(fabs(made.change[0]) <= 10.0)) refuse(scene, "size = %g: expected up to 1024 times the score's object", size->number);
     int64_t number = -1;
@@ -335,6 +339,10 @@ static void of_object(carom *scene, const call *told) {
         gesture(scene, told, of);
         return;
     }
+    if (!strncmp(told->action, "macro/", 6)) {
+        turn(scene, told, of);
+        return;
+    }
     if (!strcmp(told->action, "note")) {
         note(scene, told, of);
         return;
@@ -368,7 +376,7 @@ static int parts_of(const char *address, const char *group, char *target, const 
     size_t size = strlen(group);
     if (strncmp(address, group, size)) return 0;
     const char *slash = strchr(address + size, '/');
-    if (!slash || strchr(slash + 1, '/') || slash - address - size >= LONGEST_NAME) return 0;
+    if (!slash || (strchr(slash + 1, '/') && strncmp(slash, "/macro/", 7)) || slash - address - size >= LONGEST_NAME) return 0;
     memcpy(target, address + size, (size_t)(slash - address) - size);
     target[slash - address - size] = 0;
     *action = slash + 1;
@@ -430,6 +438,7 @@ void messages_begin(carom *scene) {
         made.slot = (int64_t)number_of(each, "slot");
         made.serial = (int64_t)number_of(each, "serial");
         made.body = -1;
+        for (int n = 0; n < MOST_MACROS; n++) made.macros[n] = NEUTRAL;
         int64_t end = laid(scene, &made, "layout.first") + laid(scene, &made, "layout.size");
         if (made.serial > scene->serial) scene->serial = made.serial;
         if (made.slot > scene->slot) scene->slot = made.slot;

@@ -4,6 +4,8 @@
 
 #include "words.h"
 
+#define NEUTRAL 0.5 /* the place of a macro where nothing is changed */
+
 enum { LARGEST = 4096 };
 
 typedef struct {
@@ -32,6 +34,14 @@ INNER int64_t start(carom *scene, const char *id, const char *target, const char
 INNER void make(carom *scene, const call *told);
 INNER void add_object(carom *scene, object made, const char *name);
 INNER void leave_place(carom *scene, const object *gone, double time);
+INNER double macro_of(const carom *scene, const object *of, const value *law); /* the place of the macro that a law follows */
+INNER double lawful(const value *law, double base, double place);
+INNER double fitted(const value *law, double number);
+INNER double stiffness_of(const carom *scene, const object *of, const value *striker, double own);
+INNER double heavier(const carom *scene, const object *of);
+INNER void turn(carom *scene, const call *told, object *of);
+INNER void turn_like(carom *scene, object *made, double time);
+INNER double send_points(carom *scene, command *made, const call *told);
 INNER void gesture(carom *scene, const call *told, const object *of);
 
 #endif

@@ -60,6 +60,18 @@ static void settle(instrument *of, body *each) {
     }
 }
 
+/* Turn the object's macros, which its bodies follow. */
+static void turn(instrument *of) {
+    for (int n = 0; n < OF_OBJECT; n++) {
+        double value = of->values[FIRST_OF_OBJECT + n];
+        char action[64];
+        if (value == of->turned[n]) continue;
+        snprintf(action, sizeof action, "macro/%s", macros[FIRST_OF_OBJECT + n].name);
+        action[strlen("macro/")] |= 32; /* its first letter, as messages have it */
+        if (tell(of, -1, action, &value, 1, NULL)) of->turned[n] = value;
+    }
+}
+
 /* The body of a key: its own; a new one; or, where the scene has no room, the one that was struck longest ago. */
 static body *body_of(instrument *of, int note, bool *is_new) {
     body *oldest = NULL;
@@ -115,6 +127,7 @@ static int blow(instrument *of, const body *each, double velocity) {
 void instrument_strike(instrument *of, address key, double velocity, note_ended ended, void *context) {
     bool is_new;
     if (key.key < 0 || key.key > 127 || isnan(velocity)) return;
+    turn(of);
     body *each = body_of(of, key.key, &is_new);
     finish(each, ended, context);
     each->note = each->key = key.key;
@@ -192,6 +205,7 @@ void instrument_express(instrument *of, address key, int expression, double valu
 void instrument_set(instrument *of, int macro, double value) {
     of->values[macro] = value;
     if (!of->scene || macro == POSITION || macro == STRIKER) return; /* of the next blow */
+    if (of->body_count) turn(of); /* else the first blow does */
     for (int n = 0; n < of->body_count; n++) settle(of, &of->bodies[n]);
 }
 
@@ -306,6 +320,7 @@ void instrument_begin(instrument *of) {
     of->body_count = 0;
     of->blows = 0;
     of->zoned = false;
+    for (int n = 0; n < OF_OBJECT; n++) of->turned[n] = macros[FIRST_OF_OBJECT + n].usual;
     for (int n = 0; n < CHANNELS_OF_MIDI; n++) {
         of->channels[n].bend = of->channels[n].pressure = 0.0;
         of->channels[n].position = NAN;

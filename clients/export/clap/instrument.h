@@ -22,7 +22,7 @@ typedef struct {
     double position, gain, pan, decay, damp; /* as the score makes it, in the units of messages */
 } instrument_object;
 
-enum { POSITION, STRIKER, TUNE, DECAY, DAMP, RELEASE, GAIN, PAN, MACROS };
+enum { POSITION, STRIKER, TUNE, DECAY, DAMP, RELEASE, GAIN, PAN, FIRST_OF_OBJECT, OF_OBJECT = 8, MACROS = FIRST_OF_OBJECT + OF_OBJECT };
 
 typedef struct {
     const char *name, *unit;
@@ -62,6 +62,7 @@ typedef struct {
     double pitch;   /* the note that it plays by itself; NAN: it has none */
     uint64_t frame; /* at which messages are carried out, as much later as the scene's delay says */
     double values[MACROS];
+    double turned[OF_OBJECT]; /* the object's macros, as they were sent */
     body bodies[KEYS];
     int body_count;
     int64_t blows;

@@ -142,6 +142,7 @@ export class Messages {
     const parts = address.split("/");
     if (address === "/object/new") return this.make(parsed(address, this.map.verbs[address], args).given, time);
     const [, group, target, action] = parts;
+    if (action === "macro") refuse(`${address}: pages turn no macros live; expected them in the score, or an export for C or a plug-in`);
     const template = parts.length === 4 ? `/${group}/${group === "object" ? "NAME" : "ID"}/${action}` : address;
     const verb = under(this.map.verbs, template) ?? refuse(`${address}: not in an exported scene; expected one of ${Object.keys(this.map.verbs).join(", ")}`);
     args = asked(verb, args);

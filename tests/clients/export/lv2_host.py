@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-CONTROLS = 8
+CONTROLS = 16
 SEQUENCE, MIDI = 1, 2
 MAPPED = {b"http://lv2plug.in/ns/ext/midi#MidiEvent": MIDI}
 

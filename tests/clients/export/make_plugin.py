@@ -50,6 +50,9 @@ class Played:
         """Return the message that tunes a copy."""
         return f"/object/bell.{copy}/tune {note - self.pitch!r}"
 
+    def sort(self) -> None:
+        self._events.sort(key=lambda each: each[0])
+
     @property
     def events(self) -> str:
         return "".join(f"{sample} {event}\n" for sample, event, _ in self._events)

@@ -83,12 +83,13 @@ def test_a_host_hears_the_bits_of_a_render(made: Path, block: int) -> None:
 
 
 def test_a_plugin_says_what_it_is(made: Path) -> None:
-    """A scene's objects are instruments of eight parameters, whose texts read back, at the rates that were baked."""
+    """A scene's objects are instruments of sixteen parameters, whose texts read back, at the rates that were baked."""
     told = played(made, "").lines
     names = [line.split("|")[:2] for line in told["plugin"]]
     assert names == [["carom.two-of-them.bell", "Carom bell"], ["carom.two-of-them.block", "Carom block"]]
     assert [line.split("|")[0] for line in told["param"]] == [
-        "Position", "Striker", "Tune", "Decay", "Damp", "Release damp", "Gain", "Pan",
+        "Position", "Striker", "Tune", "Decay", "Damp", "Release damp", "Gain", "Pan", "Size", "Material",
+        "Brightness", "Damping", "Hardness", "Force", "Place", "Roughness",
     ]  # fmt: skip
     for line in told["param"]:
         _, _, high, _, _, back = line.split("|")
@@ -112,6 +113,26 @@ def test_a_state_is_kept(made: Path) -> None:
         assert played(made, notes, state=wrong).lines["loaded"] == ["0 0"]
     unknown = "carom 1\nColour=3\nTune=99\nStriker=nobody\nno line"
     assert "Tune=24\n" in played(made, "", state=unknown).state
+
+
+OLD_STATE = "carom 1\nPosition=0.25\nStriker=yarn\nTune=3.25\nDecay=2\nDamp=0\nRelease damp=0.5\nGain=-6\nPan=1\n"
+"""A state that a plug-in saved before it had macros."""
+
+
+def test_a_state_without_macros_loads_and_leaves_them_in_the_middle(made: Path) -> None:
+    """A project that was saved before plug-ins had macros sounds as it did; a macro that is turned is heard."""
+    notes = "10 on 60 0.5 1 0\n"
+    asked = "-1 param 0 0.25\n-1 param 2 3.25\n-1 param 3 2\n-1 param 5 0.5\n-1 param 6 -6\n-1 param 7 1\n"
+    striker = plugins_strikers().index("yarn")
+    old = played(made, notes, state=OLD_STATE)
+    assert old.lines["loaded"] == ["1 1"] and "Striker=yarn\n" in old.state and "Size=0.5\n" in old.state
+    assert np.array_equal(played(made, f"{asked}-1 param 1 {striker}\n{notes}").sound, old.sound)
+    for macro in range(8, 15):  # the last one, roughness, is of rolls and slides
+        assert not np.array_equal(played(made, f"5 param {macro} 0.7\n{notes}", state=OLD_STATE).sound, old.sound)
+
+
+def plugins_strikers() -> list[str]:
+    return [plugins.OWN_STRIKER, *Presets().names("strikers")]
 
 
 def test_a_reset_begins_anew(made: Path) -> None:
@@ -231,7 +252,7 @@ MIDI: list[Midi] = [
 ]  # fmt: skip
 """pedalboard gives controllers at the beginnings of its blocks."""
 FRAMES_OF_MIDI = 16_000
-CONTROLS = (0.25, 2.0, -6.0, 1.0, 0.0, 0.5, -27.0, 0.5)
+CONTROLS = (0.25, 2.0, -6.0, 1.0, 0.0, 0.5, -27.0, 0.5, 0.75, 0.25, 0.625, 0.375, 0.75, 0.5625, 0.25, 0.75)
 """Of the parameters: shares of their ranges that single precision has."""
 
 
@@ -286,7 +307,10 @@ def by_vst3(folder: Path, block: int, state: bytes | None = None) -> tuple[Any, 
     return bell, np.ascontiguousarray(bell(notes, FRAMES_OF_MIDI / RATE, RATE, 2, block).T)
 
 
-KEYS = ("position", "striker", "tune_semitones", "decay_times", "damp", "release_damp", "gain_db", "pan")
+KEYS = (
+    "position", "striker", "tune_semitones", "decay_times", "damp", "release_damp", "gain_db", "pan", "size",
+    "material", "brightness", "damping", "hardness", "force", "place", "roughness",
+)  # fmt: skip
 """The parameters, as pedalboard calls them."""
 
 
