@@ -68,8 +68,7 @@ class Sheets:
         """Write the record of a plate whose tables begin at a value; of what had its place it keeps no number."""
         for name in (each for each in sheet.dtype.names or () if sheet.dtype[each].itemsize <= LONGEST):
             sheet[name] = np.zeros((), sheet.dtype[name])
-        every = max(int(self._rate / (LOOKS * laid.highest)), 1)
-        sheet["functions"], sheet["plain"], sheet["every"] = laid.functions, laid.plain, min(every, MOST_EVERY)
+        sheet["functions"], sheet["plain"], sheet["every"] = laid.functions, laid.plain, 1
         sheet["highest"] = laid.highest
         sheet["growth"], sheet["least"] = laid.growth, laid.least
         sheet["scale"] = sheet["strained"] = sheet["tension"] = sheet["share"] = 1.0
@@ -90,18 +89,12 @@ class Sheets:
         sheet["mixes"], sheet["mixed"], sheet["drawn"] = max(round(self._rate / MIXES), 1), 0, 0
 
 
-LOOKS = 6.0
-"""Looks at the grid in each period of the highest coupled mode, at least. The gradient goes on between as a parabola:
-against 192 kHz all plates then sound as with a look in each sample, up to 4 m/s, or within what 2 % of the speed
-change."""
 MIXES = 6_000.0
 """Exchanges of energy above the coupled modes, per second."""
 FOLLOWS = 0.0001
 """s in which the auxiliary variable follows the grid's."""
 LINE = 64
 """Bytes of a line of the cache."""
-MOST_EVERY = 4
-"""Samples from one look at the grid to the next, at most."""
 
 
 def _fill_grid(grid: np.void, tables: Tables, begin: int) -> None:
