@@ -148,7 +148,7 @@ QUERY = (
         "server/osc/questions.py",
         "def tuning_of(",
         """@_question("/loudest", "answers /loudest.reply and the names of the objects with the highest gain")
-def _loudest(scene: Scene, values: Values) -> Iterator[Message]:
+def _loudest(scene: Asked, values: Values) -> Iterator[Message]:
     gains = {name: obj.settings.get("gain", 0.0) for name, obj in scene.objects_there().items()}
     yield Message("/loudest.reply", tuple(name for name, gain in gains.items() if gain == max(gains.values())))
 
@@ -162,7 +162,7 @@ QUERY_ABOUT_A_GESTURE = (
         "server/osc/questions.py",
         "def in_parts(",
         """@_question("/gesture/ID/get", "answers /gesture/ID/get.reply and the address that began it")
-def _gesture(scene: Scene, values: Values) -> Iterator[Message]:
+def _gesture(scene: Asked, values: Values) -> Iterator[Message]:
     id, known = values.words["ID"], dict(scene.running())
     if id not in known:
         raise Refused(f"{id}: no such gesture is running")
