@@ -337,6 +337,8 @@ def _labels(painted: list[Indices]) -> Indices:
     from scipy.sparse.csgraph import connected_components
 
     inside = np.logical_and.reduce([each >= 0 for each in painted])
+    if not inside.any():
+        return np.full(inside.shape, -1)
     along = np.zeros(inside.shape, bool)  # as the voxel before
     along[..., 1:] = inside[..., 1:] & inside[..., :-1] & (painted[2][..., 1:] == painted[2][..., :-1])
     run = np.cumsum((inside & ~along).ravel()).reshape(inside.shape) - 1

@@ -9,7 +9,7 @@ from carom.dsp.mesh.grids import grid_about
 from carom.dsp.mesh.model import Wanted, _held_gap, model_of
 from carom.dsp.mesh.numbering import mesh_of
 from carom.dsp.mesh.parts import Parts
-from carom.dsp.mesh.pieces import divided
+from carom.dsp.mesh.pieces import _labels, divided
 from carom.dsp.mesh.rays import quadrature
 from carom.dsp.mesh.surface import MeshError, Surface, rotation
 from tests.bench import hexahedra
@@ -87,3 +87,8 @@ def test_a_body_too_thin_for_any_voxel_is_refused(thickness):
     leaf = forms.box(0.2, 0.2, thickness)
     with pytest.raises(MeshError, match=r"expected (thicker ones|a body with a thickness), or"):
         model_of(leaf.points, leaf.faces, STEEL, Wanted(modes=5, points=60))
+
+
+def test_cells_without_a_voxel_inside_hold_no_piece():
+    nothing = np.full((2, 3, 3, 3), -1)
+    assert (_labels([nothing, nothing, nothing]) == -1).all()
