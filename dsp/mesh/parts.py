@@ -11,7 +11,7 @@ from .nearest import Nearest
 from .points import sampled
 from .refining import divided
 from .surface import Flags, Indices, MeshError, Surface, faces_of, size_of
-from .winding import sides_of, windings
+from .winding import is_right, sides_of, windings
 
 _TOUCH = 1e-3  # of the size: how far apart parts that touch may be
 _SAMPLES = 2000  # of a part's surface, that say whether it touches
@@ -129,7 +129,7 @@ def outside(parts: Parts, longest: float) -> tuple[Surface, Indices]:
 def exposed(surface: Surface, longest: float) -> Surface:
     """Return what of a closed surface lies between the body and the air: it is cut as finely as `longest` (m) where
     some of it lies inside of another part, or on it."""
-    if not sides_of(surface).wrong.any():
+    if is_right(surface):
         return surface
     cut = divided(surface, longest, _MOST_CUT)
     cut = cut if len(cut.faces) > len(surface.faces) else surface

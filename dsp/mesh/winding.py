@@ -129,16 +129,22 @@ class Sides(NamedTuple):
         return self.bare | self.buried | self.doubled
 
 
+def is_right(surface: Surface) -> bool:
+    """True if all faces have the body on one side and air on the other; of many faces, if samples of them have."""
+    if len(surface.faces) <= _FEW:
+        return not sides_of(surface).wrong.any()
+    samples = sampled(surface, _SAMPLES)
+    return not _about(surface, samples.places, samples.normals * _STEP * float(size_of(surface).max())).wrong.any()
+
+
 def sides_of(surface: Surface, cut: Surface | None = None) -> Sides:
     """Return what a surface has on the sides of its faces, found at their middles. cut: the same surface in smaller
     faces, for which it is found. Faces without an area count as right."""
     cut, size = cut or surface, float(size_of(surface).max())
     step = _STEP * size
     right = Sides(np.zeros(len(cut.faces)), np.ones(len(cut.faces)))
-    if len(cut.faces) > _FEW and cut is surface:
-        samples = sampled(surface, _SAMPLES)
-        if not _about(surface, samples.places, samples.normals * step).wrong.any():
-            return right
+    if len(cut.faces) > _FEW and cut is surface and is_right(surface):
+        return right
     corners, faces = cut.points[cut.faces], faces_of(cut)
     around = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).sum(axis=1)
     near = np.minimum(step, _OFF * 2 * faces.areas / np.maximum(around, 1e-300))
