@@ -30,7 +30,7 @@ from .contact_list import give_place_back
 from .room import find_coupled_room
 
 _FIRST = 0.2  # of a radian of its swing: the first step to try
-_STILL = 1e-5  # of the compression at rest: a contact that swings by less is still
+_STILL = 1e-2  # of the compression at rest: a contact that swings by less stays closed, and swings ever less
 
 
 @noinline_kernel
