@@ -13,11 +13,13 @@ from .points import sampled
 from .surface import Flags, Indices, Surface, faces_of, size_of
 
 _TOGETHER = 8  # triangles, about, that are not parted
-_FAR = 2.5  # of their radius: beyond, triangles count as one
+_FAR = 2.0  # of their radius: beyond, triangles count as one
 _AT_ONCE = 600  # places
 _CHUNK = 16_000  # pairs of triangles and places at a time, near the processor
 _STEP = 1e-5  # of the size: how far from a face its sides are looked at
 _OFF = 0.2  # of the radius of a triangle's inner circle: no farther than that
+_LIES, _SEEN = 3.0, 0.05
+"""A face lies on another one that its plane is nearer to than so many steps, and that is seen under so many sr."""
 _FLAT = 1e-10  # of the size squared: a face of less area has no distinct sides
 _FEW = 6_000  # faces that are all looked at; of more, samples show first whether any is wrong
 _SAMPLES = 4_000
@@ -36,9 +38,15 @@ class _Halves(NamedTuple):
 
 def windings(surface: Surface, places: Array) -> Array:
     """Return how often a surface goes round each place (n, 3): 1 inside a closed body, 0 outside of it."""
+    return _windings(surface, places, np.zeros(len(places)))[0]
+
+
+def _windings(surface: Surface, places: Array, reach: Array) -> tuple[Array, Indices]:
+    """Return how often a surface goes round each place (n, 3), and on how many of its faces a place lies, by how near
+    (m) it is to them."""
     order, levels = _tree(surface)
     corners = surface.points[surface.faces][order]
-    found = np.empty(len(places))
+    found, lies = np.empty(len(places)), np.zeros(len(places), np.int64)
     for first in range(0, len(places), _AT_ONCE):
         here = places[first : first + _AT_ONCE]
         total, row, node = np.zeros(len(here)), np.arange(len(here)), np.zeros(len(here), np.int64)
@@ -52,14 +60,19 @@ def windings(surface: Surface, places: Array) -> Array:
             if number < len(levels) - 1:
                 row, node = np.repeat(row, 2), np.repeat(2 * node, 2)
                 node[1::2] += 1
-        total += _exact(corners, here, row, levels[-1].begin[node], levels[-1].size[node])
-        found[first : first + _AT_ONCE] = total / (4 * np.pi)
-    return found
+        these = slice(first, first + _AT_ONCE)
+        near, lies[these] = _exact(corners, here, reach[these], row, levels[-1].begin[node], levels[-1].size[node])
+        found[these] = (total + near) / (4 * np.pi)
+    return found, lies
 
 
-def _exact(corners: Array, places: Array, row: Indices, begin: Indices, size: Indices) -> Array:
-    """Return the solid angles (n,) of triangles at places (n, 3): of runs of triangles at each of some rows."""
-    total, ends, at = np.zeros(len(places)), np.cumsum(size), 0
+def _exact(
+    corners: Array, places: Array, reach: Array, row: Indices, begin: Indices, size: Indices
+) -> tuple[Array, Indices]:
+    """Return the solid angles (n,) of triangles at places (n, 3), and on how many of them each lies: of runs of
+    triangles at each of some rows."""
+    total, lies, ends, at = np.zeros(len(places)), np.zeros(len(places), np.int64), np.cumsum(size), 0
+    twice = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     flat, where = np.ascontiguousarray(corners.reshape(-1, 9).T), np.ascontiguousarray(places.T)
     while at < len(row):
         until = max(at + 1, int(np.searchsorted(ends, (ends[at - 1] if at else 0) + _CHUNK, side="right")))
@@ -74,9 +87,13 @@ def _exact(corners: Array, places: Array, row: Indices, begin: Indices, size: In
         over = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
         under = x * y * z + (ax * bx + ay * by + az * bz) * z
         under += (bx * cx + by * cy + bz * cz) * x + (cx * ax + cy * ay + cz * az) * y
-        total += np.bincount(rows, 2 * np.arctan2(over, under), len(places))
+        angle = 2 * np.arctan2(over, under)
+        total += np.bincount(rows, angle, len(places))
+        seen = np.flatnonzero(np.abs(angle) > _SEEN)
+        on = seen[np.abs(over[seen]) < reach[rows[seen]] * twice[number[seen]]]
+        lies += np.bincount(rows[on], minlength=len(places))
         at = until
-    return total
+    return total, lies
 
 
 def _tree(surface: Surface) -> tuple[Indices, list[_Halves]]:
@@ -155,6 +172,9 @@ def sides_of(surface: Surface, cut: Surface | None = None) -> Sides:
 
 
 def _about(surface: Surface, places: Array, way: Array) -> Sides:
-    """Return what a surface has at places that are moved by a way (n, 3), and moved back by it."""
-    found = windings(surface, np.concatenate([places + way, places - way]))
-    return Sides(found[: len(places)], found[len(places) :])
+    """Return what a surface has at places of its faces that are moved by a way (n, 3), and moved back by it: once more,
+    where no other face lies there."""
+    before, lies = _windings(surface, places + way, _LIES * np.linalg.norm(way, axis=1))
+    behind = before + 1.0
+    behind[lies != 1] = windings(surface, (places - way)[lies != 1])
+    return Sides(before, behind)
