@@ -27,12 +27,13 @@ class CompileNotice:
     """A notice for the user of kernels that are translated and units that are compiled, while it is entered.
 
     kernels: how many are expected; 0 for code that takes so little time that no progress is shown. kept: later starts
-    find the code.
+    find the code. changed: it was compiled before, of other sources.
     """
 
-    def __init__(self, kernels: int, kept: bool = True) -> None:
+    def __init__(self, kernels: int, kept: bool = True, changed: bool = False) -> None:
         self._expected = kernels
-        self._first = "the first time only" if kept else "as each time"
+        first = "as its sources changed" if changed else "the first time only"
+        self._first = first if kept else "as each time"
         self._kernels = self._compiled = self._submitted = 0
         self._sizes: dict[str, int] = {}
         self._share = 0.0

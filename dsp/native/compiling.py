@@ -109,7 +109,9 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[
     lists = {}
     collecting = gc.isenabled()
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
-    notice = CompileNotice(sum(KERNELS.get(module, 0) for module in modules), is_kept(kept.root))
+    known = {module: [key for key, _ in kept.lists(module)] for module in modules}
+    changed = any(keys and key_of(module) not in keys for module, keys in known.items())
+    notice = CompileNotice(sum(KERNELS.get(module, 0) for module in modules), is_kept(kept.root), changed)
     try:
         with notice:
             from .translation import translate_units  # it imports numba

@@ -65,6 +65,14 @@ def test_without_a_terminal_a_line_is_logged_and_then_one_now_and_then(caplog, m
     assert re.fullmatch(r"compiling the engine, .*: +\d+%, about \d+ s left", caplog.messages[-1])
 
 
+@pytest.mark.parametrize(
+    ("kept", "changed", "said"),
+    [(True, False, "the first time only"), (True, True, "as its sources changed"), (False, True, "as each time")],
+)
+def test_notice_says_why_it_compiles(kept, changed, said):
+    assert CompileNotice(9, kept, changed)._text() == f"compiling the engine, {said}:   0%"
+
+
 def test_units_count_beside_kernels_and_no_share_falls():
     notice = CompileNotice(100)
     shares = []
