@@ -9,7 +9,7 @@ from ..numerics.checks import Array
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.settled import same_everywhere
 from ..numerics.sums import AT_ONCE, add_tables, line_of
-from .block_records import AT_BEGIN, AT_END, SOFT_TERMS, TERMS, TILE, Block, Lanes, Net, Tables, motion_of
+from .block_records import SOFT_TERMS, TERMS, TILE, Block, Lanes, Net, Tables, motion_of
 
 
 def _within() -> Array:
@@ -73,29 +73,6 @@ def take_answers(tables: Tables, moment: int, laid: View[float], samples: int, b
             i = n * terms + r
             within = i % AT_ONCE
             tables.later[first + (i - within) * terms + moment * AT_ONCE + within] = laid[r * AHEAD + n]
-
-
-@kernel
-def mix_tables(tables: Tables, share: float, samples: int, answer: View[float], eased: bool) -> None:
-    """Set tables to those on a line between a quantum's ends, a share of it from the beginning: as far as so many
-    samples need them. `answer` (FINE) gets the answer there."""
-    ends, later, first = tables.ends, tables.later, line_of(tables.later)
-    for n in range(FINE):
-        answer[n] = ends[n] + share * (ends[FINE + n] - ends[n])
-    settle_tables(tables, answer, eased)
-    for i in range(samples * TERMS * TERMS):
-        early = later[first + AT_BEGIN + i]
-        later[first + i] = early + share * (later[first + AT_END + i] - early)
-
-
-@kernel
-def go_on_from_end(tables: Tables, samples: int) -> None:
-    """Take tables at a quantum's end, as far as so many samples need them, as those at the next one's beginning."""
-    later, first = tables.later, line_of(tables.later)
-    for n in range(FINE):
-        tables.ends[n] = tables.ends[FINE + n]
-    for i in range(samples * TERMS * TERMS):
-        later[first + AT_BEGIN + i] = later[first + AT_END + i]
 
 
 @kernel

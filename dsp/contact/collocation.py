@@ -50,8 +50,6 @@ LEAST_REST = 1e-300
 SOLVED = 1e-8  # relative change of the forces that ends Newton's method, whose error is then about its square
 NEWTON_STEPS = 16
 _SMALL = 2 * NODES  # unknowns: no zero is worth a look
-_GROWTH = 4e-9  # share of its energy that a contact may gain in all
-_LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
 _OPEN = 0.1  # of the tolerance: share of it that the gap may be by then, which costs no energy
 _GRADIENT_STEPS = 200
@@ -126,13 +124,6 @@ def substitute(linear: View2D[float], size: int) -> None:
         for j in range(i + 1, size):
             linear[i, size] -= linear[i, j] * linear[j, size]
         linear[i, size] *= linear[i, i]
-
-
-@kernel
-def allowance(gained: float, scale: float) -> float:
-    """Return the energy (J) that a step may gain, in a contact of about `scale`, after `gained`: half of what is left
-    to gain."""
-    return max(0.5 * (_GROWTH * scale - gained), _LEAST_GROWTH * scale)
 
 
 @kernel

@@ -15,7 +15,6 @@ from .collocation import (
     SOLVED,
     WEIGHTS,
     WITHIN,
-    allowance,
     eliminate,
     eliminate_three,
     end_of,
@@ -38,6 +37,8 @@ from .law import elastic, law, law_with_slopes, spring_of
 from .power_series import END, FREE, GIVE, MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, put
 from .step_record import GIVE_COUNT, NODES
 
+_GROWTH = 4e-9  # share of its energy that a contact may gain in all
+_LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
 _LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
 
@@ -334,9 +335,9 @@ def _is_sound(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
         for r in range(NODES):
             spring = spring_of(contact.step.x[r], contact.k, contact.a)
             lost -= eta * contact.period * WEIGHTS[r] * (f[r] - spring) * contact.step.v[r]
-        if gain > allowance(contact.gained, contact.scale) or lost > (
-            max(_LOSS * contact.tolerance, _LEAST_LOSS) * contact.scale
-        ):
+        # It may gain half of what is left to gain, and lose little more than the law takes.
+        allowed = max(0.5 * (_GROWTH * contact.scale - contact.gained), _LEAST_GROWTH * contact.scale)
+        if gain > allowed or lost > max(_LOSS * contact.tolerance, _LEAST_LOSS) * contact.scale:
             return False
         group.gained[i] = gain
     return True

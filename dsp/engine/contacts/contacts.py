@@ -48,10 +48,11 @@ from .contact_list import (
     take_out,
 )
 from .coupled_rolls import LEAVING
-from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
+from .flights import follow_coupled, is_gone, is_pushed, release_striker
+from .gesture_kernels import come_back
 from .presses import add_static, glide_push
 from .rests import bear_load, begin_rest, keep_resting
-from .rolls import feed_of, move_on, register_roll
+from .rolls import feed_of, register_roll
 from .room import fade_out
 from .slides import choose_again, lead_slide, rub, rubs
 from .solver_choice import is_moved
@@ -182,18 +183,22 @@ def _go_on(state: State, index: int) -> bool:
         roll.path.coarseness = coarseness_of(state)
         ends = contact.trait.slips == 1 and state.slides[contact.roll].feels == LEAVING
         met = roll.impacts
+        # Keep what this quantum has to know of the force before; `new` is the first frame to be fed.
+        known, begun = state.feeds[contact.roll], roll.piece >= 0
+        new = BEHIND + LEAD if ends or begun else BEHIND
+        for n in range(new):
+            for k in range(KEPT):
+                known[n, k] = known[QUANTUM + n, k] if begun else 0.0
+        if not begun:
+            state.sampled[contact.roll] = -1
         if ends:
             # End a body's force with the frames that are computed.
-            feed = state.feeds[contact.roll]
-            move_on(state, contact, BEHIND + LEAD)
-            for n in range(BEHIND + LEAD, len(feed)):
+            for n in range(new, len(known)):
                 for k in range(KEPT):
-                    feed[n, k] = 0.0
+                    known[n, k] = 0.0
         else:
-            # Compute the force up to LEAD frames behind this quantum's end; `new` is the first frame to be fed.
-            new = BEHIND + LEAD if roll.piece >= 0 else BEHIND
+            # Compute the force up to LEAD frames behind this quantum's end.
             since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate  # s: of that since it began
-            move_on(state, contact, new)
             fill_roll(roll, since, state.rate, state.feeds[contact.roll, new:])
         # Hand the force on to what it drives.
         feed = feed_of(state, contact)
@@ -368,7 +373,10 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
                 leaves = contact.solver == COUPLING and contact.trait.along == 0
                 stays = not leaves or follow_coupled(state, contact, frame)
                 break
-            stays = leave(state, contact, frame)
+            # A touch of closed form is over: its striker comes back, or not.
+            if contact.trait.repeats == 0:
+                report_end(state, contact.gesture, END_RESTED)
+            stays = contact.trait.repeats == 1 and come_back(contact.kind, state, contact, frame)
             if not stays:
                 break
         if not stays:

@@ -17,7 +17,7 @@ from .bounces import fly_off
 from .clearance import energy_beside, flight, is_beyond
 from .contact_list import KEPT_ASIDE, acts, append_contact, give_room_back, report_end, take_out
 from .gesture_kernels import come_back
-from .presses import fly_pressed
+from .presses import fly_unseen
 from .spins import next_turn
 
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
@@ -42,15 +42,6 @@ def is_pushed(contact: Contact) -> bool:
     return contact.v_in < _SLOW * math.sqrt(contact.target.gravity * deepest)
 
 
-@kernel
-def leave(state: State, contact: Contact, frame: int) -> bool:
-    """End a touch of closed form or sampled. True if the striker comes back."""
-    if contact.trait.repeats == 1:
-        return come_back(contact.kind, state, contact, frame)
-    report_end(state, contact.gesture, END_RESTED)
-    return False
-
-
 @noinline_kernel
 def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     """Look at a coupled contact after a sample: false where it is over."""
@@ -64,7 +55,9 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     if now >= contact.gone_at or not math.isfinite(coupled.v):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
-    if _is_over(contact, now, samples):
+    blow_flies = contact.trait.single == 1 and coupled.touching == 0
+    if blow_flies and now + samples >= contact.until and contact.until < math.inf:
+        # It is awaited no longer than it surely touches nothing.
         report_end(state, contact.gesture, END_STOPPED)
         return False
     if contact.gone_at == math.inf and (samples == 0.0 or now - contact.begun > _LONGEST_TOUCH * state.rate):
@@ -101,29 +94,11 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     if contact.trait.falls == 1 and skipped > _HOP:
         contact.begun = now  # a flight: it does not stay
     # Advance a striker unseen by whole samples from a frame on, which it surely stays apart.
-    _fly(state, contact, float(state.position + frame), skipped)
+    fly_unseen(state, contact, float(state.position + frame), skipped)
     give_room_back(state, contact)
     contact.start = state.position + frame + int(skipped)
     contact.fraction = 0.0
     return True
-
-
-@kernel
-def _fly(state: State, contact: Contact, since: float, samples: float) -> None:
-    """Advance a striker that touches nothing by whole samples from a time in samples on, or take it back."""
-    if samples == 0.0:
-        return
-    if contact.trait.held == 1:
-        fly_pressed(contact, int(since) - state.position, samples)
-    else:
-        fly_on(contact.coupled, samples)
-
-
-@kernel
-def _is_over(contact: Contact, now: float, samples: float) -> bool:
-    """True if a blow's striker flies that is awaited no longer than it surely touches nothing."""
-    flies = contact.trait.single == 1 and contact.coupled.touching == 0
-    return flies and contact.until < math.inf and now + samples >= contact.until
 
 
 @kernel
@@ -148,9 +123,9 @@ def call_back(state: State, obj: Object, frame: int) -> None:
                 # Advance a striker unseen, from a time in samples on, for no longer than it surely stays apart.
                 until = contact.gone_at if contact.aside == KEPT_ASIDE else float(contact.start)
                 if not until <= now:
-                    _fly(state, contact, until, now - until)
+                    fly_unseen(state, contact, until, now - until)
                     samples = min(flight(state, contact, False), until - now)
-                    _fly(state, contact, now, samples)
+                    fly_unseen(state, contact, now, samples)
                     if now + samples < until:
                         contact.start = int(now + samples)
                         contact.gone_at = math.inf if contact.aside == KEPT_ASIDE else contact.gone_at

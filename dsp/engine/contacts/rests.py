@@ -117,8 +117,19 @@ def settle_rests(state: State) -> None:
                         if rings or is_heard(state, obj, obj.first, obj.first + obj.live, least_heard(state, obj)):
                             obj.restless = 1
             index = state.contacts[index].next
-    while _spread(state):
-        pass
+    spreads = True
+    while spreads:
+        # Keep those awake that rest on what can't sleep, and what they rest on.
+        spreads = False
+        for i in range(state.active):
+            index = state.objects[state.order[i]].contact
+            while index >= 0:
+                contact = state.contacts[index]
+                if contact.trait.rests == 1 and contact.touching == 1 and contact.point[1].slot >= 0:
+                    one, other = state.objects[contact.point[0].slot], state.objects[contact.point[1].slot]
+                    spreads |= one.restless != other.restless
+                    one.restless = other.restless = max(one.restless, other.restless)
+                index = contact.next
     for i in range(state.active):
         index = state.objects[state.order[i]].contact
         while index >= 0:
@@ -149,19 +160,3 @@ def settle_rests(state: State) -> None:
                                 state.bank.y1[mode] = state.bank.y2[mode] = 0.0
                             obj.live = obj.has_contact = 0
             index = contact.next
-
-
-@kernel
-def _spread(state: State) -> bool:
-    """Keep those awake that rest on what can't sleep, and what they rest on; true if there are more than before."""
-    spread = False
-    for i in range(state.active):
-        index = state.objects[state.order[i]].contact
-        while index >= 0:
-            contact = state.contacts[index]
-            if contact.trait.rests == 1 and contact.touching == 1 and contact.point[1].slot >= 0:
-                one, other = state.objects[contact.point[0].slot], state.objects[contact.point[1].slot]
-                spread |= one.restless != other.restless
-                one.restless = other.restless = max(one.restless, other.restless)
-            index = contact.next
-    return spread

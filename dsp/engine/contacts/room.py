@@ -42,7 +42,8 @@ from .contact_list import (
     KEPT_ASIDE,
     end_contact,
     free_means,
-    has_place,
+    give_place_back,
+    places_left,
     report_end,
 )
 
@@ -242,7 +243,17 @@ def _replace_least(state: State, index: int, what: int) -> bool:
 def find_room(state: State, index: int) -> bool:
     """Find room for a contact that begins, which has a place; False if it is to be left out."""
     trait = state.contacts[index].trait
-    rolls = trait.along == 1 and not has_place(state)
+    rolls = trait.along == 1
+    if rolls:
+        # Where no place for a roll is free, a rest or a press gives up its own.
+        for i in range(state.active):
+            at = state.objects[state.order[i]].contact
+            while at >= 0 and places_left(state) == 0:
+                contact = state.contacts[at]
+                if contact.trait.along == 0 and contact.trait.swarms == 0:
+                    give_place_back(state, contact)
+                at = contact.next
+        rolls = places_left(state) == 0
     swarms = trait.swarms > 0
     for k in range(len(state.swarms)):
         swarms = swarms and state.swarms[k].used == 1

@@ -12,7 +12,7 @@ speed, as a finger goes round a glass. The modes' pattern follows it where they 
 
 import math
 
-from ...contact.block import add_beside
+from ...contact.law import elastic
 from ...friction.elastic import step_elastic, stiffen
 from ...friction.located import step_located
 from ...friction.stick_slip import begin_friction, move_beside, respond_along, step_whole
@@ -229,7 +229,12 @@ def rub(state: State, contact: Contact, frame: int) -> None:
     if contact.solver == COUPLING:
         contact.coupled.motion[0] -= first * friction.whole_mean / slide.along  # the point has moved meanwhile
         if contact.ahead > sample + 1 - state.position:
-            add_beside(state.blocks[contact.roll], contact.coupled, slide.along * first, slide.along * second)
+            # By the sample's end friction has moved the point, and does what the contact's own force does to the
+            # samples after it.
+            block, coupled = state.blocks[contact.roll], contact.coupled
+            block.moments[0] += slide.along * first
+            block.moments[1] += slide.along * second
+            block.stored = elastic(coupled.motion[0], coupled.k, coupled.a)
     first *= scale
     second *= scale
     if not whole:
