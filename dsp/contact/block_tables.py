@@ -101,10 +101,3 @@ def feel_tile(block: Block, lanes: Lanes, i: int, samples: int, end: int) -> Non
         felt = lanes.felt[begin, i], lanes.felt[begin + 1, i], lanes.felt[begin + 2, i]
         count = (samples - 1 - first) * SOFT_TERMS - done
         add_tables(rows, (first + 2) * SOFT_TERMS + done, later, line_of(later) + done * SOFT_TERMS, felt, count)
-
-
-@kernel
-def soft_answer(tables: Tables, lag: int, row: int, moment: int) -> float:
-    """Return what a moment adds to a row of the sample that is `lag` after its own."""
-    i = (lag - 1) * SOFT_TERMS + row
-    return tables.later[line_of(tables.later) + (i - i % AT_ONCE) * SOFT_TERMS + moment * AT_ONCE + i % AT_ONCE]

@@ -11,8 +11,6 @@ Where the steps would have to become too fine, `discrete_gradient` holds the for
 energy can't grow, whatever the step, and the root is unique.
 """
 
-import math
-
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -55,8 +53,8 @@ _OPEN = 0.1  # of the tolerance: share of it that the gap may be by then, which 
 _GRADIENT_STEPS = 200
 _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
-_SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
-_FAR = (_LENGTHEN / WITHIN) ** 4  # times the rest that is left, from which on that much is allowed
+_SHORTEN, LENGTHEN = 0.2, 2.0  # a step by at most, at once
+FAR = (LENGTHEN / WITHIN) ** 4  # times the rest that is left, from which on that much is allowed
 
 
 @kernel
@@ -212,16 +210,6 @@ def until_release(
 
 
 @kernel
-def step_within(rest: float, wanted: float) -> float:
-    """Return the factor from a step to the next one to try; `rest` is left at its end, of which `wanted` is allowed.
-
-    WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
-    steeply where the contact begins.
-    """
-    return _LENGTHEN if wanted >= _FAR * rest else better_step(math.sqrt(math.sqrt(wanted / max(rest, LEAST_REST))))
-
-
-@kernel
 def better_step(share: float) -> float:
     """Return the factor from a step to the next one to try; share: the longest within the tolerance over this step."""
-    return min(max(WITHIN * share, _SHORTEN), _LENGTHEN)
+    return min(max(WITHIN * share, _SHORTEN), LENGTHEN)

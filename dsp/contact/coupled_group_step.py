@@ -9,17 +9,20 @@ from ..native.typed import Items
 from ..numerics.legendre import FINE
 from .collocation import (
     CARDINAL,
+    FAR,
     GAUSS,
     INTEGRAL,
+    LEAST_REST,
+    LENGTHEN,
     NEWTON_STEPS,
     SOLVED,
     WEIGHTS,
     WITHIN,
+    better_step,
     eliminate,
     eliminate_three,
     end_of,
     force_at,
-    step_within,
     until_release,
 )
 from .coupled_flight import fly
@@ -72,7 +75,12 @@ def find_step(contacts: Items[Member], group: CoupledGroup, eta: float, longest:
                 v = group.end_v[i]
                 speed = speed_of(contact, x, v)
                 rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
-                ratio = step_within(rest, contact.tolerance * contact.mass * speed)
+                # The rest grows with h^4 where the force is smooth, and less steeply where the contact begins.
+                wanted = contact.tolerance * contact.mass * speed
+                if wanted >= FAR * rest:
+                    ratio = LENGTHEN
+                else:
+                    ratio = better_step(math.sqrt(math.sqrt(wanted / max(rest, LEAST_REST))))
                 group.ratio[i] = ratio
                 if ratio < WITHIN:
                     contact.next = ratio * eta

@@ -54,7 +54,7 @@ from .presses import add_static, glide_push
 from .rests import bear_load, begin_rest, keep_resting
 from .rolls import feed_of, register_roll
 from .room import fade_out
-from .slides import choose_again, lead_slide, rub, rubs
+from .slides import choose_again, lead_slide, rub
 from .solver_choice import is_moved
 from .swarms import has_run_out, swarm_on
 from .trace import trace_roll
@@ -271,20 +271,6 @@ def _lift(state: State, contact: Contact, frames: int) -> None:
     contact.push = contact.push_gap = 0.0
     contact.start = state.position + frames
     contact.fraction = 0.0
-
-
-@kernel
-def next_driven_frame(state: State, obj: Object, frame: int) -> int:
-    """Return the first frame from `frame` on that a contact, but for rolls, acts on, or QUANTUM: after its
-    beginning."""
-    found = QUANTUM
-    index = obj.contact
-    while acts(state, index):
-        contact = state.contacts[index]
-        if contact.solver != ROLLING or (contact.trait.slips == 1 and rubs(contact)):
-            found = min(found, max(frame, contact.ahead, contact.start + 1 - state.position))
-        index = contact.next
-    return found
 
 
 @kernel

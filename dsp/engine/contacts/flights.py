@@ -14,7 +14,7 @@ from ..memory.quality import keeps_strikers
 from ..memory.records import Contact
 from ..memory.state import COUPLING, END_RESTED, END_STOPPED, QUANTUM, Object, State
 from .bounces import fly_off
-from .clearance import energy_beside, flight, is_beyond
+from .clearance import energy_felt, flight, given_by_others, is_beyond
 from .contact_list import KEPT_ASIDE, acts, append_contact, give_room_back, report_end, take_out
 from .gesture_kernels import come_back
 from .presses import fly_unseen
@@ -50,8 +50,15 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
         return math.isfinite(coupled.v)
     now = float(state.position + frame)
     samples = 0.0 if coupled.touching == 1 else flight(state, contact, True)
-    if contact.trait.repeats == 1 and contact.trait.falls == 0 and _turns_on(state, contact, now, samples):
-        return come_back(contact.kind, state, contact, frame)
+    if contact.trait.repeats == 1 and contact.trait.falls == 0:
+        # A disc's contact is over where its rim has left for good, or surely touches nothing until the next is due.
+        due = now + samples >= contact.origin + next_turn(contact) * state.rate
+        if contact.gone_at < math.inf:
+            over = due or now >= contact.gone_at
+        else:
+            over = coupled.touching == 0 and coupled.contacts > 0 and (due or samples == math.inf)
+        if over or not math.isfinite(coupled.v):
+            return come_back(contact.kind, state, contact, frame)
     if now >= contact.gone_at or not math.isfinite(coupled.v):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
@@ -118,7 +125,8 @@ def call_back(state: State, obj: Object, frame: int) -> None:
         after = contact.next
         if contact.touching == 1 and contact.solver == COUPLING and contact.aside > 0:
             if contact.aside == KEPT_ASIDE and energy < 0.0:
-                energy = energy_beside(state, obj, contact)  # it is the same for all that have left
+                # What its modes have, and what others may give it yet: it is the same for all that have left.
+                energy = energy_felt(state, obj) + given_by_others(state, contact, 0, contact.reach)[0]
             if contact.aside == 1 or not is_beyond(contact, obj, energy, contact.gone_at - now):
                 # Advance a striker unseen, from a time in samples on, for no longer than it surely stays apart.
                 until = contact.gone_at if contact.aside == KEPT_ASIDE else float(contact.start)
@@ -136,19 +144,6 @@ def call_back(state: State, obj: Object, frame: int) -> None:
         else:
             before = index
         index = after
-
-
-@kernel
-def _turns_on(state: State, contact: Contact, now: float, samples: float) -> bool:
-    """True if a disc's contact is over, at a time in samples: its rim has left for good, or surely touches nothing for
-    so many samples, by whose end the next contact is due."""
-    coupled = contact.coupled
-    if not math.isfinite(coupled.v):
-        return True
-    due = now + samples >= contact.origin + next_turn(contact) * state.rate
-    if contact.gone_at < math.inf:
-        return due or now >= contact.gone_at
-    return coupled.touching == 0 and coupled.contacts > 0 and (due or samples == math.inf)
 
 
 @kernel
