@@ -82,16 +82,13 @@ def is_beyond(contact: Contact, obj: Object, energy: float, samples: float) -> b
 @kernel
 def energy_felt(state: State, obj: Object) -> float:
     """Return the energy (J) of an object's modes that contacts feel."""
-    return _energy(state, obj, 0, min(obj.live, obj.felt)) + _energy(state, obj, obj.unheard, obj.live)
-
-
-@kernel
-def _energy(state: State, obj: Object, begin: int, end: int) -> float:
-    """Return the energy (J) of an object's modes from number `begin`, a multiple of LANES, up to `end`."""
-    if begin >= end:
-        return 0.0
-    weights = state.bank.weight[obj.first + begin : obj.first + obj.live]
-    return energy_of(modes_of(state, obj, begin, obj.live), weights, end - begin)
+    energy, last = 0.0, obj.first + obj.live
+    for part in range(2):
+        begin, end = (0, min(obj.live, obj.felt)) if part == 0 else (obj.unheard, obj.live)
+        if begin < end:
+            weights = state.bank.weight[obj.first + begin : last]
+            energy += energy_of(modes_of(state, obj, begin, obj.live), weights, end - begin)
+    return energy
 
 
 @kernel
