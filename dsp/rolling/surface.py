@@ -125,7 +125,8 @@ def _octave_at(surface: Surface, j: int, place: int) -> float:
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
     cell = shifted >> level
-    _enter(surface, j, cell, 4)
+    for c in range(4):
+        surface.corner[c] = surface.height[j] * TO_HEIGHT * drawn(surface.seed[j], cell + c)
     c0, c1, c2, c3 = _cubic(surface.corner, 0)
     t = (shifted - (cell << level)) / (1 << level)
     return c0 + t * (c1 + t * (c2 + t * c3))
