@@ -31,11 +31,11 @@ import math
 
 from ..native.jit import kernel, noinline_kernel, simd_kernel
 from ..native.typed import Items
-from .block_choice import landing_of, swing_of
+from .block_choice import HARDER, LANDS, swing_of
 from .block_records import TERMS, Block, Net, Newton, motion_of
 from .collocation import discrete_gradient, factor, substitute
 from .coupled_records import Coupled, Member
-from .law import elastic
+from .law import compression_of_stiffness, elastic
 from .step_record import NODES
 from .terms import NEAR, NONE, change_of, dot, plus, project_law, put, solve_terms, take, times, work_of
 
@@ -72,22 +72,18 @@ def begin_block(block: Block, contact: Coupled, place: float, terms: int) -> Non
     of the forces."""
     contact.position = contact.motion[0] + place
     block.stored = elastic(contact.motion[0], contact.k, contact.a)
-    block.landing = landing_of(contact)
+    swing, block.landing = swing_of(contact), math.inf
+    if contact.a != 1.0:
+        # The energy (J) that compresses the contact as far as a block follows what lands.
+        rate = max(LANDS, HARDER * swing) / contact.period
+        deepest = compression_of_stiffness(rate * rate * contact.mass, contact.k, contact.a)
+        block.landing = elastic(deepest, contact.k, contact.a)
     block.leaves = 1 if contact.rest_force == 0.0 else 0
     motion_of(block)[terms - 1] = place
     block.pushes = contact.force[0] if contact.touching == 1 else 0.0
-    block.soft = 1 if swing_of(contact) < _SOFT else 0
+    block.soft = 1 if swing < _SOFT else 0
     put(block.force, (block.pushes, 0.0, 0.0, 0.0))
     put(block.before, (block.pushes, 0.0, 0.0, 0.0))
-
-
-@kernel
-def add_beside(block: Block, contact: Coupled, first: float, second: float) -> None:
-    """Add the moments (N s) of another force at the contact's point over the last sample, by whose end it has moved
-    the point: it does what the contact's own does to the samples after it."""
-    block.moments[0] += first
-    block.moments[1] += second
-    block.stored = elastic(contact.motion[0], contact.k, contact.a)
 
 
 @kernel
@@ -141,7 +137,15 @@ def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, size: i
         for j in range(size):
             _find_rates(blocks, net, size, j)
     for i in range(size):
-        if _ends(contacts[net.contact[i]].coupled, blocks[net.block[i]]):
+        contact, block = contacts[net.contact[i]].coupled, blocks[net.block[i]]
+        force, rate = take(block.force), take(block.rate)
+        if not math.isfinite(dot(force, rate)):
+            return False
+        if block.leaves == 1 and not (contact.motion[0] + rate[0] > 0.0 and dot(force, _ENDS) > 0.0):
+            return False
+        speed = dot(rate, _BEGINS) / contact.period
+        energy = block.stored + 0.5 * contact.mass * speed * speed
+        if force[0] > 0.0 and energy > max(block.landing, AS_HARD * block.scale):
             return False
     for i in range(size):
         _move(contacts[net.contact[i]].coupled, blocks[net.block[i]])
@@ -217,7 +221,24 @@ def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, siz
         for step in range(_NEWTON_STEPS):
             anew = net.factored == 0 or step >= _KNOWN_STEPS or attempt > 0
             for i in range(size):
-                _lay_equations(contacts[net.contact[i]].coupled, blocks[net.block[i]], net, size, i, anew)
+                # Newton's equations for contact i: (1 + K W) f = found + K (free - rate), with its slopes as they are
+                # `anew`; else only their right side.
+                contact, block = contacts[net.contact[i]].coupled, blocks[net.block[i]]
+                rate = take(block.rate)
+                project_law(net.newton, contact.motion[0], rate, (contact.k, contact.mu, contact.a), contact.period)
+                away = plus(take(block.free), -1.0, rate)
+                for k in range(TERMS):
+                    row = net.linear[TERMS * i + k]
+                    if anew:
+                        slopes = take(net.newton.slopes[TERMS * k :])
+                        put(net.slopes[i, TERMS * k :], slopes)
+                        for j in range(size):
+                            within = block.tables[j].within
+                            for p in range(TERMS):
+                                taken = dot(slopes, (within[0, p], within[1, p], within[2, p], within[3, p]))
+                                row[TERMS * j + p] = net.ratio[i, j] * taken
+                        row[TERMS * i + k] += 1.0
+                    row[count] = net.newton.found[k] + dot(take(net.slopes[i, TERMS * k :]), away)
             if anew:
                 factor(net.linear, count)
                 net.factored = 1
@@ -238,27 +259,6 @@ def _solve_together(contacts: Items[Member], blocks: Items[Block], net: Net, siz
         for i in range(size):
             put(blocks[net.block[i]].rate, take(blocks[net.block[i]].free))
     return False
-
-
-@kernel
-def _lay_equations(contact: Coupled, block: Block, net: Net, size: int, i: int, anew: bool) -> None:
-    """Lay Newton's equations for contact i of a net: (1 + K W) f = found + K (free - rate). anew: with its slopes as
-    they are now; else only their right side."""
-    newton, law = net.newton, (contact.k, contact.mu, contact.a)
-    project_law(newton, contact.motion[0], take(block.rate), law, contact.period)
-    away = plus(take(block.free), -1.0, take(block.rate))
-    for k in range(TERMS):
-        row = net.linear[TERMS * i + k]
-        if anew:
-            put(net.slopes[i, TERMS * k :], take(newton.slopes[TERMS * k :]))
-            slopes = take(newton.slopes[TERMS * k :])
-            for j in range(size):
-                within = block.tables[j].within
-                for p in range(TERMS):
-                    taken = dot(slopes, (within[0, p], within[1, p], within[2, p], within[3, p]))
-                    row[TERMS * j + p] = net.ratio[i, j] * taken
-            row[TERMS * i + k] += 1.0
-        row[TERMS * size] = newton.found[k] + dot(take(net.slopes[i, TERMS * k :]), away)
 
 
 @kernel
@@ -287,20 +287,6 @@ def _mend(contact: Coupled, block: Block) -> bool:
         return False
     put(block.force, plus(force, (grown - 0.5 * allowed) / (work_of(rate, rate) + LEAST), rate))
     return True
-
-
-@kernel
-def _ends(contact: Coupled, block: Block) -> bool:
-    """True if a contact's block ends before the sample: it leaves by then, lands harder than a block follows, or moves
-    by no number."""
-    force, rate = take(block.force), take(block.rate)
-    if not math.isfinite(dot(force, rate)):
-        return True
-    if block.leaves == 1 and not (contact.motion[0] + rate[0] > 0.0 and dot(force, _ENDS) > 0.0):
-        return True
-    speed = dot(rate, _BEGINS) / contact.period
-    energy = block.stored + 0.5 * contact.mass * speed * speed
-    return force[0] > 0.0 and energy > max(block.landing, AS_HARD * block.scale)
 
 
 @simd_kernel

@@ -12,7 +12,7 @@ import math
 from ..native.jit import kernel
 from .block_records import TERMS
 from .coupled_records import Coupled
-from .law import compression_at, compression_of_energy, compression_of_stiffness, elastic, stiffness_at
+from .law import compression_at, compression_of_energy, elastic, stiffness_at
 
 IN_STEP = 20e-3
 """s: over which what rolls, slides or strikes is to stay in step, if its loss does not end a swing before."""
@@ -30,7 +30,7 @@ stiffness."""
 LOSSIEST = 1.0
 """The share of its speed that a contact loses in a sample, up to which one does."""
 
-LANDS, _HARDER = 1.2, 1.2
+LANDS, HARDER = 1.2, 1.2
 """rad of the swing at the greatest depth up to which a block follows what lands harder than ever; or times that at
 rest."""
 
@@ -41,7 +41,8 @@ SOFTEST, SMOOTHEST, CALMEST = 0.6, 0.5, 0.3
 """rad of the swing in a sample up to which three terms do to -60 dB (at 0.67 a rough roll errs by -59.8 dB); the share
 of the speed lost in one, over that swing, where a path has kinks; and that share where there are none, at rest."""
 
-_LONG = 0.1  # rad of a blow's swing up to which a block is worth its tables: it lasts for 30 samples on a wall
+LONG = 0.1
+"""rad of a blow's swing up to which a block is worth its tables: it lasts for 30 samples on a wall."""
 
 
 @kernel
@@ -70,23 +71,6 @@ def is_soft(contact: Coupled, rests: bool) -> bool:
 def is_eased(contact: Coupled) -> bool:
     """True if a contact loses so much in a sample, or swings so far, that its last term is damped."""
     return loss_of(contact) > EASED or swing_of(contact) > STIFFEST_AT_REST
-
-
-@kernel
-def landing_of(contact: Coupled) -> float:
-    """Return the energy (J) that compresses a contact as far as a block follows what lands."""
-    if contact.a == 1.0:
-        return math.inf
-    rate = max(LANDS, _HARDER * swing_of(contact)) / contact.period
-    deepest = compression_of_stiffness(rate * rate * contact.mass, contact.k, contact.a)
-    energy: float = elastic(deepest, contact.k, contact.a)
-    return energy
-
-
-@kernel
-def is_long(contact: Coupled) -> bool:
-    """True if a blow lasts for so long that a block is worth its tables."""
-    return swing_of(contact) < _LONG
 
 
 @kernel

@@ -9,7 +9,7 @@ from ..numerics.checks import Array
 from ..numerics.legendre import AHEAD, FINE
 from ..numerics.settled import same_everywhere
 from ..numerics.sums import AT_ONCE, add_tables, line_of
-from .block_records import AT_BEGIN, AT_END, SOFT_TERMS, TERMS, TILE, Block, Lanes, Net, Tables, motion_of
+from .block_records import SOFT_TERMS, TERMS, TILE, Block, Lanes, Net, Tables, motion_of
 
 
 def _within() -> Array:
@@ -76,29 +76,6 @@ def take_answers(tables: Tables, moment: int, laid: View[float], samples: int, b
 
 
 @kernel
-def mix_tables(tables: Tables, share: float, samples: int, answer: View[float], eased: bool) -> None:
-    """Set tables to those on a line between a quantum's ends, a share of it from the beginning: as far as so many
-    samples need them. `answer` (FINE) gets the answer there."""
-    ends, later, first = tables.ends, tables.later, line_of(tables.later)
-    for n in range(FINE):
-        answer[n] = ends[n] + share * (ends[FINE + n] - ends[n])
-    settle_tables(tables, answer, eased)
-    for i in range(samples * TERMS * TERMS):
-        early = later[first + AT_BEGIN + i]
-        later[first + i] = early + share * (later[first + AT_END + i] - early)
-
-
-@kernel
-def go_on_from_end(tables: Tables, samples: int) -> None:
-    """Take tables at a quantum's end, as far as so many samples need them, as those at the next one's beginning."""
-    later, first = tables.later, line_of(tables.later)
-    for n in range(FINE):
-        tables.ends[n] = tables.ends[FINE + n]
-    for i in range(samples * TERMS * TERMS):
-        later[first + AT_BEGIN + i] = later[first + AT_END + i]
-
-
-@kernel
 def feel(blocks: Items[Block], net: Net, size: int, n: int) -> None:
     """Add what the forces of sample n do to the rows of the samples after it in the block, of all contacts of a net of
     a size."""
@@ -124,10 +101,3 @@ def feel_tile(block: Block, lanes: Lanes, i: int, samples: int, end: int) -> Non
         felt = lanes.felt[begin, i], lanes.felt[begin + 1, i], lanes.felt[begin + 2, i]
         count = (samples - 1 - first) * SOFT_TERMS - done
         add_tables(rows, (first + 2) * SOFT_TERMS + done, later, line_of(later) + done * SOFT_TERMS, felt, count)
-
-
-@kernel
-def soft_answer(tables: Tables, lag: int, row: int, moment: int) -> float:
-    """Return what a moment adds to a row of the sample that is `lag` after its own."""
-    i = (lag - 1) * SOFT_TERMS + row
-    return tables.later[line_of(tables.later) + (i - i % AT_ONCE) * SOFT_TERMS + moment * AT_ONCE + i % AT_ONCE]

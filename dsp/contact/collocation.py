@@ -11,8 +11,6 @@ Where the steps would have to become too fine, `discrete_gradient` holds the for
 energy can't grow, whatever the step, and the root is unique.
 """
 
-import math
-
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -50,15 +48,13 @@ LEAST_REST = 1e-300
 SOLVED = 1e-8  # relative change of the forces that ends Newton's method, whose error is then about its square
 NEWTON_STEPS = 16
 _SMALL = 2 * NODES  # unknowns: no zero is worth a look
-_GROWTH = 4e-9  # share of its energy that a contact may gain in all
-_LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
 _OPEN = 0.1  # of the tolerance: share of it that the gap may be by then, which costs no energy
 _GRADIENT_STEPS = 200
 _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
-_SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
-_FAR = (_LENGTHEN / WITHIN) ** 4  # times the rest that is left, from which on that much is allowed
+_SHORTEN, LENGTHEN = 0.2, 2.0  # a step by at most, at once
+FAR = (LENGTHEN / WITHIN) ** 4  # times the rest that is left, from which on that much is allowed
 
 
 @kernel
@@ -126,13 +122,6 @@ def substitute(linear: View2D[float], size: int) -> None:
         for j in range(i + 1, size):
             linear[i, size] -= linear[i, j] * linear[j, size]
         linear[i, size] *= linear[i, i]
-
-
-@kernel
-def allowance(gained: float, scale: float) -> float:
-    """Return the energy (J) that a step may gain, in a contact of about `scale`, after `gained`: half of what is left
-    to gain."""
-    return max(0.5 * (_GROWTH * scale - gained), _LEAST_GROWTH * scale)
 
 
 @kernel
@@ -221,16 +210,6 @@ def until_release(
 
 
 @kernel
-def step_within(rest: float, wanted: float) -> float:
-    """Return the factor from a step to the next one to try; `rest` is left at its end, of which `wanted` is allowed.
-
-    WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
-    steeply where the contact begins.
-    """
-    return _LENGTHEN if wanted >= _FAR * rest else better_step(math.sqrt(math.sqrt(wanted / max(rest, LEAST_REST))))
-
-
-@kernel
 def better_step(share: float) -> float:
     """Return the factor from a step to the next one to try; share: the longest within the tolerance over this step."""
-    return min(max(WITHIN * share, _SHORTEN), _LENGTHEN)
+    return min(max(WITHIN * share, _SHORTEN), LENGTHEN)

@@ -9,18 +9,20 @@ from ..native.typed import Items
 from ..numerics.legendre import FINE
 from .collocation import (
     CARDINAL,
+    FAR,
     GAUSS,
     INTEGRAL,
+    LEAST_REST,
+    LENGTHEN,
     NEWTON_STEPS,
     SOLVED,
     WEIGHTS,
     WITHIN,
-    allowance,
+    better_step,
     eliminate,
     eliminate_three,
     end_of,
     force_at,
-    step_within,
     until_release,
 )
 from .coupled_flight import fly
@@ -38,6 +40,8 @@ from .law import elastic, law, law_with_slopes, spring_of
 from .power_series import END, FREE, GIVE, MISSED, NODE_RATES, TAKEN, TO_ENDS, WORK, put
 from .step_record import GIVE_COUNT, NODES
 
+_GROWTH = 4e-9  # share of its energy that a contact may gain in all
+_LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
 _LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
 
@@ -71,7 +75,12 @@ def find_step(contacts: Items[Member], group: CoupledGroup, eta: float, longest:
                 v = group.end_v[i]
                 speed = speed_of(contact, x, v)
                 rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
-                ratio = step_within(rest, contact.tolerance * contact.mass * speed)
+                # The rest grows with h^4 where the force is smooth, and less steeply where the contact begins.
+                wanted = contact.tolerance * contact.mass * speed
+                if wanted >= FAR * rest:
+                    ratio = LENGTHEN
+                else:
+                    ratio = better_step(math.sqrt(math.sqrt(wanted / max(rest, LEAST_REST))))
                 group.ratio[i] = ratio
                 if ratio < WITHIN:
                     contact.next = ratio * eta
@@ -334,9 +343,9 @@ def _is_sound(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
         for r in range(NODES):
             spring = spring_of(contact.step.x[r], contact.k, contact.a)
             lost -= eta * contact.period * WEIGHTS[r] * (f[r] - spring) * contact.step.v[r]
-        if gain > allowance(contact.gained, contact.scale) or lost > (
-            max(_LOSS * contact.tolerance, _LEAST_LOSS) * contact.scale
-        ):
+        # It may gain half of what is left to gain, and lose little more than the law takes.
+        allowed = max(0.5 * (_GROWTH * contact.scale - contact.gained), _LEAST_GROWTH * contact.scale)
+        if gain > allowed or lost > max(_LOSS * contact.tolerance, _LEAST_LOSS) * contact.scale:
             return False
         group.gained[i] = gain
     return True

@@ -11,9 +11,9 @@ import math
 from typing import TypeAlias
 
 from ..native.jit import kernel, noinline_kernel
+from ..numerics.sums import AT_ONCE, line_of
 from .block import ALLOWED, AS_HARD, LEAST, ROUNDS
 from .block_records import LANES, SOFT_TERMS, TILE, Block, Lanes, motion_of
-from .block_tables import soft_answer
 from .collocation import discrete_gradient
 from .coupled_records import Coupled
 from .law import law_by_power
@@ -62,12 +62,16 @@ def enter_lane(lanes: Lanes, i: int, contact: Coupled, block: Block) -> None:
     lanes.position[i], lanes.v[i], lanes.now[i] = contact.position, contact.v, contact.motion[0]
     lanes.gained[i], lanes.scale[i], lanes.stored[i] = block.gained, block.scale, block.stored
     lanes.touching[i], lanes.contacts[i] = contact.touching, contact.contacts
+    first = line_of(block.tables[0].later)
     for j in range(SOFT_TERMS):
         lanes.force[j, i], lanes.before[j, i] = block.force[j], block.before[j]
         for k in range(SOFT_TERMS):
             lanes.within[SOFT_TERMS * j + k, i] = block.tables[0].within[j, k]
             for lag in range(1, TILE):
-                lanes.later[(lag - 1) * SOFT_TERMS**2 + SOFT_TERMS * j + k, i] = soft_answer(block.tables[0], lag, j, k)
+                # What moment k adds to row j of the sample that is `lag` after its own.
+                row = (lag - 1) * SOFT_TERMS + j
+                at = first + (row - row % AT_ONCE) * SOFT_TERMS + k * AT_ONCE + row % AT_ONCE
+                lanes.later[SOFT_TERMS * row + k, i] = block.tables[0].later[at]
 
 
 @noinline_kernel

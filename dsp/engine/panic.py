@@ -10,23 +10,33 @@ import math
 from ..native.jit import kernel
 from ..resonator.bank import RESPONSES, Modes, ring
 from ..resonator.simd import LANES
-from .bank.spectral import let_bank_fade
 from .bodies.objects import shape_at
 from .bodies.sheets import uncouple
 from .contacts.contact_list import end_contacts
+from .memory.order import wake
 from .memory.records import Contact, ContactPoint
 from .memory.state import QUANTUM, ROLLING, Object, State
 from .output.fade import RATES, fade_length, going_on, left_of, pace_of, tilt_of
 from .output.mix import is_finite, sides_of
-from .output.space import let_space_fade
 from .output.space_lines import add_voice
 
 
 @kernel
 def let_fade(state: State) -> None:
     """End every gesture, and let what sounds fade."""
-    let_bank_fade(state)
-    let_space_fade(state)
+    spectral, space = state.spectral, state.surroundings
+    if spectral.modes > 0:
+        # All that rings in the bank fades there. Its objects are free at once, and are at rest.
+        for k in range(state.ringer_count):
+            obj = state.objects[state.ringers[k]]
+            wake(state, state.ringers[k])
+            obj.spectral = obj.live = 0
+        state.ringer_count = 0
+        if spectral.fading == 0:
+            spectral.fading, spectral.faded = 1, 0
+    if space.on == 1:
+        # So does what is on its way, and the room's late part.
+        space.fading, space.faded, space.panicked = 1, 0, state.position
     for i in range(state.active):
         # Put what an object's modes ring aside, together with what may be fading there already, and its modes to rest.
         obj = state.objects[state.order[i]]

@@ -14,18 +14,19 @@ from .bodies.objects import is_heard, least_heard
 from .bodies.retuning import retune
 from .bodies.sensing import begin_sensing, sense
 from .bodies.sheets import follow_sheets, is_coupled, uncouple
-from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
+from .bodies.strikers import end_voice, rest_strikers, ring_strikers
 from .contacts.blocks import solve_blocks
 from .contacts.contact_groups import solve_groups
-from .contacts.contact_list import end_contacts
-from .contacts.contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
+from .contacts.contact_list import acts, end_contacts
+from .contacts.contacts import begin_contacts, run_contacts, update_contacts
 from .contacts.flights import call_back
 from .contacts.lanes import solve_in_lanes
 from .contacts.rests import settle_rests
 from .contacts.rolls import add_through, is_fed, ring_on
+from .contacts.slides import rubs
 from .memory.filling import fill_object
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
-from .memory.state import FADES, QUANTUM, RINGS_OUT, STAYS, Object, State
+from .memory.state import FADES, QUANTUM, RINGS_OUT, ROLLING, STAYS, Object, State
 from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, sides_of
 from .output.space import hear_space
 from .output.space_lines import add_voice, travels
@@ -136,7 +137,13 @@ def _render_group(state: State) -> None:
             obj = state.objects[scratch.group[g]]
             if obj.contact >= 0:
                 run_contacts(state, obj, frame)
-                stop = min(stop, next_driven_frame(state, obj, frame + 1))
+                # Stop at the next frame that a contact, but for rolls, acts on: after its beginning.
+                index = obj.contact
+                while acts(state, index):
+                    contact = state.contacts[index]
+                    if contact.solver != ROLLING or (contact.trait.slips == 1 and rubs(contact)):
+                        stop = min(stop, max(frame + 1, contact.ahead, contact.start + 1 - state.position))
+                    index = contact.next
         for g in range(scratch.group_size):
             obj = state.objects[scratch.group[g]]
             begin = frame
@@ -232,7 +239,8 @@ def _rest_all(state: State, obj: Object) -> None:
         state.bank.y2[i] = 0.0
     obj.live = 0
     uncouple(state, obj)
-    silence_strikers(state, obj)
+    while obj.voice >= 0:
+        end_voice(state, obj, -1, obj.voice)
     for side in range(2):
         obj.static[side] = obj.static_before[side] = 0.0
 

@@ -47,25 +47,6 @@ def _cross(a: Three, b: Three) -> Three:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@kernel
-def _change(stiffness: Three, damping: Three, r: Three, h: float, lightness: float, mobility: float) -> Three:
-    """Return Newton's change of the forces, by the nodes' slopes and by how far the forces are from the law."""
-    heavy, light = h * lightness, h * mobility
-    a = _row(_P[0], _PP[0], stiffness[0] * light + damping[0] * lightness, stiffness[0] * heavy)
-    b = _row(_P[1], _PP[1], stiffness[1] * light + damping[1] * lightness, stiffness[1] * heavy)
-    c = _row(_P[2], _PP[2], stiffness[2] * light + damping[2] * lightness, stiffness[2] * heavy)
-    a = a[0] + (1.0 + damping[0] * mobility), a[1], a[2]
-    b = b[0], b[1] + (1.0 + damping[1] * mobility), b[2]
-    c = c[0], c[1], c[2] + (1.0 + damping[2] * mobility)
-    bc, ca, ab = _cross(b, c), _cross(c, a), _cross(a, b)
-    share = 1.0 / (a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2])
-    return (
-        share * (r[0] * bc[0] + r[1] * ca[0] + r[2] * ab[0]),
-        share * (r[0] * bc[1] + r[1] * ca[1] + r[2] * ab[1]),
-        share * (r[0] * bc[2] + r[1] * ca[2] + r[2] * ab[2]),
-    )
-
-
 @noinline_kernel
 def solve_free_mass(
     step: Step, h: float, lightness: float, mobility: float, law: tuple[float, float, float], negligible: float
@@ -97,7 +78,21 @@ def solve_free_mass(
             r0, s0, d0 = law_with_slopes(x[0], v[0], law)
             r1, s1, d1 = law_with_slopes(x[1], v[1], law)
             r2, s2, d2 = law_with_slopes(x[2], v[2], law)
-            d = _change((s0, s1, s2), (d0, d1, d2), (r0 - f[0], r1 - f[1], r2 - f[2]), h, lightness, mobility)
+            # Newton's change of the forces, by the nodes' slopes and by how far the forces are from the law.
+            r = r0 - f[0], r1 - f[1], r2 - f[2]
+            one = _row(_P[0], _PP[0], s0 * light + d0 * lightness, s0 * heavy)
+            two = _row(_P[1], _PP[1], s1 * light + d1 * lightness, s1 * heavy)
+            three = _row(_P[2], _PP[2], s2 * light + d2 * lightness, s2 * heavy)
+            one = one[0] + (1.0 + d0 * mobility), one[1], one[2]
+            two = two[0], two[1] + (1.0 + d1 * mobility), two[2]
+            three = three[0], three[1], three[2] + (1.0 + d2 * mobility)
+            p, q, s = _cross(two, three), _cross(three, one), _cross(one, two)
+            share = 1.0 / (one[0] * p[0] + one[1] * p[1] + one[2] * p[2])
+            d = (
+                share * (r[0] * p[0] + r[1] * q[0] + r[2] * s[0]),
+                share * (r[0] * p[1] + r[1] * q[1] + r[2] * s[1]),
+                share * (r[0] * p[2] + r[1] * q[2] + r[2] * s[2]),
+            )
             f = f[0] + d[0], f[1] + d[1], f[2] + d[2]
             change = max(abs(d[0]), abs(d[1]), abs(d[2]))
             enough = _SOLVED * max(abs(f[0]), abs(f[1]), abs(f[2])) + negligible

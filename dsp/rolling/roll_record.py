@@ -41,7 +41,7 @@ class Roll(Record):
     next: float  # s: the step to try
     brief: float  # s: a shorter step may err by more (contact_step.py); 0: none may
     debt: float  # events beyond what is granted
-    fade: float  # 1, falling to 0 when the roll has stopped
+    fade: float  # share of its force that drives the object: 1, falling to 0 when the roll has stopped
     ended: int
     # The last event: what is heard from `since` on for `span` s is the quadratic through `force` (N) at GAUSS.
     since: float

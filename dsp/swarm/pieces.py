@@ -43,7 +43,7 @@ from ..numerics.constants import STANDARD_GRAVITY
 from ..numerics.elementary import exp, log
 from ..schema import MOST_PIECES
 from .record import ONE_SIZE, SIZES, Swarm
-from .ringing import bent_by, kept_by
+from .ringing import kept_by
 from .times import FORM, GAP, MAGNITUDE, OTHER, VARIETY, uniform
 
 _DECADES = 1000.0
@@ -199,17 +199,6 @@ def landing_of(swarm: Swarm, p: int) -> tuple[float, float, float]:
 
 
 @kernel
-def flow_of(swarm: Swarm) -> float:
-    """Return how many kilograms a second land: each corner flies for 2 v/g."""
-    total = 0.0
-    for p in range(swarm.pieces):
-        if swarm.next_of[p] < math.inf:
-            v, mass, _ = landing_of(swarm, p)
-            total += mass * 0.5 * STANDARD_GRAVITY / max(v, SLOWEST)
-    return total
-
-
-@kernel
 def bounce_piece(swarm: Swarm, p: int, restitution: float) -> None:
     """Advance a piece of which a corner lands, with a restitution, to the next landing of a corner, if any."""
     v, mass, flat = landing_of(swarm, p)
@@ -358,14 +347,6 @@ def freed_within(swarm: Swarm, piece: float) -> float:
     """Return ln of the rms width (s) of the time in which a crack runs round a piece of a mass (kg)."""
     width: float = _ROUND + log(swarm.wide * math.sqrt(piece))
     return width
-
-
-@kernel
-def bent_by_crack(swarm: Swarm, mass: float, piece: float, width: float) -> float:
-    """Return m M of a crack of a mass and a width (ln of s) beside a piece, where M is the mobility of its modes."""
-    mass_ratio, at = swarm.bending * mass / piece, width + log(swarm.usual / piece)
-    bent: float = bent_by(swarm.bend, swarm.bends, mass_ratio, at)
-    return bent
 
 
 @kernel

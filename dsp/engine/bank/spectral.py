@@ -117,21 +117,6 @@ def mix_bank(state: State) -> None:
 
 
 @kernel
-def let_bank_fade(state: State) -> None:
-    """Fade out all that rings in the bank. Its objects are free at once, and are at rest."""
-    spectral = state.spectral
-    if spectral.modes == 0:
-        return
-    for k in range(state.ringer_count):
-        obj = state.objects[state.ringers[k]]
-        wake(state, state.ringers[k])
-        obj.spectral = obj.live = 0
-    state.ringer_count = 0
-    if spectral.fading == 0:
-        spectral.fading, spectral.faded = 1, 0
-
-
-@kernel
 def _go(state: State, turn: int) -> None:
     """Take the objects into a phase that ring freely, if they are worth it: as many as the budget allows."""
     if state.output.channels > 2 or state.output.stems_on == 1:

@@ -31,19 +31,6 @@ _POWERS = 10  # squarings that reach the powers that are taken
 
 
 @kernel
-def _is_admissible(state: State, obj: Object) -> bool:
-    """True if all modes that are heard decay slowly enough, and are numbers."""
-    bank = state.bank
-    for i in range(obj.first, obj.first + obj.live):
-        if bank.a2[i] == 0.0:
-            continue
-        re, im = state_of(bank.y1[i], bank.y2[i], bank.a1[i], bank.a2[i])
-        if not re * re + im * im < _HUGE or (-bank.a2[i] < _LEAST_A2 and _is_heard(state, obj, i, re, im)):
-            return False
-    return True
-
-
-@kernel
 def _is_heard(state: State, obj: Object, i: int, re: float, im: float) -> bool:
     """True if a mode of the bank (its number there) with a state z is louder than silence."""
     weight = max(1.0, abs(state.bank.balance[i])) * max(1.0, obj.place.loudest)
@@ -55,9 +42,13 @@ def _is_heard(state: State, obj: Object, i: int, re: float, im: float) -> bool:
 def go(state: State, slot: int, turn: int) -> None:
     """Take an object's modes into a phase whose block begins now; those that nobody hears come to rest."""
     obj, bank, spectral = state.objects[slot], state.bank, state.spectral
-    if not _is_admissible(state, obj):
-        obj.returned_at = state.position
-        return
+    for i in range(obj.first, obj.first + obj.live):
+        # All modes that are heard must decay slowly enough, and be numbers.
+        if bank.a2[i] != 0.0:
+            re, im = state_of(bank.y1[i], bank.y2[i], bank.a1[i], bank.a2[i])
+            if not re * re + im * im < _HUGE or (-bank.a2[i] < _LEAST_A2 and _is_heard(state, obj, i, re, im)):
+                obj.returned_at = state.position
+                return
     # The gains of an object's modes at the left and at the right, the first far enough from 0 to be divided by.
     left = obj.place.gain[0]
     right = obj.place.gain[1] if sides_of(state) == 2 else 0.0

@@ -3,12 +3,11 @@
 A sensed object rings frame by frame, and stays out of the spectral bank.
 """
 
-from ...native.jit import kernel, noinline_kernel
+from ...native.jit import noinline_kernel
 from ...resonator.bank import Point
 from ...resonator.sensed import SHAPE, set_sensed, sum_pushed, sum_sensed
 from ..memory.commands import Event
 from ..memory.mounted import SENSORS
-from ..memory.sensor_record import SensorState
 from ..memory.state import QUANTUM, Object, State
 from .objects import frequency_of, highest_of, place, shape_at
 from .surface import put_at
@@ -48,10 +47,21 @@ def begin_sensing(state: State, obj: Object) -> None:
             # felt are none.
             bank = state.bank
             sensor.retuned, sensor.count = obj.retuned, obj.felt
+            way = sensor.mounted.direction
+            turned = sensor.mounted.on_surface == 1 and obj.block > 0
+            turned = turned and (way[0] != 0.0 or way[1] != 0.0 or way[2] != 0.0)
             for i in range(obj.felt):
-                at = obj.first + i
+                # The mass-normalised shape where the sensor is, in its direction: kg^-1/2.
+                at, shape = obj.first + i, 0.0
                 is_over = frequency_of(state, obj, i) > highest_of(state)
-                shape = 0.0 if is_over else _shape_of(state, obj, sensor, i)
+                if not is_over and not turned:
+                    shape = shape_at(state, obj, sensor.point, i)
+                elif not is_over:
+                    value = obj.table + sensor.point.row * obj.size + i
+                    for axis in range(3):
+                        value += obj.block * obj.size
+                        for n in range(3):
+                            shape += way[axis] * sensor.point.weights[n] * bank.shape[value + n * obj.size]
                 set_sensed(
                     sensor.rows, i, bank.a1[at], bank.a2[at], shape, bank.weight[at], state.rate,
                     sensor.mounted.acceleration == 1,
@@ -79,20 +89,6 @@ def sense(state: State, obj: Object, frame: int) -> None:
             y1, y2 = bank.y1[obj.first : obj.first + n], bank.y2[obj.first : obj.first + n]
             sensor.sensed[frame] = sensor.pushed + sum_sensed(y1, y2, sensor.rows[0, :n], sensor.rows[1, :n])
             sensor.pushed = 0.0
-
-
-@kernel
-def _shape_of(state: State, obj: Object, sensor: SensorState, i: int) -> float:
-    """Return the mass-normalised shape of an object's mode i where a sensor is, in its direction: kg^-1/2."""
-    way = sensor.mounted.direction
-    if (way[0] == 0.0 and way[1] == 0.0 and way[2] == 0.0) or sensor.mounted.on_surface == 0 or obj.block == 0:
-        return shape_at(state, obj, sensor.point, i)
-    phi, at = 0.0, obj.table + sensor.point.row * obj.size + i
-    for k in range(3):
-        at += obj.block * obj.size
-        for n in range(3):
-            phi += way[k] * sensor.point.weights[n] * state.bank.shape[at + n * obj.size]
-    return phi
 
 
 @noinline_kernel

@@ -123,7 +123,7 @@ def _is_left(state: State, obj: Object, sheet: Sheet, energy: float) -> bool:
     uncoupled, or woken, which couples it anew."""
     if sheet.leaves == 0:
         if energy < _AGAIN * sheet.least:
-            sheet.leaves, sheet.left = 1, _fading(state)
+            sheet.leaves, sheet.left = 1, int(_FADES * state.rate)
         return False
     if sheet.left > 0 and energy <= sheet.least:
         return False
@@ -132,12 +132,6 @@ def _is_left(state: State, obj: Object, sheet: Sheet, energy: float) -> bool:
     if energy > sheet.least:
         _couple(state, obj, sheet, energy)
     return True
-
-
-@kernel
-def _fading(state: State) -> int:
-    """Return the samples in which stretching fades."""
-    return int(_FADES * state.rate)
 
 
 @kernel
@@ -222,7 +216,7 @@ def kick_modes(state: State, obj: Object) -> None:
     every = looks_every(state, max(sheet.every // 2, 1) if obj.deflection > 0.0 else sheet.every)
     h = 1.0 / state.rate
     if sheet.leaves == 1:
-        fade(sheet, _fading(state))
+        fade(sheet, int(_FADES * state.rate))
     if sheet.turn >= every:
         sheet.turn = 0
     if sheet.turn == 0:

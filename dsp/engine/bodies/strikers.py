@@ -175,7 +175,7 @@ def _take_voice(state: State, contact: Contact, needed: bool) -> None:
         while index != quietest:
             before = index
             index = state.voices[index].next
-        _free(state, obj, before, quietest)
+        end_voice(state, obj, before, quietest)
         state.stats.strikers_cut += 1
     index = state.free_voice[VOICES - 1 - state.voices_active]
     state.voices_active += 1
@@ -319,19 +319,12 @@ def rest_strikers(state: State, obj: Object) -> None:
         if heard:
             before = index
         else:
-            _free(state, obj, before, index)
+            end_voice(state, obj, before, index)
         index = after
 
 
 @kernel
-def silence_strikers(state: State, obj: Object) -> None:
-    """End the sound of all strikers on an object."""
-    while obj.voice >= 0:
-        _free(state, obj, -1, obj.voice)
-
-
-@kernel
-def _free(state: State, obj: Object, before: int, index: int) -> None:
+def end_voice(state: State, obj: Object, before: int, index: int) -> None:
     """Take a voice, which follows `before` (-1: the first), out of an object's list."""
     voice = state.voices[index]
     if before < 0:

@@ -8,7 +8,7 @@ from ...native.typed import View
 from ...numerics.checks import Array
 from ...numerics.legendre import AHEAD, FINE, KEPT
 from ...numerics.settled import same_everywhere
-from ...resonator.bank import Driver, Modes, Point, inject_kept, observe, transfer_receptance
+from ...resonator.bank import Modes, Point, inject_kept, observe, transfer_receptance
 from ...resonator.mode import settle_under
 from ...resonator.rows import Row, Work, at_time, course, filters_of, lay_rows
 from ...resonator.simd import LANES
@@ -164,19 +164,53 @@ def lay_answers(state: State, contact: Contact, other: Contact, moment: int, sam
 def add_driven(state: State, net: Net, slot: int, frame: int) -> None:
     """Add to the rows of a net's contacts how an object moves, from a frame on, by the rolls and swarms on it that feel
     no modes: their forces over the quantum are known. As the modes get them, from one sample to the next."""
-    scratch, obj = state.scratch, state.objects[slot]
-    count, size = list_drivers(state, obj, frame, True), obj.driven_modes
+    scratch, obj, terms = state.scratch, state.objects[slot], net.terms
+    count, size, shapes = list_drivers(state, obj, frame, True), obj.driven_modes, shapes_of(state, obj)
     if count == 0 or size == 0:
         return
     for j in range(count):
-        _add_within(state, net, slot, scratch.drivers[j], frame)
-    first, shapes = modes_of(state, obj, 0, size), shapes_of(state, obj)
-    modes = _ringing(first, scratch.work[:size], scratch.power[:size])
+        # What the force does within each of its samples.
+        driver = scratch.drivers[j]
+        struck = Point(shapes, obj.size, driver.row, driver.weights)
+        for i in range(net.size):
+            contact, rows = state.contacts[net.contact[i]], motion_of(state.blocks[net.block[i]])
+            for side in range(2):
+                point = contact.point[side]
+                if point.slot != slot:
+                    continue
+                felt = modes_of(state, obj, 0, min(point.modes, size))
+                transfer_receptance(felt, struck, point_of(state, obj, point), scratch.work, scratch.receptance)
+                answer_of(scratch.receptance, 1.0 / contact.now.gain, scratch.fine)
+                for k in range(KEPT):
+                    for row in range(terms):
+                        # The last is where it is at the end.
+                        v = (2 * k + 1) * within(scratch.fine, (row + 1) % terms, k)
+                        for t in range(frame, net.stop):
+                            rows[(t - frame + 1) * terms + row] += v * state.feeds[driver.feed, BEHIND + t, k]
+    modes = _ringing(modes_of(state, obj, 0, size), scratch.work[:size], scratch.power[:size])
     for i in range(size):
         modes.y1[i] = modes.y2[i] = 0.0
     for t in range(frame, net.stop):
         if t > frame:
-            _add_after(state, net, slot, modes, t - frame)
+            # How the modes that were driven move over the sample.
+            for i in range(net.size):
+                contact, rows = state.contacts[net.contact[i]], motion_of(state.blocks[net.block[i]])
+                rows = rows[(t - frame + 1) * terms :]
+                for side in range(2):
+                    point = contact.point[side]
+                    if point.slot != slot:
+                        continue
+                    count = min(point.modes, size)
+                    felt = _ringing(modes_of(state, obj, 0, count), modes.y1[:count], modes.y2[:count])
+                    observe(felt, point_of(state, obj, point), scratch.work[size:], scratch.fine)
+                    for k in range(FINE):
+                        moved = scratch.fine[k] / contact.now.gain
+                        rows[terms - 1] += moved
+                        # Of x = P_k(2 t - 1), (2 l + 1) int P_l(2 t - 1) x'(t) dt is 2 (2 l + 1), where k - l is odd
+                        # and above 0.
+                        for order in range(1, terms):
+                            if k > order and (k - order) % 2 == 1:
+                                rows[order - 1] += 2.0 * (2 * order + 1) * moved
             count = list_drivers(state, obj, t, True)
         for j in range(count):
             driver = scratch.drivers[j]
@@ -184,46 +218,3 @@ def add_driven(state: State, net: Net, slot: int, frame: int) -> None:
             inject_kept(modes, where, state.feeds[driver.feed, BEHIND + t])
         for i in range(size):
             modes.y1[i], modes.y2[i] = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i], modes.y1[i]
-
-
-@kernel
-def _add_within(state: State, net: Net, slot: int, driver: Driver, frame: int) -> None:
-    """Add what the force of a roll or a swarm does within each of its samples."""
-    scratch, obj, terms = state.scratch, state.objects[slot], net.terms
-    struck = Point(shapes_of(state, obj), obj.size, driver.row, driver.weights)
-    for i in range(net.size):
-        contact, rows = state.contacts[net.contact[i]], motion_of(state.blocks[net.block[i]])
-        for side in range(2):
-            point = contact.point[side]
-            if point.slot != slot:
-                continue
-            modes = modes_of(state, obj, 0, min(point.modes, obj.driven_modes))
-            transfer_receptance(modes, struck, point_of(state, obj, point), scratch.work, scratch.receptance)
-            answer_of(scratch.receptance, 1.0 / contact.now.gain, scratch.fine)
-            for k in range(KEPT):
-                for row in range(terms):
-                    v = (2 * k + 1) * within(scratch.fine, (row + 1) % terms, k)  # the last is where it is at the end
-                    for t in range(frame, net.stop):
-                        rows[(t - frame + 1) * terms + row] += v * state.feeds[driver.feed, BEHIND + t, k]
-
-
-@kernel
-def _add_after(state: State, net: Net, slot: int, driven: Modes, sample: int) -> None:
-    """Add how modes that were driven move over a sample of a block."""
-    scratch, obj, terms = state.scratch, state.objects[slot], net.terms
-    for i in range(net.size):
-        contact, rows = state.contacts[net.contact[i]], motion_of(state.blocks[net.block[i]])
-        for side in range(2):
-            point = contact.point[side]
-            if point.slot != slot:
-                continue
-            size = min(point.modes, len(driven.y1))
-            modes = _ringing(modes_of(state, obj, 0, size), driven.y1[:size], driven.y2[:size])
-            observe(modes, point_of(state, obj, point), scratch.work[len(driven.y1) :], scratch.fine)
-            for k in range(FINE):
-                moved = scratch.fine[k] / contact.now.gain
-                rows[(sample + 1) * terms + terms - 1] += moved
-                # (2 l + 1) int P_l(2 t - 1) x'(t) dt of x = P_k(2 t - 1) is 2 (2 l + 1), where k - l is odd and above 0
-                for order in range(1, terms):
-                    if k > order and (k - order) % 2 == 1:
-                        rows[(sample + 1) * terms + order - 1] += 2.0 * (2 * order + 1) * moved

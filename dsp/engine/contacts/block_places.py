@@ -10,10 +10,11 @@ import math
 
 from ...contact.block_choice import is_eased
 from ...contact.block_records import AT_BEGIN, AT_END, TERMS, TOGETHER, Net, Tables
-from ...contact.block_tables import go_on_from_end, mix_tables, settle_tables, take_answers
+from ...contact.block_tables import settle_tables, take_answers
 from ...contact.coupled import answer_of
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import AHEAD, FINE
+from ...numerics.sums import line_of
 from ...resonator.fed import LINE
 from ..bodies.surface import put
 from ..memory.records import Contact
@@ -49,7 +50,12 @@ def settle_net(state: State, net: Net) -> None:
         for i in range(net.size):
             for j in range(net.size):
                 if follows and _moves(state, net, i, j):
-                    go_on_from_end(state.blocks[net.block[i]].tables[j], LINE)
+                    tables = state.blocks[net.block[i]].tables[j]
+                    for n in range(FINE):
+                        tables.ends[n] = tables.ends[FINE + n]
+                    first = line_of(tables.later)
+                    for n in range(first, first + LINE * TERMS * TERMS):
+                        tables.later[n + AT_BEGIN] = tables.later[n + AT_END]
         for end in range(1 if follows else 0, 2):
             for i in range(net.size):
                 contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
@@ -74,8 +80,14 @@ def settle_net(state: State, net: Net) -> None:
         contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
         for j in range(net.size):
             if _moves(state, net, i, j):
-                share = 0.5 * (net.begin + net.stop) / QUANTUM
-                mix_tables(block.tables[j], share, LINE, state.scratch.fine, i == j and is_eased(contact.coupled))
+                share, tables, answer = 0.5 * (net.begin + net.stop) / QUANTUM, block.tables[j], state.scratch.fine
+                for n in range(FINE):
+                    answer[n] = tables.ends[n] + share * (tables.ends[FINE + n] - tables.ends[n])
+                settle_tables(tables, answer, i == j and is_eased(contact.coupled))
+                first = line_of(tables.later)
+                for n in range(first, first + LINE * TERMS * TERMS):
+                    early = tables.later[n + AT_BEGIN]
+                    tables.later[n] = early + share * (tables.later[n + AT_END] - early)
         if contact.travel > 0.0:
             put_amid(state, net, contact)
     for i in range(net.size):

@@ -17,7 +17,7 @@ import math
 
 from ...contact.accuracy import IN_BLOCKS, STEPS_A_RADIAN
 from ...contact.block import begin_block, end_block, forget_energy, renew_block, step_blocks
-from ...contact.block_choice import is_followed, is_long, is_soft, swing_of
+from ...contact.block_choice import LONG, is_followed, is_soft, swing_of
 from ...contact.block_records import SOFT_TERMS, TERMS, TOGETHER, Net
 from ...contact.block_tables import feel, take_rows
 from ...contact.lanes import takes_law
@@ -25,7 +25,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
 from ...resonator.fed import LINE
 from ...rolling.block_path import begin_evenly, project_path, roll_back, roll_evenly
-from ...rolling.body import is_even, share_of
+from ...rolling.body import is_even
 from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of
 from ..bodies.sheets import is_coupled
@@ -33,12 +33,12 @@ from ..bodies.strikers import feed_striker, press_striker
 from ..bodies.surface import glides
 from ..memory.quality import holds_steps
 from ..memory.records import Contact
-from ..memory.state import BEHIND, COUPLING, QUANTUM, ROLLING, Object, State
+from ..memory.state import BEHIND, COUPLING, QUANTUM, ROLLING, State
 from ..output.fade import note_force
 from .block_motion import add_driven, clear_rows, lay_contact, lay_moving, whole_lanes
 from .block_places import bends_under, put_amid, settle_net
 from .contact_force import observe_points
-from .contact_list import acts, take_place, take_room_again
+from .contact_list import acts, places_left, take_roll, take_room_again
 from .coupled_rolls import PASSED, passed_by, turns
 from .flights import release_spent
 from .presses import press
@@ -83,8 +83,13 @@ def begin_net(state: State, slot: int, frame: int, in_lanes: bool) -> bool:
     goes_on = obj.laid >= 0
     net.begin = obj.laid if goes_on else frame
     if not _gather(state, net, slot, frame, goes_on):
-        if frame + 2 * _FEWEST <= QUANTUM and _lasts(state, obj):
-            obj.resumes = frame + _FEWEST  # what touches may have left
+        # Look again soon where a roll, a slide, a rest or a press is on the object: what touches may have left.
+        index = obj.contact if frame + 2 * _FEWEST <= QUANTUM else -1
+        while index >= 0:
+            trait = state.contacts[index].trait
+            if trait.along == 1 or trait.rests == 1 or trait.held == 1:
+                obj.resumes = frame + _FEWEST
+            index = state.contacts[index].next
         return False
     if not goes_on:
         if not _look(state, net):
@@ -205,18 +210,6 @@ def _step_net(state: State, n: int) -> bool:
 
 
 @kernel
-def _lasts(state: State, obj: Object) -> bool:
-    """True if a contact of an object is a roll, a slide, a rest or a press."""
-    found = False
-    index = obj.contact
-    while index >= 0:
-        trait = state.contacts[index].trait
-        found |= trait.along == 1 or trait.rests == 1 or trait.held == 1
-        index = state.contacts[index].next
-    return found
-
-
-@kernel
 def _gather(state: State, net: Net, slot: int, frame: int, goes_on: bool) -> bool:
     """List the contacts that act on an object, and on those that share contacts with it, from a frame on; false if one
     can't be solved in blocks, or another one acts soon. goes_on: their block has begun before, so they can.
@@ -305,13 +298,14 @@ def _can_be(state: State, contact: Contact) -> bool:
     if contact.solver != COUPLING or not begun:
         return False
     if contact.trait.rests == 1:
-        return contact.touching == 1 and _has_place(state, contact)
+        return contact.touching == 1 and _take_place(state, contact)
     if contact.trait.held == 1:
-        return not glides(contact) and _stays(state, contact) and _has_place(state, contact)
+        return not glides(contact) and _stays(state, contact) and _take_place(state, contact)
     if contact.trait.along == 0:
         directed = contact.point[0].directed > 0 or contact.point[1].directed > 0
         blow = contact.trait.single == 1 and not directed  # drivers act along the normal alone
-        return blow and _stays(state, contact) and is_long(contact.coupled) and _has_place(state, contact)
+        long = blow and _stays(state, contact) and swing_of(contact.coupled) < LONG
+        return long and _take_place(state, contact)
     roll = state.rolls[contact.roll]
     return roll.t > 0.0 and roll.m == roll.target.mass
 
@@ -327,9 +321,11 @@ def _stays(state: State, contact: Contact) -> bool:
 
 
 @kernel
-def _has_place(state: State, contact: Contact) -> bool:
-    """True if a rest or a press has a place for its block, which it gets if one is free."""
-    if contact.roll < 0 and take_place(state, contact):
+def _take_place(state: State, contact: Contact) -> bool:
+    """Give a rest or a press a roll's place for its block, if one is free; true if it has one."""
+    if contact.roll < 0 and places_left(state) > 0:
+        contact.roll = take_roll(state)
+        state.rests_placed += 1
         renew_block(state.blocks[contact.roll])
     return contact.roll >= 0
 
@@ -387,13 +383,13 @@ def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
                 roll = state.rolls[contact.roll]
                 if contact.led == 0 and block.even == 1:
                     roll_evenly(roll, block, contact.coupled.period, stop - n)
-                    net.share[i] = share_of(roll)
+                    net.share[i] = roll.fade
                 else:
                     if contact.led == 0:
                         lead_coupled_roll(roll, contact.coupled, 0.0)
                     contact.led = 0
                     project_path(contact.coupled, block)
-                    net.share[i] = share_of(roll)
+                    net.share[i] = roll.fade
         if size == 1:
             taken = step_blocks(state.contacts, state.blocks, net, 1, n - net.begin)
         else:

@@ -46,7 +46,7 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
                     math.sqrt(twice * point.give),
                     math.inf,
                 )
-            given, kicked = _given_by_others(state, contact, side, far) if keeps_strikers(state) else (0.0, 0.0)
+            given, kicked = given_by_others(state, contact, side, far) if keeps_strikers(state) else (0.0, 0.0)
             distance += far / contact.now.gain
             speed += fast / contact.now.gain
             acceleration += change / contact.now.gain
@@ -56,7 +56,7 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
             if contact.trait.single == 0:
                 most = far if given == 0.0 else math.inf
             else:
-                most = math.sqrt(2.0 * (given + _energy_of(state, obj)) * point.compliance) / obj.settings.tune
+                most = math.sqrt(2.0 * (given + energy_felt(state, obj)) * point.compliance) / obj.settings.tune
                 most = most if given > 0.0 else min(far, most)
             farthest += most / contact.now.gain
     contact.reach = distance
@@ -66,13 +66,6 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
         contact.coupled.motion[0] = contact.coupled.position + distance  # at most
         acceleration = math.inf  # the gap's rate is not known
     return apart_for(contact.coupled, farthest, speed, acceleration, faster)
-
-
-@kernel
-def energy_beside(state: State, obj: Object, contact: Contact) -> float:
-    """Return the energy (J) of an object that a contact touches, and what others may give it yet."""
-    given, _ = _given_by_others(state, contact, 0, contact.reach)
-    return given + _energy_of(state, obj)
 
 
 @kernel
@@ -87,22 +80,19 @@ def is_beyond(contact: Contact, obj: Object, energy: float, samples: float) -> b
 
 
 @kernel
-def _energy_of(state: State, obj: Object) -> float:
+def energy_felt(state: State, obj: Object) -> float:
     """Return the energy (J) of an object's modes that contacts feel."""
-    return _energy(state, obj, 0, min(obj.live, obj.felt)) + _energy(state, obj, obj.unheard, obj.live)
+    energy, last = 0.0, obj.first + obj.live
+    for part in range(2):
+        begin, end = (0, min(obj.live, obj.felt)) if part == 0 else (obj.unheard, obj.live)
+        if begin < end:
+            weights = state.bank.weight[obj.first + begin : last]
+            energy += energy_of(modes_of(state, obj, begin, obj.live), weights, end - begin)
+    return energy
 
 
 @kernel
-def _energy(state: State, obj: Object, begin: int, end: int) -> float:
-    """Return the energy (J) of an object's modes from number `begin`, a multiple of LANES, up to `end`."""
-    if begin >= end:
-        return 0.0
-    weights = state.bank.weight[obj.first + begin : obj.first + obj.live]
-    return energy_of(modes_of(state, obj, begin, obj.live), weights, end - begin)
-
-
-@kernel
-def _given_by_others(state: State, contact: Contact, side: int, far: float) -> tuple[float, float]:
+def given_by_others(state: State, contact: Contact, side: int, far: float) -> tuple[float, float]:
     """Return the energy (J) that others which touch an object may give it yet, which moves so far (m), and how much
     faster they make its points (m/s).
 

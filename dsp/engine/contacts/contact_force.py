@@ -6,8 +6,8 @@ before (contact_groups.py).
 
 import math
 
-from ...contact.closed_form import advance_pulse, state_of_pulse
-from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
+from ...contact.closed_form import advance_pulse
+from ...contact.coupled import ContactLaw, begin_coupled, respond_with
 from ...contact.law import compression_at
 from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import FINE, KEPT, MOMENTS
@@ -27,8 +27,6 @@ from .coupled_rolls import put_on_line, share_driven
 from .room import find_coupled_room, has_room_for
 from .solver_choice import choose_solver, find_speed, soften_pulse, tolerance_of
 from .trace import trace_blow, trace_snap, trace_touches
-
-_FIRST = 0.05  # of a pulse: the first step after it is coupled
 
 
 @noinline_kernel
@@ -73,21 +71,6 @@ def touch(state: State, contact: Contact) -> None:
     contact.forces[:] = 0.0
     put(state, state.objects[contact.point[0].slot], contact, contact.now.position)
     update_mode_count(state, contact)
-
-
-@kernel
-def couple_pulse(state: State, contact: Contact) -> None:
-    """Couple a touching contact of closed form to the modes, if there is room."""
-    update_mode_count(state, contact)
-    if not has_room_for(state, contact):
-        state.stats.over_budget += 1
-        return
-    pulse = contact.pulse
-    x, v, given = state_of_pulse(pulse, contact.v_in, contact.k)
-    contact.solver = COUPLING
-    couple(state, contact)
-    if pulse.time > 0.0:
-        begin_within(contact.coupled, x, contact.v_in - given / contact.m, v, _FIRST * pulse.duration)
 
 
 @kernel

@@ -152,29 +152,6 @@ def clear_row(state: State, row: int) -> None:
 
 
 @kernel
-def has_place(state: State) -> bool:
-    """True if there is a place for what is computed as a roll; where none is free, a rest or a press gives up its
-    own."""
-    for i in range(state.active):
-        index = state.objects[state.order[i]].contact
-        while index >= 0 and places_left(state) == 0:
-            contact = state.contacts[index]
-            if contact.trait.along == 0 and contact.trait.swarms == 0:
-                give_place_back(state, contact)
-            index = contact.next
-    return places_left(state) > 0
-
-
-@kernel
-def take_place(state: State, contact: Contact) -> bool:
-    """Give a rest or a press the place of a roll, in which its force is kept over a quantum; false if there is none."""
-    if contact.roll < 0 and places_left(state) > 0:
-        contact.roll = take_roll(state)
-        state.rests_placed += 1
-    return contact.roll >= 0
-
-
-@kernel
 def give_place_back(state: State, contact: Contact) -> None:
     """Take the place of a roll away from a rest or a press, if it has one."""
     if contact.roll >= 0:

@@ -8,6 +8,8 @@ import math
 
 import numpy as np
 
+from ...contact.closed_form import state_of_pulse
+from ...contact.coupled import begin_within
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field, set_field
 from ...numerics.legendre import KEPT
@@ -34,7 +36,7 @@ from ..memory.state import (
     Object,
     State,
 )
-from .contact_force import apply_contact_force, begin_contact, couple_pulse, observe_points, update_mode_count
+from .contact_force import apply_contact_force, begin_contact, couple, observe_points, update_mode_count
 from .contact_groups import solve_alone
 from .contact_list import (
     KEPT_ASIDE,
@@ -48,16 +50,18 @@ from .contact_list import (
     take_out,
 )
 from .coupled_rolls import LEAVING
-from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
+from .flights import follow_coupled, is_gone, is_pushed, release_striker
+from .gesture_kernels import come_back
 from .presses import add_static, glide_push
-from .rests import bear_load, begin_rest, keep_resting
-from .rolls import feed_of, move_on, register_roll
-from .room import fade_out
-from .slides import choose_again, lead_slide, rub, rubs
+from .rests import bear_load, begin_rest, load_of
+from .rolls import feed_of, register_roll
+from .room import fade_out, has_room_for
+from .slides import choose_again, lead_slide, rub
 from .solver_choice import is_moved
 from .swarms import has_run_out, swarm_on
 from .trace import trace_roll
 
+_FIRST = 0.05  # of a pulse: the first step after it is coupled
 _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 
 _GLIDES = np.array([max(each.glide for each in gestures_steered_by(name).values()) for name in STEERABLE])
@@ -182,18 +186,22 @@ def _go_on(state: State, index: int) -> bool:
         roll.path.coarseness = coarseness_of(state)
         ends = contact.trait.slips == 1 and state.slides[contact.roll].feels == LEAVING
         met = roll.impacts
+        # Keep what this quantum has to know of the force before; `new` is the first frame to be fed.
+        known, begun = state.feeds[contact.roll], roll.piece >= 0
+        new = BEHIND + LEAD if ends or begun else BEHIND
+        for n in range(new):
+            for k in range(KEPT):
+                known[n, k] = known[QUANTUM + n, k] if begun else 0.0
+        if not begun:
+            state.sampled[contact.roll] = -1
         if ends:
             # End a body's force with the frames that are computed.
-            feed = state.feeds[contact.roll]
-            move_on(state, contact, BEHIND + LEAD)
-            for n in range(BEHIND + LEAD, len(feed)):
+            for n in range(new, len(known)):
                 for k in range(KEPT):
-                    feed[n, k] = 0.0
+                    known[n, k] = 0.0
         else:
-            # Compute the force up to LEAD frames behind this quantum's end; `new` is the first frame to be fed.
-            new = BEHIND + LEAD if roll.piece >= 0 else BEHIND
+            # Compute the force up to LEAD frames behind this quantum's end.
             since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate  # s: of that since it began
-            move_on(state, contact, new)
             fill_roll(roll, since, state.rate, state.feeds[contact.roll, new:])
         # Hand the force on to what it drives.
         feed = feed_of(state, contact)
@@ -219,7 +227,15 @@ def _go_on(state: State, index: int) -> bool:
     if is_gone(state, contact):
         return True
     if contact.trait.rests == 1:
-        return not keep_resting(state, contact)
+        other = contact.point[1]
+        if contact.until < state.position + QUANTUM or (other.serial > 0 and other.slot < 0):
+            return True  # it was stopped, or what it rests on is gone
+        state.resting = 1
+        if update_mode_count(state, contact):
+            contact.unsettled = 1
+        if contact.coupled.rest_force != load_of(contact):
+            bear_load(contact)
+        return False
     contact.ahead = 0
     if contact.aside == KEPT_ASIDE:
         return False
@@ -269,20 +285,6 @@ def _lift(state: State, contact: Contact, frames: int) -> None:
 
 
 @kernel
-def next_driven_frame(state: State, obj: Object, frame: int) -> int:
-    """Return the first frame from `frame` on that a contact, but for rolls, acts on, or QUANTUM: after its
-    beginning."""
-    found = QUANTUM
-    index = obj.contact
-    while acts(state, index):
-        contact = state.contacts[index]
-        if contact.solver != ROLLING or (contact.trait.slips == 1 and rubs(contact)):
-            found = min(found, max(frame, contact.ahead, contact.start + 1 - state.position))
-        index = contact.next
-    return found
-
-
-@kernel
 def _is_due(state: State, contact: Contact, frame: int) -> bool:
     """True if a contact, but for rolls, acts in the sample that ends at a frame."""
     due = state.position + frame - contact.start - contact.fraction > 0.0
@@ -328,12 +330,21 @@ def begin_contacts(state: State, obj: Object, frame: int) -> bool:
         index = after
     room = room_for_coupling(state)
     if began and not holds_steps(state) and (room == 0 or state.stats.coupled_modes + BY_ITSELF <= room):
-        # Couple the contacts of closed form that others on the same objects move.
+        # Couple the contacts of closed form that others on the same objects move, if there is room.
         index = obj.contact
         while index >= 0:
             contact = state.contacts[index]
             if contact.touching == 1 and contact.solver == CLOSED and contact.m > 0.0 and is_moved(state, contact):
-                couple_pulse(state, contact)
+                update_mode_count(state, contact)
+                if has_room_for(state, contact):
+                    x, v, given = state_of_pulse(contact.pulse, contact.v_in, contact.k)
+                    contact.solver = COUPLING
+                    couple(state, contact)
+                    if contact.pulse.time > 0.0:
+                        step = _FIRST * contact.pulse.duration
+                        begin_within(contact.coupled, x, contact.v_in - given / contact.m, v, step)
+                else:
+                    state.stats.over_budget += 1
             index = contact.next
     return began
 
@@ -368,7 +379,10 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
                 leaves = contact.solver == COUPLING and contact.trait.along == 0
                 stays = not leaves or follow_coupled(state, contact, frame)
                 break
-            stays = leave(state, contact, frame)
+            # A touch of closed form is over: its striker comes back, or not.
+            if contact.trait.repeats == 0:
+                report_end(state, contact.gesture, END_RESTED)
+            stays = contact.trait.repeats == 1 and come_back(contact.kind, state, contact, frame)
             if not stays:
                 break
         if not stays:

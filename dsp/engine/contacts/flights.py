@@ -14,10 +14,10 @@ from ..memory.quality import keeps_strikers
 from ..memory.records import Contact
 from ..memory.state import COUPLING, END_RESTED, END_STOPPED, QUANTUM, Object, State
 from .bounces import fly_off
-from .clearance import energy_beside, flight, is_beyond
+from .clearance import energy_felt, flight, given_by_others, is_beyond
 from .contact_list import KEPT_ASIDE, acts, append_contact, give_room_back, report_end, take_out
 from .gesture_kernels import come_back
-from .presses import fly_pressed
+from .presses import fly_unseen
 from .spins import next_turn
 
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
@@ -42,15 +42,6 @@ def is_pushed(contact: Contact) -> bool:
     return contact.v_in < _SLOW * math.sqrt(contact.target.gravity * deepest)
 
 
-@kernel
-def leave(state: State, contact: Contact, frame: int) -> bool:
-    """End a touch of closed form or sampled. True if the striker comes back."""
-    if contact.trait.repeats == 1:
-        return come_back(contact.kind, state, contact, frame)
-    report_end(state, contact.gesture, END_RESTED)
-    return False
-
-
 @noinline_kernel
 def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     """Look at a coupled contact after a sample: false where it is over."""
@@ -59,12 +50,21 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
         return math.isfinite(coupled.v)
     now = float(state.position + frame)
     samples = 0.0 if coupled.touching == 1 else flight(state, contact, True)
-    if contact.trait.repeats == 1 and contact.trait.falls == 0 and _turns_on(state, contact, now, samples):
-        return come_back(contact.kind, state, contact, frame)
+    if contact.trait.repeats == 1 and contact.trait.falls == 0:
+        # A disc's contact is over where its rim has left for good, or surely touches nothing until the next is due.
+        due = now + samples >= contact.origin + next_turn(contact) * state.rate
+        if contact.gone_at < math.inf:
+            over = due or now >= contact.gone_at
+        else:
+            over = coupled.touching == 0 and coupled.contacts > 0 and (due or samples == math.inf)
+        if over or not math.isfinite(coupled.v):
+            return come_back(contact.kind, state, contact, frame)
     if now >= contact.gone_at or not math.isfinite(coupled.v):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
-    if _is_over(contact, now, samples):
+    blow_flies = contact.trait.single == 1 and coupled.touching == 0
+    if blow_flies and now + samples >= contact.until and contact.until < math.inf:
+        # It is awaited no longer than it surely touches nothing.
         report_end(state, contact.gesture, END_STOPPED)
         return False
     if contact.gone_at == math.inf and (samples == 0.0 or now - contact.begun > _LONGEST_TOUCH * state.rate):
@@ -101,29 +101,11 @@ def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     if contact.trait.falls == 1 and skipped > _HOP:
         contact.begun = now  # a flight: it does not stay
     # Advance a striker unseen by whole samples from a frame on, which it surely stays apart.
-    _fly(state, contact, float(state.position + frame), skipped)
+    fly_unseen(state, contact, float(state.position + frame), skipped)
     give_room_back(state, contact)
     contact.start = state.position + frame + int(skipped)
     contact.fraction = 0.0
     return True
-
-
-@kernel
-def _fly(state: State, contact: Contact, since: float, samples: float) -> None:
-    """Advance a striker that touches nothing by whole samples from a time in samples on, or take it back."""
-    if samples == 0.0:
-        return
-    if contact.trait.held == 1:
-        fly_pressed(contact, int(since) - state.position, samples)
-    else:
-        fly_on(contact.coupled, samples)
-
-
-@kernel
-def _is_over(contact: Contact, now: float, samples: float) -> bool:
-    """True if a blow's striker flies that is awaited no longer than it surely touches nothing."""
-    flies = contact.trait.single == 1 and contact.coupled.touching == 0
-    return flies and contact.until < math.inf and now + samples >= contact.until
 
 
 @kernel
@@ -143,14 +125,15 @@ def call_back(state: State, obj: Object, frame: int) -> None:
         after = contact.next
         if contact.touching == 1 and contact.solver == COUPLING and contact.aside > 0:
             if contact.aside == KEPT_ASIDE and energy < 0.0:
-                energy = energy_beside(state, obj, contact)  # it is the same for all that have left
+                # What its modes have, and what others may give it yet: it is the same for all that have left.
+                energy = energy_felt(state, obj) + given_by_others(state, contact, 0, contact.reach)[0]
             if contact.aside == 1 or not is_beyond(contact, obj, energy, contact.gone_at - now):
                 # Advance a striker unseen, from a time in samples on, for no longer than it surely stays apart.
                 until = contact.gone_at if contact.aside == KEPT_ASIDE else float(contact.start)
                 if not until <= now:
-                    _fly(state, contact, until, now - until)
+                    fly_unseen(state, contact, until, now - until)
                     samples = min(flight(state, contact, False), until - now)
-                    _fly(state, contact, now, samples)
+                    fly_unseen(state, contact, now, samples)
                     if now + samples < until:
                         contact.start = int(now + samples)
                         contact.gone_at = math.inf if contact.aside == KEPT_ASIDE else contact.gone_at
@@ -161,19 +144,6 @@ def call_back(state: State, obj: Object, frame: int) -> None:
         else:
             before = index
         index = after
-
-
-@kernel
-def _turns_on(state: State, contact: Contact, now: float, samples: float) -> bool:
-    """True if a disc's contact is over, at a time in samples: its rim has left for good, or surely touches nothing for
-    so many samples, by whose end the next contact is due."""
-    coupled = contact.coupled
-    if not math.isfinite(coupled.v):
-        return True
-    due = now + samples >= contact.origin + next_turn(contact) * state.rate
-    if contact.gone_at < math.inf:
-        return due or now >= contact.gone_at
-    return coupled.touching == 0 and coupled.contacts > 0 and (due or samples == math.inf)
 
 
 @kernel

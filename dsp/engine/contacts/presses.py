@@ -39,10 +39,16 @@ def press(contact: Contact, frame: int) -> None:
 
 
 @kernel
-def fly_pressed(contact: Contact, frame: int, samples: float) -> None:
-    """Advance a striker that is pressed on and touches nothing by whole samples from a frame on, as its push grows."""
-    coupled, gap = contact.coupled, _gap_at(contact, QUANTUM - 1.0 - frame)
-    time = samples * coupled.period
+def fly_unseen(state: State, contact: Contact, since: float, samples: float) -> None:
+    """Advance a striker that touches nothing by whole samples from a time in samples on, or take it back; the push on
+    one that is held grows meanwhile."""
+    coupled = contact.coupled
+    if samples == 0.0:
+        return
+    if contact.trait.held == 0:
+        fly_on(coupled, samples)
+        return
+    gap, time = _gap_at(contact, QUANTUM - 1.0 - (int(since) - state.position)), samples * coupled.period
     x = time / _GLIDE
     coupled.push = contact.push - contact.push_gap - gap * math.expm1(-x) / x  # its mean
     fly_on(coupled, samples)

@@ -25,7 +25,7 @@ from ..bodies.sheets import is_coupled
 from ..bodies.surface import put_other
 from ..memory.records import Contact
 from ..memory.state import COUPLING, COVERING, QUANTUM, State
-from .contact_force import couple, touch, update_mode_count
+from .contact_force import couple, touch
 from .contact_list import give_place_back
 from .room import find_coupled_room
 
@@ -44,7 +44,7 @@ def begin_rest(state: State, contact: Contact) -> bool:
         return False
     contact.solver = COUPLING
     couple(state, contact)
-    _press(contact, _load_of(contact))
+    _press(contact, load_of(contact))
     begin_at_rest(coupled, 0.0, contact.fraction, _FIRST / (coupled.swing * coupled.period))
     return True
 
@@ -59,23 +59,9 @@ def _press(contact: Contact, load: float) -> None:
 
 
 @kernel
-def _load_of(contact: Contact) -> float:
+def load_of(contact: Contact) -> float:
     """Return the load (N) on a rest: as it is steered, as far as its mass bears that."""
     return min(contact.now.load, HARDEST_REST * contact.m)
-
-
-@kernel
-def keep_resting(state: State, contact: Contact) -> bool:
-    """Bring a rest to a new quantum; false if it is over: it was stopped, or what it rests on is gone."""
-    other, coupled = contact.point[1], contact.coupled
-    if contact.until < state.position + QUANTUM or (other.serial > 0 and other.slot < 0):
-        return False
-    state.resting = 1
-    if update_mode_count(state, contact):
-        contact.unsettled = 1
-    if coupled.rest_force != _load_of(contact):
-        bear_load(contact)
-    return True
 
 
 @kernel
@@ -83,7 +69,7 @@ def bear_load(contact: Contact) -> None:
     """Move both bodies of a rest along to the compression at which it bears its load, where that or its law is another
     than before."""
     coupled, before = contact.coupled, contact.coupled.rest_compression
-    _press(contact, _load_of(contact))
+    _press(contact, load_of(contact))
     shift = coupled.rest_compression - before
     coupled.position += shift
     coupled.motion[0] += shift
@@ -117,8 +103,19 @@ def settle_rests(state: State) -> None:
                         if rings or is_heard(state, obj, obj.first, obj.first + obj.live, least_heard(state, obj)):
                             obj.restless = 1
             index = state.contacts[index].next
-    while _spread(state):
-        pass
+    spreads = True
+    while spreads:
+        # Keep those awake that rest on what can't sleep, and what they rest on.
+        spreads = False
+        for i in range(state.active):
+            index = state.objects[state.order[i]].contact
+            while index >= 0:
+                contact = state.contacts[index]
+                if contact.trait.rests == 1 and contact.touching == 1 and contact.point[1].slot >= 0:
+                    one, other = state.objects[contact.point[0].slot], state.objects[contact.point[1].slot]
+                    spreads |= one.restless != other.restless
+                    one.restless = other.restless = max(one.restless, other.restless)
+                index = contact.next
     for i in range(state.active):
         index = state.objects[state.order[i]].contact
         while index >= 0:
@@ -149,19 +146,3 @@ def settle_rests(state: State) -> None:
                                 state.bank.y1[mode] = state.bank.y2[mode] = 0.0
                             obj.live = obj.has_contact = 0
             index = contact.next
-
-
-@kernel
-def _spread(state: State) -> bool:
-    """Keep those awake that rest on what can't sleep, and what they rest on; true if there are more than before."""
-    spread = False
-    for i in range(state.active):
-        index = state.objects[state.order[i]].contact
-        while index >= 0:
-            contact = state.contacts[index]
-            if contact.trait.rests == 1 and contact.touching == 1 and contact.point[1].slot >= 0:
-                one, other = state.objects[contact.point[0].slot], state.objects[contact.point[1].slot]
-                spread |= one.restless != other.restless
-                one.restless = other.restless = max(one.restless, other.restless)
-            index = contact.next
-    return spread

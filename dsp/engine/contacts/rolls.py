@@ -9,7 +9,6 @@ from ...contact.block_records import TOGETHER
 from ...karman.step import straighten
 from ...native.jit import kernel
 from ...native.typed import View, View2D
-from ...numerics.legendre import KEPT
 from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_left, ring_middle, ring_under
 from ...resonator.fed import LINE, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
@@ -24,17 +23,6 @@ from ..output.mix import sides_of
 from .coupled_rolls import keeps_line, put_on_line
 
 _UNHEARD = 1e-9  # output
-
-
-@kernel
-def move_on(state: State, contact: Contact, new: int) -> None:
-    """Keep what a quantum has to know of the force before: so many frames, none where it begins."""
-    feed, begun = state.feeds[contact.roll], state.rolls[contact.roll].piece >= 0
-    for n in range(new):
-        for k in range(KEPT):
-            feed[n, k] = feed[QUANTUM + n, k] if begun else 0.0
-    if not begun:
-        state.sampled[contact.roll] = -1
 
 
 @kernel

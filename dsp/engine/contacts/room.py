@@ -18,7 +18,6 @@ from ...native.jit import kernel, noinline_kernel
 from ...native.records import clear_record
 from ...numerics.constants import STANDARD_GRAVITY
 from ...numerics.indices import index_of
-from ...rolling.body import share_of
 from ...schema import DROPS, ENERGIES, FALLS, GESTURES, SPEEDS
 from ..bodies.objects import is_felt, sigma_of
 from ..memory.channels import ask_gains
@@ -42,7 +41,8 @@ from .contact_list import (
     KEPT_ASIDE,
     end_contact,
     free_means,
-    has_place,
+    give_place_back,
+    places_left,
     report_end,
 )
 
@@ -242,7 +242,17 @@ def _replace_least(state: State, index: int, what: int) -> bool:
 def find_room(state: State, index: int) -> bool:
     """Find room for a contact that begins, which has a place; False if it is to be left out."""
     trait = state.contacts[index].trait
-    rolls = trait.along == 1 and not has_place(state)
+    rolls = trait.along == 1
+    if rolls:
+        # Where no place for a roll is free, a rest or a press gives up its own.
+        for i in range(state.active):
+            at = state.objects[state.order[i]].contact
+            while at >= 0 and places_left(state) == 0:
+                contact = state.contacts[at]
+                if contact.trait.along == 0 and contact.trait.swarms == 0:
+                    give_place_back(state, contact)
+                at = contact.next
+        rolls = places_left(state) == 0
     swarms = trait.swarms > 0
     for k in range(len(state.swarms)):
         swarms = swarms and state.swarms[k].used == 1
@@ -307,7 +317,7 @@ def fade_out(state: State, index: int) -> bool:
     force = contact.forces[0]
     if contact.trait.along == 1:
         roll, slide = state.rolls[contact.roll], state.slides[contact.roll]
-        force *= share_of(roll) if contact.solver == COUPLING else 1.0
+        force *= roll.fade if contact.solver == COUPLING else 1.0
         force += slide.along * slide.friction.start if contact.trait.slips == 1 else 0.0
     free_means(state, contact)
     # It is a blow from now on, that was hardest a sample ago and lasts for a quantum; of a mass of 0 nothing moves it.

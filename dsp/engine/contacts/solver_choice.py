@@ -23,7 +23,7 @@ from ...native.jit import kernel
 from ...schema import VELOCITY
 from ..bodies.objects import is_felt, pitch_of, reach_of, shape_at
 from ..memory.quality import holds_steps
-from ..memory.records import Contact, ContactPoint
+from ..memory.records import Contact
 from ..memory.state import CLOSED, COUPLING, State
 
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes give the spectrum, beyond it is as good as 0
@@ -223,30 +223,22 @@ def soften_pulse(state: State, contact: Contact, mass_ratio: float, seen_mass_ra
 @kernel
 def _seen_mass_ratio(state: State, contact: Contact) -> float:
     """Return sum r_i P_i over the objects' modes, with P by the pulse's nodes, which `find_nodes` has set."""
-    share = 0.0
+    share, pulse = 0.0, contact.pulse
     for side in range(2):
         point = contact.point[side]
-        if point.slot >= 0:
+        for part in range(2 if point.slot >= 0 else 0):
             obj = state.objects[point.slot]
-            share += _seen_of(state, contact, point, 0, obj.felt)
-            share += _seen_of(state, contact, point, obj.unheard, obj.size)
-    return share
-
-
-@kernel
-def _seen_of(state: State, contact: Contact, point: ContactPoint, begin: int, end: int) -> float:
-    """Return sum r_i P_i over an object's modes from `begin` up to `end`."""
-    if begin == end:
-        return 0.0
-    pulse, obj = contact.pulse, state.objects[point.slot]
-    frequency = state.bank.frequency[obj.first + begin : obj.first + end]
-    power = state.scratch.power[begin:end]
-    pitch = pitch_of(obj)
-    find_power(pulse, pitch / state.rate, frequency, power)
-    highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch)
-    share = 0.0
-    for i in range(end - begin):
-        if frequency[i] < highest:
-            phi = shape_at(state, obj, point, begin + i)
-            share += contact.m * phi * phi * power[i]
+            begin, end = (0, obj.felt) if part == 0 else (obj.unheard, obj.size)
+            if begin == end:
+                continue
+            frequency = state.bank.frequency[obj.first + begin : obj.first + end]
+            power, pitch = state.scratch.power[begin:end], pitch_of(obj)
+            find_power(pulse, pitch / state.rate, frequency, power)
+            highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch)
+            seen = 0.0
+            for i in range(end - begin):
+                if frequency[i] < highest:
+                    phi = shape_at(state, obj, point, begin + i)
+                    seen += contact.m * phi * phi * power[i]
+            share += seen
     return share

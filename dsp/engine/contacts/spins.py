@@ -43,9 +43,20 @@ def turn_on(state: State, contact: Contact, frame: int) -> bool:
     """End a disc's contact. True if there is another one."""
     release_modes(state, contact)
     contact.touching = 0
-    if not _turn(contact, (state.position + frame - contact.origin) / state.rate):
+    # Find the next contact that is not before now (s from the beginning), unless it lies still first.
+    now, power = (state.position + frame - contact.origin) / state.rate, 1.0 - contact.quickening
+    left, step = contact.lasts - contact.turned, _step(contact, power)
+    before = left**power
+    turns = -math.floor((max(contact.lasts - now, 0.0) ** power - before) / step)
+    after = max(before - max(turns, 1) * step, 0.0)
+    then = after ** (1.0 / power)
+    contact.turned = contact.lasts - then
+    turn = then**contact.quickening * step / power
+    if not turn >= _SHORTEST_TURN:
         report_end(state, contact.gesture, END_RESTED)
         return False
+    early = contact.target.irregularity * _SCATTER * turn * (2.0 * next_random(contact) - 1.0)
+    contact.elapsed = max(contact.turned + early, now)
     contact.v_in = _speed_of(contact)
     schedule_contact(state, contact)
     if contact.start >= contact.until:
@@ -67,26 +78,6 @@ def next_turn(contact: Contact) -> float:
 def _step(contact: Contact, power: float) -> float:
     """Return what a turn takes off left^(1 - n), of the time (s) that is left."""
     return power / (contact.tempo * math.sqrt(contact.target.gravity))
-
-
-@kernel
-def _turn(contact: Contact, now: float) -> bool:
-    """Find the next contact that is not before `now` (s from the beginning). False if it lies still first."""
-    power = 1.0 - contact.quickening
-    left, step = contact.lasts - contact.turned, _step(contact, power)
-    before = left**power
-    turns = -math.floor((max(contact.lasts - now, 0.0) ** power - before) / step)
-    after = before - max(turns, 1) * step
-    if not after > 0.0:
-        return False
-    then = after ** (1.0 / power)
-    contact.turned = contact.lasts - then
-    turn = then**contact.quickening * step / power
-    if turn < _SHORTEST_TURN:
-        return False
-    early = contact.target.irregularity * _SCATTER * turn * (2.0 * next_random(contact) - 1.0)
-    contact.elapsed = max(contact.turned + early, now)
-    return True
 
 
 @kernel

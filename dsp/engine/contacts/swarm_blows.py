@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
+from ...numerics.constants import STANDARD_GRAVITY
 from ...numerics.elementary import exp, log
 from ...numerics.indices import index_of
 from ...schema import DROPS
@@ -19,9 +20,7 @@ from ...swarm.pieces import (
     SLOWEST,
     TILT,
     bend_piece,
-    bent_by_crack,
     bounce_piece,
-    flow_of,
     freed_within,
     heard_above,
     landing_of,
@@ -33,7 +32,7 @@ from ...swarm.pieces import (
     size_of,
 )
 from ...swarm.record import BACK, BATCH, CLICKS, OCTAVES, ONE_SIZE, SIZES, SWARMS, Blows, Swarm
-from ...swarm.ringing import clicks_apart, kept_of, left_by
+from ...swarm.ringing import bent_by, clicks_apart, kept_of, left_by
 from ...swarm.times import PLACE, SIZE, take_blows, uniform
 from ..memory.commands import NUMBERS
 from ..memory.records import Contact
@@ -75,7 +74,13 @@ def lay_pieces(state: State, contact: Contact, swarm: Swarm, until: float) -> No
     fainter.
     """
     table, blows = state.pulses.tables[swarm.table], state.scratch.batch
-    left, often = False, flow_of(swarm) / swarm.m
+    # How many kilograms a second land: each corner flies for 2 v/g.
+    flow = 0.0
+    for p in range(swarm.pieces):
+        if swarm.next_of[p] < math.inf:
+            v, mass, _ = landing_of(swarm, p)
+            flow += mass * 0.5 * STANDARD_GRAVITY / max(v, SLOWEST)
+    left, often = False, flow / swarm.m
     blows.count = 0
     for p in range(swarm.pieces):
         for _ in range(BOUNCES):
@@ -230,7 +235,9 @@ def _size_of_blow(
     freed = max(width, freed_within(swarm, piece))
     blows.shorter[n] = width - freed
     at_size = (math.log(contact.trait.meets * piece / contact.m) / 3.0 - swarm.smallest) * swarm.finer + 0.5
-    alike = _left_to(state, swarm, blows, n) / (1.0 + ratio * bent_by_crack(swarm, mass, piece, freed))
+    # m M of the crack beside the piece, where M is the mobility of that one's modes.
+    bent = bent_by(swarm.bend, swarm.bends, swarm.bending * mass / piece, freed + log(swarm.usual / piece))
+    alike = _left_to(state, swarm, blows, n) / (1.0 + ratio * bent)
     return index_of(at_size, SIZES), alike
 
 

@@ -101,31 +101,25 @@ def begin_swarm(state: State, contact: Contact, event: Event) -> None:
         for n in range(GRID):
             swarm.size_grid[c, n] = 0.0
     if contact.trait.breaks == 1:
-        _break(state, contact, event)
+        # Begin the cracks of what breaks, or the fall of its pieces.
+        swarm.friction = values.friction
+        swarm.hard = values.own_stiffness if values.own_stiffness > 0.0 else contact.k
+        whole, pieces, steepness = values.whole, int(values.pieces), values.steepness
+        break_up(swarm, whole, pieces, values.velocity, values.height, swarm.usual, steepness)
+        swarm.smallest += math.log(contact.trait.meets) / 3.0
+        swarm.sized = int(contact.sound >= 0)
+        if values.stage > 0.0:
+            swarm.places = swarm.places if values.stage == 1.0 else 0
+        else:
+            swarm.pieces, swarm.cracked = 0, swarm.pieces
+            swarm.store = freed_by_cracks(swarm, whole, values.velocity)
+            contact.until = contact.gone_at = contact.origin + CRACKING * state.rate
+            contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 2.0
+            contact.target.rate = 2.0 * JUNCTIONS * values.pieces / CRACKING
     swarm.light = log(swarm.m / swarm.k)
     _add_knot(swarm, contact, 0.0)
     swarm.slot = contact.point[0].slot
     _find_flow(swarm, 0.0)
-
-
-@kernel
-def _break(state: State, contact: Contact, event: Event) -> None:
-    """Begin the cracks of what breaks, or the fall of its pieces."""
-    values, swarm = event.values, state.swarms[contact.swarm]
-    usual = contact.m / contact.trait.meets
-    swarm.friction = values.friction
-    swarm.hard = values.own_stiffness if values.own_stiffness > 0.0 else contact.k
-    break_up(swarm, values.whole, int(values.pieces), values.velocity, values.height, usual, values.steepness)
-    swarm.smallest += math.log(contact.trait.meets) / 3.0
-    swarm.sized = int(contact.sound >= 0)
-    if values.stage > 0.0:
-        swarm.places = swarm.places if values.stage == 1.0 else 0
-        return
-    swarm.pieces, swarm.cracked = 0, swarm.pieces
-    swarm.store = freed_by_cracks(swarm, values.whole, values.velocity)
-    contact.until = contact.gone_at = contact.origin + CRACKING * state.rate
-    contact.target.energy, contact.target.steepness, contact.target.decades = STRONGEST * swarm.store, 1.5, 2.0
-    contact.target.rate = 2.0 * JUNCTIONS * values.pieces / CRACKING
 
 
 @kernel

@@ -21,7 +21,8 @@ def trace_blow(state: State, contact: Contact, sample: int, begin: float, end: f
     met = contact.now.position, contact.v_in, contact.v_in
     entry = _entry(state, contact, sample, moments[0], met)
     if entry >= 0:
-        _set_times(state, entry, max(begin, float(sample)), min(end, sample + 1.0))
+        record = state.trace.entries[entry]
+        record.begin, record.end = max(begin, float(sample)), min(end, sample + 1.0)
         _set_moments(state, entry, moments)
         _publish(state)
 
@@ -51,7 +52,8 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
         met = contact.now.position, touch.speed, touch.velocity
         entry = _entry(state, contact, sample, touch.impulse, met)
         if entry >= 0:
-            _set_times(state, entry, sample + touch.begin, sample + touch.end)
+            record = state.trace.entries[entry]
+            record.begin, record.end = sample + touch.begin, sample + touch.end
             if first:
                 _set_moments(state, entry, moments)
             first = False
@@ -128,9 +130,9 @@ def trace_snap(state: State, contact: Contact, voice: Voice) -> None:
     met = contact.now.position, contact.v_in, contact.v_in
     entry = _entry(state, contact, int(contact.start), voice.snap, met)
     if entry >= 0:
-        _set_times(state, entry, voice.snap_at, voice.snap_at)
-        state.trace.entries[entry].kind = SNAPPED
-        state.trace.entries[entry].gain = 1.0
+        record = state.trace.entries[entry]
+        record.begin = record.end = voice.snap_at
+        record.kind, record.gain = SNAPPED, 1.0
         _publish(state)
 
 
@@ -159,13 +161,6 @@ def _trace_moving(
         state.trace.entries[entry].gain *= share
         _set_moments(state, entry, moments)
     return entry
-
-
-@kernel
-def _set_times(state: State, index: int, begin: float, end: float) -> None:
-    """Say when a force began and ended."""
-    entry = state.trace.entries[index]
-    entry.begin, entry.end = begin, end
 
 
 @kernel

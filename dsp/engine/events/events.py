@@ -37,7 +37,7 @@ from ..memory.order import wake
 from ..memory.ramp_list import takes_time
 from ..memory.state import END_GONE, FADES, NOTES, QUANTUM, RING, RINGS_OUT, STAYS, State
 from ..output.late import furnish
-from ..output.space_lines import leave_space, listen, place_object
+from ..output.space_lines import line_of, listen, place_object
 from ..panic import let_fade
 from .gestures import start_gesture
 from .queue import has_room, order_heap, pop, push, sink, swap
@@ -241,7 +241,11 @@ def carry_out(state: State, event: Event) -> None:
         elif event.kind == KIND_LISTEN:
             listen(state, told, event.time, event.value == 1.0)
         elif event.value == 0.0:
-            leave_space(state, event.slot)
+            # Take it out of space: what is on its way arrives.
+            line = line_of(state, state.objects[event.slot], event.slot)
+            if line >= 0:
+                state.surroundings.lines[line].left = 1
+                state.objects[event.slot].line = 0
         else:
             place_object(state, event.slot, told.pose, event.time, told.over * state.rate)
     elif kind == KIND_NEW:

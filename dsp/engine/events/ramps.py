@@ -57,11 +57,15 @@ def _goes_on(state: State, ramp: Ramp) -> bool:
         else:
             ramp.first = field(state.objects[ramp.place].settings, ramp.parameter)
     left = ramp.end - (state.position + QUANTUM)
-    if left > 0.0:
-        _set_value(state, ramp, _between(ramp, 1.0 - left / (ramp.end - ramp.begin)))
-        return True
-    _set_value(state, ramp, ramp.last)
-    return False
+    value = _between(ramp, 1.0 - left / (ramp.end - ramp.begin)) if left > 0.0 else ramp.last
+    if ramp.kind == KIND_GAIN:
+        state.choices.gain = value
+    elif ramp.kind == KIND_STEER:
+        set_target(state, state.contacts[ramp.place], ramp.parameter, value)
+    else:
+        set_of(state, state.objects[ramp.place], ramp.parameter, value)
+        wake(state, ramp.place)
+    return left > 0.0
 
 
 @kernel
@@ -81,29 +85,10 @@ def _between(ramp: Ramp, share: float) -> float:
     """Return the value at a share of a ramp's time."""
     if abs(ramp.curve) > _STRAIGHT:
         share = math.expm1(ramp.curve * share) / math.expm1(ramp.curve)
-    if _goes_by_ratios(ramp) and ramp.first > 0.0:
+    by_ratios = _GAIN_BY_RATIOS
+    if ramp.kind != KIND_GAIN:
+        by_ratios = (_STEERED_BY_RATIOS if ramp.kind == KIND_STEER else _SET_BY_RATIOS)[ramp.parameter]
+    if by_ratios and ramp.first > 0.0:
         ratio: float = (ramp.last / ramp.first) ** share
         return ramp.first * ratio
     return ramp.first + (ramp.last - ramp.first) * share
-
-
-@kernel
-def _goes_by_ratios(ramp: Ramp) -> bool:
-    """True if a ramp's parameter has a unit of ratios."""
-    if ramp.kind == KIND_GAIN:
-        return _GAIN_BY_RATIOS
-    if ramp.kind == KIND_STEER:
-        return _STEERED_BY_RATIOS[ramp.parameter]
-    return _SET_BY_RATIOS[ramp.parameter]
-
-
-@kernel
-def _set_value(state: State, ramp: Ramp, value: float) -> None:
-    """Tell a ramp's parameter what to be."""
-    if ramp.kind == KIND_GAIN:
-        state.choices.gain = value
-    elif ramp.kind == KIND_STEER:
-        set_target(state, state.contacts[ramp.place], ramp.parameter, value)
-    else:
-        set_of(state, state.objects[ramp.place], ramp.parameter, value)
-        wake(state, ramp.place)

@@ -8,7 +8,7 @@ Combinatorial Theory A 20, 1976): its product with each row of the matrix is as 
 
 import math
 
-from ...native.jit import kernel, noinline_kernel
+from ...native.jit import noinline_kernel
 from ...native.typed import View
 from ...numerics.indices import index_of
 from ...space.layouts import AMBISONICS, PAN
@@ -29,20 +29,14 @@ def furnish(state: State, told: View[float]) -> None:
     space = state.surroundings
     for k in range(WALLS_TOLD):
         space.walls_told[k] = told[k]
-    if space.on == 1 and _is_any_line_heard(state):
+    # Something may be on its way, by which the ear would hear that walls change.
+    heard = space.late.on == 1 and space.late.energy > _SILENCE
+    for n in range(LINES):
+        heard |= space.lines[n].used == 1 and space.lines[n].last > state.position - FRAMES
+    if space.on == 1 and heard:
         space.walls_change = WALLS_FADE
     else:
         let_walls_come(state)
-
-
-@kernel
-def _is_any_line_heard(state: State) -> bool:
-    """True if something may be on its way, by which the ear would hear that walls change."""
-    space = state.surroundings
-    for n in range(LINES):
-        if space.lines[n].used == 1 and space.lines[n].last > state.position - FRAMES:
-            return True
-    return space.late.on == 1 and space.late.energy > _SILENCE
 
 
 @noinline_kernel

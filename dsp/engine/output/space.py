@@ -1,6 +1,6 @@
 """Space: the sound of objects with a place travels in lines to a listener, by several ways."""
 
-from ...native.jit import kernel, noinline_kernel
+from ...native.jit import noinline_kernel
 from ..memory.space_record import KNOTS, LINES, NO_CHANGE, WALLS_COME, WALLS_FADE
 from ..memory.state import QUANTUM, State
 from .fade import fade_length
@@ -74,11 +74,3 @@ def hear_space(state: State) -> None:
             space.fading = 0
             for n in range(LINES):
                 space.lines[n].since = max(space.lines[n].since, space.panicked)
-
-
-@kernel
-def let_space_fade(state: State) -> None:
-    """Fade what is on its way, and the room's late part."""
-    space = state.surroundings
-    if space.on == 1:
-        space.fading, space.faded, space.panicked = 1, 0, state.position

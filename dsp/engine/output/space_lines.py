@@ -106,15 +106,6 @@ def _be_there(space: Space, line: Line, told: View[float]) -> None:
 
 
 @kernel
-def leave_space(state: State, slot: int) -> None:
-    """Take an object out of space: what is on its way arrives."""
-    n = line_of(state, state.objects[slot], slot)
-    if n >= 0:
-        state.surroundings.lines[n].left = 1
-        state.objects[slot].line = 0
-
-
-@kernel
 def travels(state: State, slot: int) -> bool:
     """True if an object's sound goes through space: it has a place, and no gains of its own."""
     obj = state.objects[slot]
