@@ -14,7 +14,7 @@ import numpy as np
 _SCAN = 0xC0606610  # Linux's PAGEMAP_SCAN, from 6.7 on
 _ARGUMENTS = struct.Struct("12Q")
 _POPULATE_WRITE = 23  # of Linux's madvise
-_OF_A_FILE, _PRESENT, _SWAPPED = 4, 8, 16
+_OF_A_FILE, _PRESENT, _SWAPPED, _ZEROS = 4, 8, 16, 32  # zeros: the page that stands for all that were only read
 _MOST_SPANS = 512
 
 
@@ -54,10 +54,10 @@ def written_pages(first: int, size: int) -> list[tuple[int, int]]:
 
     spans, arguments = array("Q", bytes(24 * _MOST_SPANS)), bytearray(_ARGUMENTS.size)
     end = first + -(-size // mmap.PAGESIZE) * mmap.PAGESIZE
-    held = _PRESENT | _SWAPPED
+    held, unwritten = _PRESENT | _SWAPPED, _OF_A_FILE | _ZEROS
     _ARGUMENTS.pack_into(
         arguments, 0, _ARGUMENTS.size, 0, first, end, 0, spans.buffer_info()[0], _MOST_SPANS, 0,
-        _OF_A_FILE, _OF_A_FILE, held, held,
+        unwritten, unwritten, held, held,
     )  # fmt: skip
     pages = os.open("/proc/self/pagemap", os.O_RDONLY | os.O_CLOEXEC)
     try:

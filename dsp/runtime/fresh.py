@@ -18,9 +18,11 @@ from ..native.pages import map_of, take_pages, taken_pages, written_pages
 from .arena import Arena
 
 _MOST_KEPT = 4  # states that are fresh again
-_MOST_WRITTEN = 2_000_000  # bytes of each: to take more pages anew is hardly dearer than to restore them
+_MOST_WRITTEN = 8_000_000  # bytes of each, those of mode shapes apart: a scene that sounds has 3 MB
 
 _PIECE = 65_536  # bytes that are compared at once: they stay in the cache
+_CONTACTS = STATE.fields["contacts"][1], STATE.fields["contacts"][1] + STATE["contacts"].itemsize  # type: ignore[index]
+"""Places of contacts, all of which the first state of a process has filled in as a fresh one has."""
 
 _ZEROS = bytes(mmap.PAGESIZE)
 _seen = local()
@@ -71,23 +73,27 @@ def fresh_state(rate: float, channels: int, shapes: Arena) -> NDArray[np.void]:
 def copied_state(state: NDArray[np.void], shapes: Arena) -> NDArray[np.void]:
     """Return a copy of a state, whose mode shapes have the places in `shapes`.
 
-    Only pages that were written are copied, 5 to 10 MB of an ordinary scene. Where the system does not report these,
-    all of it is compared, which takes seconds.
+    Only pages that were written are copied, some 5 MB of an ordinary scene. Where the system does not report these, all
+    of it is compared, which takes seconds.
     """
     copy = fresh_state(float(state[0]["rate"]), int(state[0]["output"]["channels"]), shapes)
     first, to = state.ctypes.data, copy.ctypes.data
     try:
-        spans = taken_pages(first, STATE.itemsize)
+        spans = [(begin - first, min(end - first, STATE.itemsize)) for begin, end in taken_pages(first, STATE.itemsize)]
     except (ImportError, OSError):
-        borders = [*range(first, first + STATE.itemsize, _PIECE), first + STATE.itemsize]
-        spans = [
-            (begin, end)
-            for begin, end in pairwise(borders)
-            if ctypes.string_at(begin, end - begin) != ctypes.string_at(begin - first + to, end - begin)
-        ]
-    spans = [(begin - first, min(end - first, STATE.itemsize)) for begin, end in spans]
-    take_pages(map_of(copy), spans)
+        spans = [(0, STATE.itemsize)]
+    one, other = state.view(np.uint64), copy.view(np.uint64)
+    cut: _Spans = []
     for begin, end in spans:
+        if end <= _CONTACTS[0] or _CONTACTS[1] <= begin:
+            cut.append((begin, end))
+            continue
+        for piece in pairwise((*range(begin, end, _PIECE), end)):
+            low, high = (each // 8 for each in piece)
+            if not np.array_equal(one[low:high], other[low:high]):
+                cut.append(piece)
+    take_pages(map_of(copy), cut)
+    for begin, end in cut:
         ctypes.memmove(to + begin, first + begin, end - begin)
     return copy
 
