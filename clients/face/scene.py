@@ -190,7 +190,7 @@ class Scene(Actions, Closing):
 
         From then on neither changes the other. Each renders what a scene that got all of its calls would. Name its
         objects: an `Object` stays the first scene's. With ten objects that sound a fork takes 2 to 5 ms and 5 MB; with
-        Linux before 6.7 some ms more, and seconds on systems that do not report which memory was written.
+        Linux before 6.7 some ms more, and half a second on systems that do not report which memory was written.
 
         Returns
         -------

@@ -74,7 +74,7 @@ def copied_state(state: NDArray[np.void], shapes: Arena) -> NDArray[np.void]:
     """Return a copy of a state, whose mode shapes have the places in `shapes`.
 
     Only pages that were written are copied, some 5 MB of an ordinary scene. Where the system does not report these, all
-    of it is compared, which takes seconds.
+    of it is compared, which takes half a second.
     """
     copy = fresh_state(float(state[0]["rate"]), int(state[0]["output"]["channels"]), shapes)
     first, to = state.ctypes.data, copy.ctypes.data

@@ -116,6 +116,7 @@ def go_on(scene):
     return scene.render(seconds=0.4)
 
 
+@pytest.mark.slow
 def test_all_that_a_scene_holds_goes_on_in_both():
     scene, whole = (carom.Scene(stems=True) for _ in range(2))
     for each in (scene, whole):
@@ -145,6 +146,7 @@ def struck():
     return scene
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lacks", ["scan", "page map"])
 def test_systems_that_do_not_report_what_is_written_fork_alike(monkeypatch, lacks):
     def fails(*_arguments):
@@ -159,6 +161,7 @@ def test_systems_that_do_not_report_what_is_written_fork_alike(monkeypatch, lack
     np.testing.assert_array_equal(scene.fork().render(seconds=0.1).samples, expected)
 
 
+@pytest.mark.slow
 def test_many_objects_that_strike_each_other_are_no_limit():
     scene = carom.Scene()
     for n in range(400):
@@ -209,6 +212,7 @@ def test_what_cannot_be_forked_is_named():
         scene.fork()
 
 
+@pytest.mark.slow
 def test_the_example_renders_two_futures(tmp_path):
     path = Path(__file__).parents[3] / "clients" / "examples" / "python" / "futures.py"
     run([executable, str(path)], check=True, cwd=tmp_path, timeout=60)
