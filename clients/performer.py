@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from os import PathLike
+from pickle import PicklingError
 from threading import Lock
 from typing import SupportsFloat
 from weakref import proxy
@@ -28,6 +29,7 @@ from ..server.osc.sensor_verbs import SENSOR
 from ..server.osc.wire import Argument, Message
 from ..server.render import Options
 from ..server.scene.direct import Direct
+from ..server.scene.forking import forked
 from ..server.scene.repeated import Repeated
 from ..server.scene.session import Session
 from ..server.scene.transaction import Sent
@@ -106,6 +108,15 @@ class Performer:
         self._trace = _NOTHING  # what was traced beyond the end of the last sound
         self.engine.stems.keep(self.stems)
         self.engine.trace(self.contacts)
+
+    def fork(self) -> "Performer":
+        """Return a copy that goes on from here by itself. CommandError where that cannot be."""
+        if self.scene.simulation is not None:
+            raise CommandError("fork: the scene holds a simulation (/world/body), which cannot be copied")
+        try:
+            return forked(self, self.engine)
+        except (AttributeError, PicklingError, TypeError) as error:
+            raise CommandError(f"fork: the scene holds what cannot be copied: {error}") from None
 
     def perform(self, messages: Sequence[Message], at: SupportsFloat | None) -> None:
         """Carry out messages together at a time (s; None: now). CommandError says what was refused, and why."""

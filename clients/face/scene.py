@@ -185,8 +185,44 @@ class Scene(Actions, Closing):
             capture.warnings += filter(None, [costs.warning()])
             return capture.sound()
 
+    def fork(self) -> Scene:
+        """Return a scene that goes on from here: what sounds, what waits, objects, settings, ids and random numbers.
+
+        From then on neither changes the other. Each renders what a scene that got all of its calls would. Name its
+        objects: an `Object` stays the first scene's. With ten objects that sound a fork takes 2 to 5 ms and 5 MB; with
+        Linux before 6.7 some ms more, and half a second on systems that do not report which memory was written.
+
+        Returns
+        -------
+        Scene
+            Open, and to be closed by itself. It shares the presets.
+
+        Raises
+        ------
+        CommandError
+            The scene is closed, another thread is at work in it, or it holds a simulation (`/world/body`).
+
+        Examples
+        --------
+        >>> import carom
+        >>> with carom.Scene() as scene:
+        ...     scene.new("bell", "church-bell").impact(1.0)
+        ...     before = scene.render(seconds=0.5)
+        ...     with scene.fork() as other:
+        ...         other.damp("bell", 1.0)
+        ...         held = other.render(seconds=1.0)
+        ...     free = scene.render(seconds=1.0)
+        >>> bool(held.samples[-1].any()), bool(free.samples[-1].any())
+        (False, True)
+        """
+        with self._alone("fork") as performer:
+            fork = Scene.__new__(Scene)
+            fork._performer = performer.fork()
+            fork.rate, fork.channels, fork._frames, fork._busy = self.rate, self.channels, self._frames, Lock()
+        return fork
+
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
-        raise TypeError("a Scene is an engine at work: it cannot be copied or pickled")
+        raise TypeError("a Scene is an engine at work: it cannot be pickled; fork() returns one that goes on from here")
 
     def _send(self, messages: list[Message], at: SupportsFloat | None) -> None:
         named = [each._replace(args=tuple(map(self._name_of, each.args))) for each in messages]

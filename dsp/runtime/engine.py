@@ -1,6 +1,7 @@
 """The engine from Python: it checks, lays out memory and sends commands; the compiled callback does the rest."""
 
 from collections.abc import Collection, Sequence
+from copy import deepcopy
 from itertools import pairwise
 from typing import Any
 
@@ -24,7 +25,7 @@ from ..resonator.bank import top_of
 from ..schema import FORMS
 from .arena import Arena, EngineFull
 from .entry import MODULE, callback
-from .fresh import Mark, fresh_state
+from .fresh import Mark, copied_state, fresh_state
 from .memory import Memory
 from .meter import OFFSET, SILENCE, Meter, decibels
 from .pulses import PulseTables
@@ -79,8 +80,9 @@ class Engine:
     ) -> None:
         check_sizes(channels, modes, objects, sensors)
         load(MODULE)  # before the memory, which may leave no room for code that lies together
-        shapes = Arena("values of mode shapes", SHAPE_VALUES)
-        self.state = fresh_state(rate, channels, shapes)
+        self.shapes = Arena("values of mode shapes", SHAPE_VALUES)
+        """The places in its table of mode shapes."""
+        self.state = fresh_state(rate, channels, self.shapes)
         self._record = self.state[0]
         self._record["output"]["delay"] = QUANTUM if limited else 0
         self.ring = Ring(self._record)
@@ -88,11 +90,21 @@ class Engine:
         self._pointer, self._channels, self._rate = self.state.ctypes.data, channels, float(rate)
         self.sensors = sensors
         self._pace: tuple[int, float, float] | None = None
-        self._memory = Memory(self._record, modes, objects, shapes)
+        self._memory = Memory(self._record, modes, objects, self.shapes)
         self.stems = Stems(self._record)
         self._strikers = Strikers(self._record, self.top_frequency)
         self.pulses = PulseTables(self._record)
         self._ends_read = self.ends_lost = 0
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        """Take over what a copy of an engine holds, in memory of its own."""
+        self.__dict__.update(kept)
+        self._pointer = self.state.ctypes.data
+
+    def copied_memory(self) -> tuple[NDArray[np.void], Arena]:
+        """Return a copy of its state, and of the places of its mode shapes."""
+        shapes = deepcopy(self.shapes)
+        return copied_state(self.state, shapes), shapes
 
     def mark(self) -> Mark:
         """Return what `rewind` brings it back to, as long as no objects are made between. OSError where this system

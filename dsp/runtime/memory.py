@@ -12,6 +12,7 @@ from ..bodies.modes import Modes
 from ..engine.memory.commands import Handle
 from ..engine.memory.state import BANK
 from ..native.atomics import hold_page, observe
+from ..native.pages import map_of
 from ..resonator.simd import LANES
 from .arena import Arena, EngineFull
 from .plan import COLUMNS, Plan, planned
@@ -179,11 +180,8 @@ def _give_back(part: NDArray[Any]) -> None:
 
     Their contents are lost. Nothing happens where the system cannot do it.
     """
-    memory: Any = part
-    while isinstance(memory, np.ndarray | np.void):
-        memory = memory.base
-    memory = memory.obj if isinstance(memory, memoryview) else memory
-    if not isinstance(memory, mmap.mmap) or not hasattr(mmap, "MADV_DONTNEED"):
+    memory = map_of(part)
+    if memory is None or not hasattr(mmap, "MADV_DONTNEED"):
         return
     begin = part.ctypes.data - np.frombuffer(memory, np.uint8).ctypes.data
     first, end = -(-begin // mmap.PAGESIZE) * mmap.PAGESIZE, (begin + part.nbytes) // mmap.PAGESIZE * mmap.PAGESIZE

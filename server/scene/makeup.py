@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from functools import cache
 from hashlib import blake2b
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -399,7 +400,7 @@ class MakeUp:
 
     def __init__(self) -> None:
         self.on = False
-        self.stored = _stored(STORED)
+        self.stored: Mapping[str, Measure] = MappingProxyType(_stored(STORED))
         self._known: OrderedDict[str, Measure] = OrderedDict()
         self._digests: OrderedDict[tuple[object, ...], tuple[Modes, str]] = OrderedDict()
 

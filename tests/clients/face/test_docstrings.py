@@ -13,11 +13,11 @@ from carom.dsp.fitting.distance import Distance
 from tests import needs
 
 SCANNED = (
-    carom.Scene, carom.Scene.new, carom.Scene.render, carom.Object.modes, carom.World, carom.World.body,
-    carom.World.pair, carom.World.sensor, carom.World.step, carom.World.grains, carom.World.pour, carom.World.ring,
-    carom.World.score, carom.Client, carom.render, carom.fit, carom.mesh,
-    carom.compare, carom.render_many, carom.rebuild, carom.Presets, carom.Presets.object, carom.Presets.changed,
-    carom.Presets.load, carom.Presets.names, carom.Presets.path, carom.Presets.description,
+    carom.Scene, carom.Scene.new, carom.Scene.render, carom.Scene.fork, carom.Object.modes, carom.World,
+    carom.World.body, carom.World.pair, carom.World.sensor, carom.World.step, carom.World.grains, carom.World.pour,
+    carom.World.ring, carom.World.score, carom.Client, carom.render, carom.fit, carom.mesh, carom.compare,
+    carom.render_many, carom.rebuild, carom.Presets, carom.Presets.object, carom.Presets.changed, carom.Presets.load,
+    carom.Presets.names, carom.Presets.path, carom.Presets.description,
 )  # fmt: skip
 LAWS = (
     carom.dsp.restitution, carom.dsp.release_velocity, carom.dsp.force, carom.dsp.compression,
