@@ -19,11 +19,12 @@ PROGRAMS = {
     "jackd": "jackd2",
     "mcs": "mono-mcs",
     "mono": "mono-runtime",
-    "lv2_validate": "lilv-utils lv2-dev sordi",
+    "lv2_validate": "lv2-dev",
     "node": "nodejs",
     "oscsend": "liblo-tools",
     "pd": "puredata-core",
     "sclang": "supercollider-language",
+    "sord_validate": "sordi",
     "unshare": "util-linux",
 }
 """Programs, and Debian's packages that bring them."""

@@ -280,6 +280,7 @@ def test_lv2_refuses_a_rate_that_the_scene_is_not_baked_for_and_ends_its_list(ma
 
 
 @needs.without("lv2_validate")
+@needs.without("sord_validate")
 def test_lv2_is_described_as_its_specification_asks(made: Path, tmp_path: Path) -> None:
     bundle = tmp_path / "two-of-them.lv2"
     bundle.symlink_to(made / bundle.name)
