@@ -59,21 +59,29 @@ def test_a_slide_that_nobody_would_hear_costs_nothing_and_is_counted():
         assert (world.counts.gestures, world.counts.faint) == (1, 0)
 
 
+def slides(quality: int, seed: int) -> np.ndarray:
+    """Return the sound of a box that slides, which the score renders to the same bits."""
+    hearing = carom.Hearing([carom.Microphone((0, 0, 1.0))], quality=quality, seed=seed)
+    with World(hearing=hearing, keep=True) as world:
+        world.body("floor", "plate", (2.0, 2.0, 0.02), "wood", held=True, rings=False)
+        world.body("box", "box", (0.1, 0.08, 0.01), "steel", Pose((0, 0, 0.005)), most_modes=32)
+        for n in range(1, 101):
+            touch = Touch("floor", "box", (0, 0, 0), (0, 0, 1), approach=0.0, slip=0.3, force=5.0)
+            world.step(0.01 * n, [touch])
+        sound = world.sound().samples
+        if seed == 0:
+            assert np.array_equal(carom.render(world.score(), calibrated=True, seconds=1.0).samples, sound)
+    return sound
+
+
 def test_a_coarser_world_is_about_as_loud_and_its_score_knows():
-    """A box slides at a quality of 3 within 1 dB of one at 0, with other bits; the score renders to these."""
-    sounds = []
-    for quality in (0, 3):
-        with World(hearing=carom.Hearing([carom.Microphone((0, 0, 1.0))], quality=quality), keep=True) as world:
-            world.body("floor", "plate", (2.0, 2.0, 0.02), "wood", held=True, rings=False)
-            world.body("box", "box", (0.1, 0.08, 0.01), "steel", Pose((0, 0, 0.005)), most_modes=32)
-            for n in range(1, 101):
-                touch = Touch("floor", "box", (0, 0, 0), (0, 0, 1), approach=0.0, slip=0.3, force=5.0)
-                world.step(0.01 * n, [touch])
-            sounds.append(world.sound().samples)
-            again = carom.render(world.score(), calibrated=True, seconds=1.0).samples
-            assert len(again) == len(sounds[-1]) and np.array_equal(again, sounds[-1])
-    exact, coarse = (10 * np.log10(np.mean(each.astype(float) ** 2)) for each in sounds)
-    assert abs(coarse - exact) < 1.0 and not np.array_equal(*sounds)
+    """A box slides at a quality of 3 within 1 dB of one at 0, with other bits; each surface differs by chance, by which
+    the mean of 24 may be off by two standard errors."""
+    exact, coarse = ([slides(quality, seed) for seed in range(24)] for quality in (0, 3))
+    level = [[10 * np.log10(np.mean(each.astype(float) ** 2)) for each in sounds] for sounds in (exact, coarse)]
+    apart = np.subtract(*level)
+    assert abs(apart.mean()) < 1.0 + 2.0 * apart.std(ddof=1) / np.sqrt(len(apart))
+    assert not np.array_equal(exact[0], coarse[0])
 
 
 @pytest.mark.parametrize("quality", [-1, 9, 1.5, "fine", None])
