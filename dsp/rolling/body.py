@@ -189,6 +189,12 @@ def look_ahead(roll: Roll, seconds: float) -> float:
 
 
 @kernel
+def share_of(roll: Roll) -> float:
+    """Return the share of a roll's force that drives the object: what is left of one that has stopped."""
+    return roll.fade
+
+
+@kernel
 def next_event(roll: Roll) -> None:
     """Advance the body by one event: a flight or a part of one, or a step in contact."""
     steer(roll)
@@ -205,7 +211,7 @@ def next_event(roll: Roll) -> None:
     roll.s += roll.modulated_speed * roll.span
     weight = roll.m * roll.g
     for i in range(NODES):
-        roll.force[i] = roll.fade * (roll.force[i] - weight)
+        roll.force[i] = share_of(roll) * (roll.force[i] - weight)
     roll.events += 1
 
 

@@ -25,7 +25,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import KEPT
 from ...resonator.fed import LINE
 from ...rolling.block_path import begin_evenly, project_path, roll_back, roll_evenly
-from ...rolling.body import is_even
+from ...rolling.body import is_even, share_of
 from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of
 from ..bodies.sheets import is_coupled
@@ -383,13 +383,13 @@ def _run(state: State, net: Net, size: int, frame: int, stop: int) -> int:
                 roll = state.rolls[contact.roll]
                 if contact.led == 0 and block.even == 1:
                     roll_evenly(roll, block, contact.coupled.period, stop - n)
-                    net.share[i] = roll.fade
+                    net.share[i] = share_of(roll)
                 else:
                     if contact.led == 0:
                         lead_coupled_roll(roll, contact.coupled, 0.0)
                     contact.led = 0
                     project_path(contact.coupled, block)
-                    net.share[i] = roll.fade
+                    net.share[i] = share_of(roll)
         if size == 1:
             taken = step_blocks(state.contacts, state.blocks, net, 1, n - net.begin)
         else:

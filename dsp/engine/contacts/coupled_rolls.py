@@ -32,6 +32,7 @@ from ...contact.law import compression_at
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...resonator.fed import LINE
+from ...rolling.body import share_of
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll
 from ..bodies.objects import is_felt, shape_at, weigh
@@ -193,7 +194,7 @@ def _mobility_here(state: State, contact: Contact, omega_c: float) -> float:
 @kernel
 def share_driven(state: State, contact: Contact) -> float:
     """Return the share of a contact's force that drives its objects: what is left of a roll that has stopped."""
-    return state.rolls[contact.roll].fade if contact.trait.along == 1 else 1.0
+    return share_of(state.rolls[contact.roll]) if contact.trait.along == 1 else 1.0
 
 
 @kernel

@@ -18,6 +18,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...native.records import clear_record
 from ...numerics.constants import STANDARD_GRAVITY
 from ...numerics.indices import index_of
+from ...rolling.body import share_of
 from ...schema import DROPS, ENERGIES, FALLS, GESTURES, SPEEDS
 from ..bodies.objects import is_felt, sigma_of
 from ..memory.channels import ask_gains
@@ -317,7 +318,7 @@ def fade_out(state: State, index: int) -> bool:
     force = contact.forces[0]
     if contact.trait.along == 1:
         roll, slide = state.rolls[contact.roll], state.slides[contact.roll]
-        force *= roll.fade if contact.solver == COUPLING else 1.0
+        force *= share_of(roll) if contact.solver == COUPLING else 1.0
         force += slide.along * slide.friction.start if contact.trait.slips == 1 else 0.0
     free_means(state, contact)
     # It is a blow from now on, that was hardest a sample ago and lasts for a quantum; of a mass of 0 nothing moves it.

@@ -20,7 +20,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...numerics.legendre import FINE
 from ...resonator.bank import inject_fine, inject_line
 from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
-from ...rolling.body import begin_roll
+from ...rolling.body import begin_roll, share_of
 from ...rolling.path import place_of
 from ...schema import SPEED
 from ..bodies.bends import find_static
@@ -185,7 +185,7 @@ def rub(state: State, contact: Contact, frame: int) -> None:
         scale = state.rate / slide.along
         first, second = block.moments[0], block.moments[1]
         if contact.ahead <= frame:
-            scale *= state.rolls[contact.roll].fade
+            scale *= share_of(state.rolls[contact.roll])
             first, second = contact.moments[0], contact.moments[1]
         slide.friction.beside[0] = scale * (first - 3.0 * second)
         slide.friction.beside[1] = scale * 6.0 * second
@@ -267,11 +267,11 @@ def _drive(state: State, contact: Contact, frame: int) -> None:
         # The force (N) of the press that it feels, over the last sample.
         there = slide.pressed >= 0 and state.contacts[slide.pressed].gesture == slide.press
         force = max(state.contacts[slide.pressed].forces[0], 0.0) if there else 0.0
-        friction.normal[1] = slide.laid * state.rolls[contact.roll].fade * force
+        friction.normal[1] = slide.laid * share_of(state.rolls[contact.roll]) * force
         return
     # The slide's own force at the end of the sample.
     roll, beside = state.rolls[contact.roll], friction.beside
-    weight = roll.fade * roll.m * roll.g
+    weight = share_of(roll) * roll.m * roll.g
     if contact.solver == COUPLING:
         own = max((beside[0] + beside[1]) * slide.along + weight, 0.0)
     else:
