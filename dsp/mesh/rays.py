@@ -344,6 +344,8 @@ def _shares(
     the small cube that holds the point. Return the nearest normal (n, 3), too."""
     from scipy.spatial import cKDTree
 
+    if not len(places):  # the surface cuts cells of other sizes alone
+        return np.zeros(0), np.zeros((0, 3))
     corner, side, rays = cells
     at = np.floor((places - corner) / (side / _CUBES)).astype(np.int64)
     most = at.max(axis=0, initial=0) + 1

@@ -36,6 +36,15 @@ def integrals(body, side, degree=3):
     return every.sum(), (every * places[:, 0] ** 2).sum()
 
 
+def test_cells_beside_a_body_have_no_points_though_they_alone_are_halved():
+    body = turned(forms.box(0.1, 0.06, 0.004))
+    grid = grid_about(body, 0.015, 12)
+    found = quadrature(body, grid, 3)
+    beside = np.setdiff1d(grid.leaves, [*found.cells, *found.full])
+    again = quadrature(body, grid.halved(beside[:1]), 3)
+    assert np.array_equal(again.places, found.places) and np.array_equal(again.weights, found.weights)
+
+
 @pytest.mark.slow
 def test_the_quadrature_measures_bodies():
     box = turned(forms.box(0.1, 0.06, 0.004))
