@@ -172,8 +172,8 @@ def sides_of(surface: Surface, cut: Surface | None = None) -> Sides:
 
 
 def _about(surface: Surface, places: Array, way: Array) -> Sides:
-    """Return what a surface has at places of its faces that are moved by a way (n, 3), and moved back by it: once more,
-    where no other face lies there."""
+    """Return what a surface has at places of its faces that are moved by a way (n, 3), and moved back by it. Where no
+    other face lies, the surface goes round the place behind once more than round the one before."""
     before, lies = _windings(surface, places + way, _LIES * np.linalg.norm(way, axis=1))
     behind = before + 1.0
     behind[lies != 1] = windings(surface, (places - way)[lies != 1])

@@ -243,6 +243,22 @@ def test_rest_that_is_still_sleeps_and_a_steered_load_does_not_wake_it():
     assert not np.any(engine.process(QUANTUM))
 
 
+@pytest.mark.parametrize("law", [HARD, (1e6, 0.05, 1.5)], ids=["hard", "lossless, nearly"])
+def test_a_rest_sleeps_once_nobody_hears_it_though_it_still_swings_a_little(law):
+    engine = engine_at()
+    handle = engine.add(plate(sigma=20.0))
+    engine.send([rest(handle, law, 0.05, 0.005)])
+    strike(engine, handle, velocity=0.02)
+    loudest = [np.abs(engine.process(2 * QUANTUM)).max()]
+    while contact_of(engine)["asleep"] == 0 and engine.position < 20 * RATE:
+        coupled = contact_of(engine)["coupled"]
+        away, pace = coupled["motion"][0] - coupled["rest_compression"], coupled["v"] / coupled["swing"]
+        loudest.append(np.abs(engine.process(QUANTUM)).max())
+    assert 1e-5 < math.hypot(away, pace) / coupled["rest_compression"] < 0.02
+    assert loudest[0] > 1e-3 and loudest[-1] < 1e-6
+    assert not np.any(engine.process(RATE // QUANTUM * QUANTUM)) and contact_of(engine)["asleep"] == 1
+
+
 def test_engine_is_quiet_when_a_rest_is_still():
     engine = engine_at()
     handle = engine.add(plate())
